@@ -160,7 +160,9 @@ make_wheels() {
 make_zips() {
   local zip
   "$python" "$source/scripts/build_addon.py" --wheel "$@" --out dist ${ISIMP_WEBSITE:+--website "$ISIMP_WEBSITE"} >/dev/null
-  for zip in dist/isimp-*-extension-*.zip; do scripts/validate_extension.sh "$zip"; done
+  for zip in dist/isimp-*-extension-*.zip; do
+    scripts/validate_extension.sh "$zip" && "$python" "$source/scripts/platform_rules.py" "$zip" || return
+  done
 }
 
 # One fat wheel a platform, of ordinary wheels of several.

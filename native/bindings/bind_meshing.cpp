@@ -4,6 +4,7 @@
 #include "bindings.h"
 #include "call.h"
 #include "isimp/meshing/expected.h"
+#include "isimp/meshing/merge_flat.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/regular/align_planes.h"
 #include "isimp/regular/regularise.h"
@@ -156,6 +157,22 @@ The labels stay. The returned partition has region_normal, region_offset and reg
 planes. Its report has directions, planes and rms_added (scene units). An edit releases the planes of the regions that it
 changes. Planes that align_planes has set stay, and lead. up_direction: (3,), in place of options.up.
 Raises InvalidInput (the partition is not one of this mesh, or an option out of its range) or Cancelled.)");
+  m.def(
+      "merge_flat",
+      [](const KeptMesh& mesh, double angle, const std::optional<py::object>& group, Job* job) {
+        const auto groups = group ? read_indices(*group, "group", "(F,)") : std::vector<std::int32_t>();
+        FlatMerge made = call(job, [&](Job& j) { return merge_flat(mesh, angle, groups, j); });
+        return py::make_tuple(std::move(made.polygons), owned(std::move(made.face_region)));
+      },
+      "mesh"_a, "angle"_a = kFlatAngle, "group"_a = py::none(), "job"_a = py::none(),
+      R"(Merge coplanar faces into polygons: a PolygonMesh, whose vertices are where they were, bit by bit, and (F,) int32, the
+flat region of each face, as polygon_region numbers them.
+
+Connected faces become one polygon if each lies in the plane of the others: its normal is within angle (degrees, in
+[0, 90]) of that of the plane, or all its corners within a millionth of the diagonal. Vertices inside a polygon and on
+straight borders are left out. A flat region with holes becomes several polygons. group: (F,) integers; faces of different
+groups stay apart, as those of several materials.
+Raises InvalidInput (an angle out of its range, not F groups) or Cancelled. Cost: O(F log F).)");
   m.def(
       "align_planes",
       [](const KeptMesh& mesh, const Partition& part, const py::object& faces, const std::string& to,

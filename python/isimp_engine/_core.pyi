@@ -305,6 +305,9 @@ def regularise(
     job: Job | None = None,
     up_direction: ArrayLike | None = None,
 ) -> Partition: ...
+def merge_flat(
+    mesh: Mesh, angle: float = ..., group: ArrayLike | None = None, job: Job | None = None
+) -> tuple[PolygonMesh, NDArray[np.int32]]: ...
 def align_planes(
     mesh: Mesh,
     partition: Partition,

@@ -102,7 +102,7 @@ def test_each_platform_has_an_extension_with_its_wheel(tmp_path):
         assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
         assert manifest["website"] == "https://example.org"
         assert manifest["copyright"]
-        assert set(manifest["permissions"]) == {"files"}
+        assert set(manifest["permissions"]) == {"files", "clipboard"}
         assert all(len(why) <= 64 and not why.endswith(".") for why in manifest["permissions"].values())
         assert not manifest["tagline"].endswith(".")
 

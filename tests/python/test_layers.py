@@ -18,7 +18,7 @@ ORDER = ["core", "mesh", "partition", "interact", "meshing", "regular", "texture
 #: each may use the modules before it
 UNRELATED = {("interact", "meshing"), ("meshing", "interact")}
 #: folders of a module, lowest first; a file may include files of its own and of lower folders
-ROOMS = {"meshing": ["discs", "complex", "judge", "place", "planar", "repair", ""]}
+ROOMS = {"meshing": ["discs", "complex", "judge", "place", "planar", "repair", "flat", ""]}
 PRIVATE = {"CGAL": {"mesh", "meshing"}, "OpenMesh": {"thesis"}, "thrust": {"parallel"}}
 
 

@@ -21,18 +21,21 @@ _COLORS = np.array([[0.55, 0.69, 0.86], [0.93, 0.71, 0.49], [0.62, 0.80, 0.58], 
                     [0.90, 0.83, 0.56], [0.56, 0.79, 0.78], [0.78, 0.75, 0.72]])  # fmt: skip
 
 
-def beside(scan: tuple[Array, Array], model: tuple[Array, Array, Array, Array]) -> bytes:
-    """A PNG of the scan (vertices, triangles) beside the model (vertices, loops, loop_start, region), seen alike."""
+def beside(scan: tuple[Array, Array], model: tuple[Array, Array, Array, Array], side: int = SIDE) -> bytes:
+    """A PNG of the scan (vertices, triangles) beside the model (vertices, loops, loop_start, region), seen alike.
+
+    side: of each of the two, in pixels.
+    """
     vertices, loops, starts, region = model
     triangles, polygon = triangulate(vertices, loops, starts)
-    camera = _camera(scan[0], scan[1])
+    camera = _camera(scan[0], scan[1], side)
     gray = np.full((1, 3), 0.8)
     colors = _COLORS[(region[polygon] * 5) % len(_COLORS)] if len(polygon) else gray
-    left, right = draw(*scan, gray, camera), draw(vertices, triangles, colors, camera)
-    return png(np.concatenate([left, np.full((SIDE, 4, 3), _BACK, np.uint8), right], axis=1))
+    left, right = draw(*scan, gray, camera, side), draw(vertices, triangles, colors, camera, side)
+    return png(np.concatenate([left, np.full((side, 4, 3), _BACK, np.uint8), right], axis=1))
 
 
-def _camera(vertices: Array, triangles: Array) -> tuple[Array, Array, float]:
+def _camera(vertices: Array, triangles: Array, side: int = SIDE) -> tuple[Array, Array, float]:
     """Middle, axes (right, up, towards the eye) and pixels a length: from the front, the side and above."""
     mask = np.zeros(len(vertices), bool)
     mask[triangles] = True
@@ -50,15 +53,17 @@ def _camera(vertices: Array, triangles: Array) -> tuple[Array, Array, float]:
     axes = np.stack([right, np.cross(eye, right), eye])
     middle = (low + high) / 2
     reach = np.abs((used - middle) @ axes[:2].T).max()
-    return middle, axes, (SIDE / 2 - 2) / max(float(reach), 1e-300)
+    return middle, axes, (side / 2 - 2) / max(float(reach), 1e-300)
 
 
-def draw(vertices: Array, triangles: Array, colors: Array, camera: tuple[Array, Array, float]) -> Array:
-    """(SIDE, SIDE, 3) uint8: points spread over the triangles, the nearest of each pixel kept.
+def draw(
+    vertices: Array, triangles: Array, colors: Array, camera: tuple[Array, Array, float], side: int = SIDE
+) -> Array:
+    """(side, side, 3) uint8: points spread over the triangles, the nearest of each pixel kept.
 
     colors: (T, 3) or (1, 3), in [0, 1].
     """
-    image = np.full((SIDE * SIDE, 3), _BACK, np.uint8)
+    image = np.full((side * side, 3), _BACK, np.uint8)
     middle, axes, scale = camera
     with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is left out below
         corners = (((vertices - middle) @ axes.T) * scale).astype(np.float32)[triangles]
@@ -66,20 +71,20 @@ def draw(vertices: Array, triangles: Array, colors: Array, camera: tuple[Array, 
         lengths = np.sqrt(np.einsum("ij,ij->i", normals, normals))
     seen = np.flatnonzero(np.isfinite(lengths) & (lengths > 0))
     if not len(seen):
-        return image.reshape(SIDE, SIDE, 3)
-    triangle, points = _spread(corners, seen, np.abs(normals[seen, 2]) / 2)
-    place = np.floor(SIDE / 2 - points[:, 1]).astype(np.intp).clip(0, SIDE - 1) * SIDE
-    place += np.floor(SIDE / 2 + points[:, 0]).astype(np.intp).clip(0, SIDE - 1)
+        return image.reshape(side, side, 3)
+    triangle, points = _spread(corners, seen, np.abs(normals[seen, 2]) / 2, _SAMPLES * side**2 // SIDE**2)
+    place = np.floor(side / 2 - points[:, 1]).astype(np.intp).clip(0, side - 1) * side
+    place += np.floor(side / 2 + points[:, 0]).astype(np.intp).clip(0, side - 1)
     order = np.argsort(points[:, 2])  # the nearest is written last
-    nearest, depth = np.full(SIDE * SIDE, -1, np.intp), np.full(SIDE * SIDE, -np.inf, np.float32)
+    nearest, depth = np.full(side * side, -1, np.intp), np.full(side * side, -np.inf, np.float32)
     nearest[place[order]], depth[place[order]] = triangle[order], points[order, 2]
-    nearest = _filled(nearest.reshape(SIDE, SIDE), depth.reshape(SIDE, SIDE)).ravel()
+    nearest = _filled(nearest.reshape(side, side), depth.reshape(side, side)).ravel()
     drawn = np.flatnonzero(nearest >= 0)
     face = nearest[drawn]
     light = np.abs((normals[face] / lengths[face, None]) @ _LIGHT)
     shade = (colors if len(colors) == 1 else colors[face]) * (0.35 + 0.65 * light.clip(0, 1))[:, None]
     image[drawn] = (255 * shade).astype(np.uint8)
-    return image.reshape(SIDE, SIDE, 3)
+    return image.reshape(side, side, 3)
 
 
 def _cross(a: Array, b: Array) -> Array:
@@ -88,10 +93,10 @@ def _cross(a: Array, b: Array) -> Array:
     return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
 
 
-def _spread(corners: Array, seen: Array, areas: Array) -> tuple[Array, Array]:
-    """Points on the triangles `seen`, at least _LEAST a pixel if _SAMPLES allow it: their triangles, their places."""
+def _spread(corners: Array, seen: Array, areas: Array, most: int) -> tuple[Array, Array]:
+    """Points on the triangles `seen`, at least _LEAST a pixel if `most` allows it: their triangles, their places."""
     wanted = areas * _LEAST + 1.0
-    share = min(1.0, _SAMPLES / float(wanted.sum(dtype=np.float64)))
+    share = min(1.0, most / float(wanted.sum(dtype=np.float64)))
     sums = np.floor(np.cumsum(wanted, dtype=np.float64) * share + 0.5).astype(np.intp)
     triangle = np.repeat(seen, np.diff(sums, prepend=0))
     k = np.arange(len(triangle))
@@ -111,7 +116,7 @@ def _filled(nearest: Array, depth: Array) -> Array:
     y, x = np.nonzero(hole)
     filled = nearest.copy()
     shift = np.array(shifts)[first[y, x]]
-    filled[y, x] = nearest[(y - shift[:, 0]) % SIDE, (x - shift[:, 1]) % SIDE]
+    filled[y, x] = nearest[(y - shift[:, 0]) % len(nearest), (x - shift[:, 1]) % len(nearest)]
     return filled
 
 

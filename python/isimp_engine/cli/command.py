@@ -1,4 +1,4 @@
-"""The command `isimp`: `isimp simplify INPUT OUTPUT`, `isimp batch ...`, `isimp tiles ...` and `isimp info INPUT`.
+"""The command `isimp` with its commands simplify, batch, tiles, report and info.
 
 Exit status: 0; 2 for wrong usage; 3 for input that can't be used, with one line that says what and where; 4 if some
 scans of a batch failed; 130 after Ctrl-C and 143 after SIGTERM, with nothing half-written.
@@ -12,7 +12,7 @@ from contextlib import nullcontext
 from pathlib import Path
 
 from .. import FileError, InvalidInput, __version__, _process
-from . import batch, guiding, info, lods, simplify, tiles
+from . import batch, flat, guiding, info, lods, report, simplify, tiles
 from .ending import Terminated, terminable
 from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, USAGE, UsageError
 from .files import place
@@ -30,7 +30,7 @@ def parser() -> argparse.ArgumentParser:
     command = commands.add_parser(
         "simplify", help="make a polygon mesh of a scan", description=simplify.__doc__, parents=shared
     )
-    command.set_defaults(run=simplify.run)
+    command.set_defaults(run=flat.run)
     command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF or GLB")
     command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ; with --texture OBJ or GLB")
     command.add_argument(
@@ -40,6 +40,7 @@ def parser() -> argparse.ArgumentParser:
         help="levels of detail: a result for each number of regions, OUTPUT_LOD0, OUTPUT_LOD1, ...; with --texture "
         "each image has half the side of the one before",
     )
+    flat.add_option(command)
     guiding.add_files(command)
     command.add_argument(
         "--labels", type=place, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"
@@ -58,6 +59,12 @@ def parser() -> argparse.ArgumentParser:
     )
     command.set_defaults(run=tiles.run)
     tiles.add_options(command)
+
+    command = commands.add_parser(
+        "report", help="tables of the planes and a page about the model", description=report.__doc__, parents=shared
+    )
+    command.set_defaults(run=report.run, **guiding.NO_FILES)
+    report.add_options(command)
 
     command = commands.add_parser(
         "info", help="what a mesh is and what it would become", description=info.__doc__, parents=shared
@@ -85,7 +92,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sys.stdout.reconfigure(errors="surrogateescape")
         if parsed.run is not tiles.run:
             settle(parsed)
-        with terminable() if parsed.run in (simplify.run, info.run) else nullcontext():  # the others have their own
+        with (
+            terminable() if parsed.run in (flat.run, report.run, info.run) else nullcontext()
+        ):  # the others have their own
             status = parsed.run(parsed)
         if sys.stdout is not None:
             sys.stdout.flush()

@@ -12,7 +12,6 @@ from .. import (
     CleanOptions,
     Job,
     Mesh,
-    Partition,
     TexturedSoup,
     clean,
     close_openings,
@@ -39,8 +38,8 @@ class Input:
 def load(path: Path, job: Job, threads: int = 0, textured: bool = False) -> Input:
     if path.suffix.lower() in GLTF:
         soup = read_textured(path, job)
-        count = len(soup.triangles)
-        return Input(path, soup.vertices, soup.triangles, np.arange(count, dtype=np.int32), count, soup)
+        polygon = soup.polygon if soup.polygon is not None else np.arange(len(soup.triangles), dtype=np.int32)
+        return Input(path, soup.vertices, soup.triangles, polygon, int(polygon.max(initial=-1)) + 1, soup)
     vertices, loops, loop_start = read_polygons(path, job, threads=threads)
     triangles, polygon = cut(vertices, loops, loop_start)
     shown = read_textured(path, job, threads=threads) if textured else None
@@ -91,10 +90,10 @@ def facts(mesh: Mesh) -> dict[str, Any]:
     }
 
 
-def labels(source: Input, mesh: Mesh, part: Partition) -> NDArray[np.int32]:
-    """The region of each of the file's faces: the one that has most of its area; -1 where none has any of it."""
-    kept = np.flatnonzero((part.face_region >= 0) & (mesh.source_face >= 0))  # what covers a hole is in no file
-    face, region = source.polygon[mesh.source_face[kept]], part.face_region[kept]
+def labels(source: Input, mesh: Mesh, regions: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The region of each of the file's faces, as those of the mesh: the one with most of its area; -1: none has any."""
+    kept = np.flatnonzero((regions >= 0) & (mesh.source_face >= 0))  # what covers a hole is in no file
+    face, region = source.polygon[mesh.source_face[kept]], regions[kept]
     result = np.full(source.faces, -1, dtype=np.int32)
     result[face] = region
     divided = np.zeros(source.faces, dtype=bool)

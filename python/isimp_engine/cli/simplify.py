@@ -196,7 +196,7 @@ def _make(
                 outputs.write(file, partial(Path.write_bytes, data=content))
                 written.append(file)
         if arguments.labels:
-            outputs.write(arguments.labels, lambda path: save_array(path, labels(source, mesh, part)))
+            outputs.write(arguments.labels, lambda path: save_array(path, labels(source, mesh, part.face_region)))
     report = {
         "isimp": __version__,
         "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .. import machine
 from .._core import FileError
-from . import gltf_layers
+from . import gltf_layers, ngons
 from .gltf_file import BINARY, JSON, MAGIC, GltfFile
 from .gltf_values import Item
 from .layers import to_srgb
@@ -37,7 +37,11 @@ def read(path: Path) -> TexturedSoup:
     names = [file.item("materials", m).text("name", str(m)) for m in used]
     corner_colors = np.concatenate([part.colors for part in parts])[faces] if has_colors else None
     layers = gltf_layers.read(file, used, [(part.shape.primitive, part.triangles) for part in parts])
-    return TexturedSoup(vertices, faces, uv[faces], material, pictures, corner_colors, names, file.linked, layers)
+    soup = TexturedSoup(vertices, faces, uv[faces], material, pictures, corner_colors, names, file.linked, layers)
+    counts = np.cumsum([0] + [int(part.shape.polygon[-1]) + 1 for part in parts])
+    polygon = np.concatenate([part.shape.polygon + base for part, base in zip(parts, counts, strict=False)])
+    object.__setattr__(soup, "polygon", polygon.astype(np.int32))
+    return soup
 
 
 def geometry(path: Path, data: bytes) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
@@ -56,6 +60,7 @@ class _Shape:
     uv: NDArray[np.float64]  # (V, 2), v upward
     colors: NDArray[np.uint8] | None  # (V, 4)
     material: int  # -1: none
+    polygon: NDArray[np.int32]  # (F,) of which polygon each triangle is a part
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +140,10 @@ def _shape(file: GltfFile, primitive: Item) -> _Shape:
     for name, values in (("TEXCOORD", uv), ("COLOR_0", points if colors is None else colors)):
         if len(values) != len(points):
             raise FileError(f"{primitive.place}: {name} has {len(values)} elements, but POSITION {len(points)}")
-    return _Shape(primitive, points, triangles.astype(np.int32), uv, colors, material)
+    triangles = triangles.astype(np.int32)
+    grouped = ngons.NAME in primitive.item("extensions")
+    polygon = ngons.decoded(triangles) if grouped else np.arange(len(triangles), dtype=np.int32)
+    return _Shape(primitive, points, triangles, uv, colors, material, polygon)
 
 
 def _triangles(index: NDArray[Any], mode: int) -> NDArray[Any]:
@@ -216,7 +224,8 @@ def glb(
         if not len(faces):
             continue
         index = writer.array(faces.ravel(), "SCALAR")
-        primitives.append({"attributes": attributes, "indices": index, "material": len(materials)})
+        grouped: dict[str, Any] = {"extensions": {ngons.NAME: {}}}
+        primitives.append({"attributes": attributes, "indices": index, "material": len(materials)} | grouped)
         material, own = one.material(len(pictures))
         materials.append({"name": one.name} | material)
         pictures += [(one.name + suffix, data) for suffix, data in own]
@@ -239,8 +248,7 @@ def glb(
         "bufferViews": writer.views,
     }
     extensions = {word for material in materials for word in material.get("extensions", ())}
-    if extensions:
-        document["extensionsUsed"] = sorted(extensions)
+    document["extensionsUsed"] = sorted(extensions | {ngons.NAME})
     writer.data += bytes(-len(writer.data) % 4)
     document["buffers"] = [{"byteLength": len(writer.data)}]
     text = json.dumps(document, separators=(",", ":")).encode()

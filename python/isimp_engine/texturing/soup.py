@@ -41,6 +41,8 @@ class TexturedSoup:
     layers: Mapping[str, TextureLayer] = field(default_factory=dict, repr=False)
     #: the material that each one was before tiles became materials; `names` are of these
     given: Sequence[int] = field(default=(), init=False, repr=False)
+    #: (F,) int32: of which polygon of a glTF file each triangle is a part (FB_ngon_encoding); None: of none
+    polygon: NDArray[np.int32] | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
         vertices, triangles = np.asarray(self.vertices), np.asarray(self.triangles)

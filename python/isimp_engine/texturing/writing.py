@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .._core import FileError, Job, PolygonMesh, triangulate
 from ..drafts import deliver, draft_of
-from . import images, obj
+from . import images, ngons, obj
 from .baking import Texture
 from .glb import glb
 from .gltf_layers import Shown
@@ -135,8 +135,9 @@ def write_textured(path: str | PathLike[str], poly: PolygonMesh, made: Texture, 
 
     OBJ keeps the n-gons and has an MTL file and PNG images of the same name; images of several tiles are UDIM images
     (`model.1001.png`, in the MTL file `model.<UDIM>.png`), and images of materials kept apart have the material's name
-    (`model-red.png`). GLB has triangles, a material for each tile, and holds its images; the coordinates are the
-    scan's, though glTF takes y for up. A height map is a separate file, as glTF has no word for it.
+    (`model-red.png`). GLB has triangles, which FB_ngon_encoding groups to n-gons, a material for each tile, and holds
+    its images; the coordinates are the scan's, though glTF takes y for up. A height map is a separate file, as glTF
+    has no word for it.
     Each file is replaced only when all are complete. Raises FileError (another extension, or the place can't be
     written).
     """
@@ -207,6 +208,7 @@ def _glb(path: Path, poly: PolygonMesh, made: Texture, tiles: list[_Sheet], job:
     each = np.arange(len(poly.loops), dtype=np.int32)
     corners = poly.vertices[poly.loops]
     triangles, polygon = triangulate(corners, each, poly.loop_start, job)
+    triangles, polygon = ngons.fans(corners, poly.loop_start, triangles, polygon)
     of = np.repeat(np.arange(len(poly.loop_start)), np.diff(_ends(poly)))
     tile = np.zeros(len(triangles), dtype=np.int32) if made.tile is None else made.tile[polygon]
     faces = [triangles[tile == t] for t in range(len(tiles))]

@@ -283,8 +283,7 @@ void State::limit(std::span<const std::int32_t> moving) {
   // Among faces of the scan alone a corner has its place already.
   for (const std::int32_t c : moving) {
     const auto around = polygons.at(c);
-    if ((!fixed_.empty() && fixed_[corners.vertex[c]] != Fixed::no) ||
-        std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return labels.is_face(polygons.piece(q)); }))
+    if (std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return labels.is_face(polygons.piece(q)); }))
       corners_.radius.set(c, 0);
   }
 }

@@ -1,0 +1,106 @@
+"""`isimp simplify --flat`: coplanar faces become one polygon, and nothing else changes."""
+
+import argparse
+import json
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+from .. import PolygonMesh, __version__, exporting, merge_flat
+from ..drafts import save_array
+from . import simplify, words
+from .errors import UsageError
+from .files import STDOUT, Outputs, show
+from .loading import Input, clean_mesh, facts, labels, load
+from .progress import Steps, wanted
+
+ANGLE = 0.01  #: degrees; the engine's default
+
+#: what chooses regions or changes polygons, which --flat does not do: the name of the argument and its flag
+_OTHERS = {
+    "texture": "--texture",
+    "lods": "--lods",
+    "recipe": "--recipe",
+    "regularise": "--regularise",
+    "planar": "--planar",
+    "proxies": "--proxies",
+    "detail": "--detail",
+    "tolerance": "--tolerance",
+    "bound": "--bound",
+}
+
+
+def add_option(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--flat",
+        type=float,
+        nargs="?",
+        const=ANGLE,
+        metavar="ANGLE",
+        help="only merge coplanar faces, exactly: their planes differ by at most ANGLE degrees. Default: %(const)s",
+    )
+
+
+def check(arguments: argparse.Namespace) -> None:
+    """Refuse options that --flat has no use for, before the work."""
+    for name, flag in _OTHERS.items():
+        if getattr(arguments, name) is not None and getattr(arguments, name) is not False:  # 0 is a value
+            raise UsageError(
+                f"--flat and {flag} exclude each other: --flat merges coplanar faces and does nothing else"
+            )
+    if not 0 <= arguments.flat <= 90:
+        raise UsageError(f"--flat must be in [0, 90] degrees, got {arguments.flat:g}")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Run `isimp simplify`, with --flat or without."""
+    if arguments.flat is None:
+        simplify.run(arguments)
+    else:
+        _merge(arguments)
+
+
+def _merge(arguments: argparse.Namespace) -> None:
+    check(arguments)
+    simplify.check_places(arguments)
+    steps = Steps(wanted(arguments.quiet))
+    with steps("read") as job:
+        source = load(arguments.input, job, arguments.options.threads)
+    with steps("clean") as job:
+        mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, job)
+    with steps("mesh") as job:
+        poly, region = merge_flat(mesh, arguments.flat, job=job)
+    surfaces = exporting.surfaces_of(poly)
+    with Outputs() as outputs:
+        with steps("write") as job:
+            of = {"crs": arguments.crs, "like": arguments.output, "surfaces": surfaces}
+            outputs.write(arguments.output, partial(exporting.write, polygons=poly, job=job, **of))
+            if arguments.labels:
+                outputs.write(arguments.labels, lambda path: save_array(path, labels(source, mesh, region)))
+        report = {
+            "isimp": __version__,
+            "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
+            | {"triangles": len(source.triangles)},
+            "repair": repaired,
+            "repaired_at": repaired_at,
+            "mesh": facts(mesh),
+            "options": {"flat": arguments.flat},
+            "regions": int(poly.report["regions"]),
+            "output": {"path": str(arguments.output)} | poly.report,
+            "validity": exporting.validity(poly, surfaces=surfaces),
+            "seconds": steps.seconds,
+            "peak_mb": simplify.peak_mb(),
+        }
+        if arguments.report:
+            outputs.write_text(arguments.report, json.dumps(report, indent=2, allow_nan=False) + "\n")
+        outputs.commit()
+    if not arguments.quiet:
+        show("\n".join(_summary(source, poly, report)), beside=arguments.report == STDOUT)
+
+
+def _summary(source: Input, poly: PolygonMesh, report: dict[str, Any]) -> Iterator[str]:
+    yield f"{source.path}: {words.count(source.faces, 'face')}, {words.shape(report['mesh'])}"
+    for line in words.repairs(report["repair"], report["repaired_at"]):
+        yield f"  repaired: {line}"
+    flat = words.count(report["regions"], "flat part")
+    yield f"  {flat} -> {words.count(len(poly.loop_start), 'polygon')}, {len(poly.vertices):,} vertices"

@@ -1,0 +1,77 @@
+"""Write a report of the model of a scan: its planes as a table (CSV, GeoJSON), and a page with pictures (HTML)."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from .. import reports
+from ..batch import picture
+from . import simplify, words
+from .errors import UsageError
+from .files import Outputs, show
+from .loading import load
+from .progress import Steps, wanted
+
+FILES = ("planes.csv", "planes.geojson", "report.html")
+ANGLES = "angles.csv"
+_SIDE = 420  # pixels of each picture
+
+
+def regions(text: str) -> list[int]:
+    """Numbers of regions, as `3,7,12`."""
+    try:
+        found = [int(part) for part in text.split(",")]
+    except ValueError:
+        found = []
+    if len(set(found)) < 2 or min(found) < 0:
+        raise argparse.ArgumentTypeError(f"give two or more numbers of regions, as 3,7,12; got '{text}'")
+    return found
+
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF or GLB")
+    command.add_argument("output", type=Path, metavar="OUTPUT_FOLDER", help="made if it is not there")
+    command.add_argument(
+        "--angles",
+        type=regions,
+        metavar="N,N,...",
+        help="also angles.csv: the angles between the planes of these regions",
+    )
+    command.add_argument("--quiet", action="store_true", help="no progress, no summary")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    if arguments.output.exists() and not arguments.output.is_dir():
+        raise UsageError(f"{arguments.output}: is a file; OUTPUT_FOLDER must be a folder")
+    steps = Steps(wanted(arguments.quiet))
+    with steps("read") as job:
+        source = load(arguments.input, job, arguments.options.threads)
+    model = simplify.make_model(arguments, source, steps)
+    poly = model.found.polygons
+    with steps("measure") as job:
+        table = reports.plane_table(model.mesh, model.partition, poly, job)
+    angles = None
+    if arguments.angles is not None:
+        known = {row["region"] for row in table.rows}
+        if missing := [number for number in arguments.angles if number not in known]:
+            raise UsageError(f"--angles: there is no region {missing[0]}; they are numbered from 0 to {max(known)}")
+        angles = reports.angle_rows(table, arguments.angles)
+    scan = np.asarray(model.mesh.vertices), np.asarray(model.mesh.triangles)
+    seen = picture.beside(scan, (poly.vertices, poly.loops, poly.loop_start, poly.polygon_region), _SIDE)
+    texts = {
+        "planes.csv": reports.write_csv(table.rows),
+        "planes.geojson": reports.write_geojson(table, arguments.crs),
+        "report.html": reports.write_page(
+            source.path.name, reports.numbers_of(model.mesh, model.partition, model.found.report, table), table, seen
+        ),
+    }
+    if angles is not None:
+        texts[ANGLES] = reports.write_csv(angles, ("region", "other", "angle"))
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    with Outputs() as outputs:
+        for name, text in texts.items():
+            outputs.write_text(arguments.output / name, text)
+        outputs.commit()
+    if not arguments.quiet:
+        show(f"{arguments.output}: {words.count(len(table.rows), 'plane')} in {', '.join(texts)}")

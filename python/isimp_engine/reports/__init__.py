@@ -1,0 +1,6 @@
+"""What people hand on: the planes of a model as tables, and a page with pictures."""
+
+from .page import numbers_of, write_page
+from .planes import PlaneTable, angle_rows, plane_table, write_csv, write_geojson
+
+__all__ = ["PlaneTable", "angle_rows", "numbers_of", "plane_table", "write_csv", "write_geojson", "write_page"]

@@ -1,0 +1,89 @@
+"""`isimp simplify --flat` and `merge_flat`: coplanar faces as polygons, and nothing else."""
+
+import json
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import meshfiles
+import shapes
+from test_cli import check_line, isimp
+
+
+def merged(vertices, triangles, **more):
+    return engine.merge_flat(engine.Mesh(vertices, triangles), **more)
+
+
+def test_vertices_are_those_of_the_scan():
+    vertices, triangles = shapes.facade()
+    mesh = engine.clean(vertices, triangles)
+    poly, region = engine.merge_flat(mesh)
+    assert {tuple(v) for v in poly.vertices} <= {tuple(v) for v in mesh.vertices}
+    assert region.shape == (len(mesh.triangles),)
+    assert set(region.tolist()) == set(poly.polygon_region.tolist()) == set(range(poly.report["regions"]))
+    assert len(poly.loop_start) < 0.3 * len(triangles)
+    assert poly.report["manifold"]
+
+
+def test_groups_and_angles_are_checked():
+    vertices, triangles = shapes.cube(2)
+    assert len(merged(vertices, triangles, group=np.arange(len(triangles)))[0].loop_start) == len(triangles)
+    with pytest.raises(engine.InvalidInput, match="angle must be in"):
+        merged(vertices, triangles, angle=120)
+    with pytest.raises(engine.InvalidInput, match="group must have one number"):
+        merged(vertices, triangles, group=[1, 2])
+
+
+def test_two_runs_give_the_same_bits():
+    vertices, triangles = shapes.facade(noise=0.001)
+    first, second = (merged(*shapes.welded(vertices, triangles), angle=5.0)[0] for _ in range(2))
+    for name in ("vertices", "loops", "loop_start", "polygon_region", "planarity"):
+        assert getattr(first, name).tobytes() == getattr(second, name).tobytes()
+
+
+def test_the_command_merges_and_reports(tmp_path):
+    source, out, report, labels = (tmp_path / name for name in ("in.ply", "out.ply", "r.json", "labels.npy"))
+    meshfiles.ply_binary(source, *(part.tolist() if k else part for k, part in enumerate(shapes.cube(5))))
+    done = isimp("simplify", source, out, "--flat", "--report", report, "--labels", labels)
+    assert done.returncode == 0, done.stderr
+    assert "6 flat parts -> 6 polygons" in done.stdout
+    told = json.loads(report.read_text())
+    assert (told["regions"], told["output"]["polygons"], told["output"]["corners"]) == (6, 6, 24)
+    assert told["output"]["vertices"] == 8
+    assert told["options"]["flat"] == 0.01
+    found = np.load(labels)
+    assert len(found) == 300
+    assert np.bincount(found).tolist() == [50] * 6
+    vertices, _, start = engine.read_polygons(out)
+    assert len(start) == 6
+    assert {tuple(v) for v in vertices.tolist()} == {(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)}
+
+
+def test_an_angle_can_be_given(tmp_path):
+    source = tmp_path / "in.ply"
+    meshfiles.ply_binary(source, *(part.tolist() if k else part for k, part in enumerate(shapes.bumpy(20))))
+    counts = []
+    for angle in ([], ["10"]):
+        out = tmp_path / "out.ply"
+        assert isimp("simplify", source, out, "--flat", *angle).returncode == 0
+        counts.append(len(engine.read_polygons(out)[2]))
+    assert counts[0] > 2 * counts[1]
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["--proxies", "7"], "--flat and --proxies"),
+        (["--texture"], "--flat and --texture"),
+        (["--lods", "7,3"], "--flat and --lods"),
+        (["--planar"], "--flat and --planar"),
+        (["--regularise"], "--flat and --regularise"),
+    ],
+)
+def test_what_flat_does_not_do_is_refused(tmp_path, more, said):
+    source = tmp_path / "in.ply"
+    meshfiles.ply_binary(source, *(part.tolist() if k else part for k, part in enumerate(shapes.cube(2))))
+    check_line(isimp("simplify", source, tmp_path / "out.obj", "--flat", *more), 2, said)
+    check_line(isimp("simplify", source, tmp_path / "out.obj", "--flat", "100"), 2, "[0, 90]")
+    assert not (tmp_path / "out.obj").exists()

@@ -1,0 +1,66 @@
+"""What extensions.blender.org asks of an extension."""
+
+import zipfile
+
+import pytest
+
+from conftest import script
+from test_addon_zip import build_addon, fake_wheel
+
+rules = script("platform_rules")
+
+
+@pytest.fixture
+def extension(tmp_path):
+    wheel = fake_wheel(tmp_path, "manylinux_2_31_x86_64")
+    build_addon.main(["--wheel", str(wheel), "--out", str(tmp_path / "dist")])
+    (path,) = (tmp_path / "dist").glob("*-extension-*.zip")
+    return path
+
+
+def changed(path, name, change):
+    """The same zip with one file changed, or added."""
+    out = path.with_name("changed.zip")
+    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(out, "w") as made:
+        for info in archive.infolist():
+            text = archive.read(info)
+            made.writestr(info.filename, change(text.decode()).encode() if info.filename == name else text)
+        if name not in archive.namelist():
+            made.writestr(name, change(""))
+    return out
+
+
+def found(path):
+    with zipfile.ZipFile(path) as archive:
+        return list(rules.faults(archive))
+
+
+def test_the_extension_keeps_to_the_rules(extension):
+    assert found(extension) == []
+    assert rules.main([str(extension)]) == 0
+
+
+MANIFEST = "isimp/blender_manifest.toml"
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "said"),
+    [
+        (MANIFEST, lambda text: text.replace("SPDX:GPL", "GPL"), "must begin with SPDX:"),
+        (MANIFEST, lambda text: text.replace('name = "iSimp"', 'name = "iSimp for Blender"'), "the word Blender"),
+        (MANIFEST, lambda text: text.replace("reports, presets", "reports, presets."), "no full stop"),
+        (MANIFEST, lambda text: text.replace("clipboard = ", "camera = "), "clipboard is used"),
+        (MANIFEST, lambda text: text.replace("files = ", "disk = "), "no permission 'disk'"),
+        (MANIFEST, lambda text: text.replace("wheels/isimp", "wheels/other"), "is not in the zip"),
+        ("isimp/blender/net.py", lambda _: "import urllib.request\n", "uses the network"),
+        ("isimp/blender/run.py", lambda _: "from subprocess import run\n", "starts programs"),
+        ("isimp/blender/path.py", lambda _: "import sys\nsys.path.append('x')\n", "sys.path must not be used"),
+        ("isimp/big.png", lambda _: "x" * 300_000, "pictures take"),
+        ("other/file.txt", lambda _: "", "must hold one folder"),
+    ],
+)
+def test_each_fault_is_named(extension, capsys, name, change, said):
+    path = changed(extension, name, change)
+    assert any(said in fault for fault in found(path)), found(path)
+    assert rules.main([str(path)]) == 1
+    assert said in capsys.readouterr().out

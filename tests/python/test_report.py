@@ -1,0 +1,165 @@
+"""`isimp report`: the planes of a model as tables, and a page; figures against closed forms and other libraries."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import meshfiles
+import shapes
+from isimp_engine import reports
+from isimp_engine.reports.page import histogram
+from test_cli import check_line, isimp
+
+
+def house():
+    """A closed house of 4 x 6 x 3 with a gable roof of 45 degrees along y."""
+    corners = [(x, y, z) for y in (0, 6) for x, z in ((0, 0), (4, 0), (4, 3), (2, 5), (0, 3))]
+    faces = [(0, 1, 2, 3, 4), (9, 8, 7, 6, 5)] + [(k, k + 5, (k + 1) % 5 + 5, (k + 1) % 5) for k in range(5)]
+    triangles = [(face[0], face[k], face[k + 1]) for face in faces for k in range(1, len(face) - 1)]
+    vertices, triangles = np.array(corners, float), np.array(triangles, np.int32)
+    for _ in range(3):
+        vertices, triangles = divided(vertices, triangles)
+    return vertices, triangles
+
+
+def divided(vertices, triangles):
+    """Each triangle in four."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    points = [a, b, c, (a + b) / 2, (b + c) / 2, (c + a) / 2]
+    count = len(triangles)
+    index = np.arange(6 * count).reshape(6, count)
+    four = [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]
+    return shapes.welded(
+        np.concatenate(points), np.concatenate([index[list(each)].T for each in four]).astype(np.int32)
+    )
+
+
+@pytest.fixture(scope="module")
+def model():
+    mesh = engine.Mesh(*house())
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=7))
+    poly = engine.polygonize(mesh, part)
+    return mesh, part, poly, reports.plane_table(mesh, part, poly)
+
+
+def test_the_planes_of_a_house_are_as_built(model):
+    rows = sorted(model[3].rows, key=lambda row: (row["tilt"], row["azimuth"] or 0.0))
+    assert [row["class"] for row in rows] == ["RoofSurface"] * 2 + ["WallSurface"] * 4 + ["GroundSurface"]
+    assert [row["tilt"] for row in rows] == pytest.approx([45, 45, 90, 90, 90, 90, 180])
+    assert [row["azimuth"] for row in rows[:6]] == pytest.approx([90, 270, 0, 90, 180, 270])
+    assert rows[6]["azimuth"] is None
+    slope, gable = 6 * np.hypot(2, 2), 4 * 3 + 4
+    assert [row["area"] for row in rows] == pytest.approx([slope, slope, gable, 18, gable, 18, 24])
+    assert max(row["distance_max"] for row in rows) < 1e-6
+    roof = rows[0]
+    assert [roof[f"centre_{axis}"] for axis in "xyz"] == pytest.approx([3, 3, 4])
+
+
+def test_angles_between_chosen_planes(model):
+    rows = sorted(model[3].rows, key=lambda row: (row["tilt"], row["azimuth"] or 0.0))
+    chosen = [rows[k]["region"] for k in (0, 1, 6)]
+    found = reports.angle_rows(model[3], chosen)
+    assert [row["angle"] for row in found] == pytest.approx([90, 135, 135])
+    with pytest.raises(KeyError):
+        reports.angle_rows(model[3], [0, 99])
+
+
+def test_geojson_has_a_closed_ring_for_each_polygon(model):
+    _, _, poly, table = model
+    found = json.loads(reports.write_geojson(table, 25832))
+    assert found["crs"]["properties"]["name"] == "urn:ogc:def:crs:EPSG::25832"
+    assert len(found["features"]) == 7
+    rings = [ring for each in found["features"] for part in each["geometry"]["coordinates"] for ring in part]
+    assert len(rings) == len(poly.loop_start)
+    assert all(ring[0] == ring[-1] and len(ring[0]) == 3 for ring in rings)
+
+
+def test_the_histogram_has_every_known_distance():
+    away = np.array([0.0, 0.5, 1.0, np.nan, 40.0])
+    counts, ends = histogram(away, 4)
+    assert counts.sum() == 4
+    assert counts[-1] >= 1
+    assert ends[0] == 0
+
+
+def noisy():
+    """A rough facade with planar polygons: of bent ones area and distance depend on how they are cut into triangles."""
+    vertices, triangles = shapes.facade(noise=0.01)
+    mesh = engine.clean(vertices, triangles)
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=60))
+    poly = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
+    return mesh, part, poly, reports.plane_table(mesh, part, poly)
+
+
+def soup(poly):
+    """The polygons as triangles, (vertices, triangles, polygon of each)."""
+    return poly.vertices, *engine.triangulate(poly.vertices, poly.loops, poly.loop_start)
+
+
+def test_areas_are_those_of_trimesh():
+    trimesh = pytest.importorskip("trimesh")
+    _, _, poly, table = noisy()
+    vertices, triangles, polygon = soup(poly)
+    shape = trimesh.Trimesh(vertices, triangles, process=False)
+    area = np.bincount(poly.polygon_region[polygon], shape.area_faces)
+    for row in table.rows:
+        assert row["area"] == pytest.approx(area[row["region"]], rel=1e-5)
+
+
+def test_distances_are_those_of_open3d():
+    open3d = pytest.importorskip("open3d")
+    mesh, _, poly, table = noisy()
+    vertices, triangles, _ = soup(poly)
+    scene = open3d.t.geometry.RaycastingScene()
+    scene.add_triangles(vertices.astype(np.float32), triangles.astype(np.uint32))
+    theirs = scene.compute_distance(np.asarray(mesh.vertices, np.float32)).numpy()
+    assert np.isfinite(table.away).all()
+    same = np.abs(table.away - theirs) < 1e-6 * mesh.report["diagonal"]
+    assert same.mean() > 0.995
+    # It works in float32, and misses the closest point of some needle triangles: its distance is the larger one there.
+    assert (table.away[~same] < theirs[~same]).all()
+
+
+def test_distances_are_those_of_trimesh():
+    trimesh = pytest.importorskip("trimesh")
+    mesh, _, poly, table = noisy()
+    vertices, triangles, _ = soup(poly)
+    for vertex in range(0, len(mesh.vertices), 50):
+        place = np.repeat(np.asarray(mesh.vertices)[vertex][None], len(triangles), axis=0)
+        closest = trimesh.triangles.closest_point(vertices[triangles], place)
+        assert table.away[vertex] == pytest.approx(np.linalg.norm(closest - place, axis=1).min(), abs=1e-9)
+
+
+def read(path):
+    return list(csv.DictReader(path.read_text().splitlines()))
+
+
+def test_the_command_writes_tables_and_a_page(tmp_path):
+    source, out = tmp_path / "house.ply", tmp_path / "out"
+    vertices, triangles = house()
+    meshfiles.ply_binary(source, vertices, triangles.tolist())
+    done = isimp("report", source, out, "--proxies", "7", "--angles", "0,3", "--crs", "25832")
+    assert done.returncode == 0, done.stderr
+    assert sorted(path.name for path in out.iterdir()) == ["angles.csv", "planes.csv", "planes.geojson", "report.html"]
+    rows = read(out / "planes.csv")
+    assert len(rows) == 7
+    assert sum(float(row["area"]) for row in rows) == pytest.approx(2 * 6 * np.hypot(2, 2) + 2 * 16 + 2 * 18 + 24)
+    assert len(read(out / "angles.csv")) == 1
+    page = (out / "report.html").read_text()
+    assert page.count("<rect") == 40
+    assert "data:image/png;base64," in page
+    assert page.count("<tr>") == 10 + 1 + 7
+
+
+def test_wrong_uses_are_refused(tmp_path):
+    source, out = tmp_path / "house.ply", tmp_path / "out"
+    vertices, triangles = house()
+    meshfiles.ply_binary(source, vertices, triangles.tolist())
+    check_line(isimp("report", source, out, "--proxies", "7", "--angles", "0,99"), 2, "there is no region 99")
+    assert not out.exists()
+    out.write_text("")
+    check_line(isimp("report", source, out), 2, "must be a folder")
+    check_line(isimp("report", tmp_path / "none.ply", tmp_path / "new"), 3, "none.ply")
