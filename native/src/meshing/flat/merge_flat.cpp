@@ -7,7 +7,7 @@
 
 #include "flat/flat.h"
 #include "isimp/core/errors.h"
-#include "judge.h"
+#include "judge/judge.h"
 
 namespace isimp {
 namespace {
