@@ -10,21 +10,21 @@
 
 namespace isimp::tiles {
 
-/// Small regions of a tile and the graph of them: all that leaves the tile for the merging of all tiles.
+/// Small regions of a tile and their graph. The merging of all tiles needs nothing else of a tile.
 struct Patches {
   std::vector<std::int32_t> label;                ///< (n) patch of each face, by graph index
-  std::vector<RegionSum> sum;                     ///< (K) in scene units squared
-  std::vector<std::array<std::int32_t, 2>> pair;  ///< (E) patches that share an edge, the lower first, rising
-  std::vector<double> length;                     ///< (E) of what they share, scene units
+  std::vector<RegionSum> sum;                     ///< (K) sum of each patch, scene units squared
+  std::vector<std::array<std::int32_t, 2>> pair;  ///< (E) patches that share an edge, the lower one first, rising
+  std::vector<double> length;                     ///< (E) length of the shared border, scene units
 };
 
-/// Splits a tile into patches of about so many faces, by the engine's own partition. Each component gets at least what
-/// its topology needs, and none is left out: both are decided on the joined graph.
+/// Splits a tile into patches of about `size` faces, by the engine's own partition. Each component gets at least the
+/// number of patches that its topology needs. No component is left out, because the joined graph decides about that.
 ///
-/// \param size    faces of a patch on average, at least 1
+/// \param size    mean number of faces of a patch, at least 1
 /// \param smooth  as PartitionOptions::smooth
 /// \throws InvalidInput  size below 1
-/// \throws Cancelled     nothing was made
+/// \throws Cancelled     no result
 /// Cost: O(F) time; about 130 bytes a face at the peak, with the mesh.
 Patches patches(const Mesh& mesh, std::int32_t size, double smooth, Job& job);
 

@@ -10,26 +10,27 @@
 
 namespace isimp::tiles {
 
-/// A mesh without most of what lies inside its regions.
+/// A mesh without most of the vertices inside its regions.
 struct Thinned {
-  std::vector<Vec3> vertices;  ///< in the caller's coordinates; only those that are used
+  std::vector<Vec3> vertices;  ///< in the caller's coordinates; all of them are used
   std::vector<Triangle> triangles;
   std::vector<std::int32_t> label;      ///< region of each face
-  std::vector<SurfaceMoments> moments;  ///< of the faces of the scan that each stands for; centres as the vertices
+  std::vector<SurfaceMoments> moments;  ///< moments of the scan faces that each represents, in the caller's coordinates
 };
 
-/// Takes out vertices inside regions, one by one into a neighbour. Vertices on borders of regions and of the mesh stay,
-/// so that tiles still fit and each region keeps its boundary, and by that its mean normal.
+/// Removes vertices inside regions: each is collapsed into a neighbour. Vertices on borders of regions and of the mesh
+/// stay, so tiles still fit, and each region keeps its boundary and therefore its mean normal.
 ///
-/// A vertex goes only where the surface stays a manifold and no face turns over: the sign of each new face's area, seen
-/// along the old face's normal, is certain in spite of rounding. Each face looks within 14 degrees of the mean
-/// direction of what it stands for: what stands inside a region is kept, as polygons may be cut by it.
+/// A vertex is removed only if the surface stays a manifold and no face turns over: the sign of each new face's area,
+/// seen along the old face's normal, is certain in spite of rounding. The normal of each face stays within 14 degrees
+/// of the mean direction of the scan faces that it represents. So structures inside a region stay: polygons may be cut
+/// by them.
 /// \param label    (F) region of each face; faces with kNone are dropped
-/// \param moments  (F) of the scan's faces that each face stands for; empty: of the faces themselves. Sums over regions
-///                 stay the same
+/// \param moments  (F) moments of the scan faces that each face represents; empty: each face represents itself. Sums
+///                 over regions stay the same
 /// \throws InvalidInput  arrays of unequal lengths
-/// \throws Cancelled     nothing was made
-/// Cost: O(F), about 1 us a face; some 45 bytes a face beside the mesh.
+/// \throws Cancelled     no result
+/// Cost: O(F), about 1 us a face; about 45 bytes a face in addition to the mesh.
 Thinned thin(const Mesh& mesh, std::span<const std::int32_t> label, std::span<const SurfaceMoments> moments, Job& job);
 
 }  // namespace isimp::tiles
