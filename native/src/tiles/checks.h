@@ -4,9 +4,9 @@
 
 namespace isimp::tiles {
 
-/// \throws InvalidInput  a pair of nodes out of range
+/// \throws InvalidInput  a pair contains a node out of range
 void check_pairs(const JoinedGraph& graph);
-/// \throws InvalidInput  not one component for each node, or a component out of range
+/// \throws InvalidInput  the number of components differs from the number of nodes, or a component is out of range
 void check_components(const JoinedGraph& graph, const Components& components);
 
 }  // namespace isimp::tiles

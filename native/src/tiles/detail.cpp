@@ -19,9 +19,9 @@
 namespace isimp::tiles {
 namespace {
 
-constexpr double kRounding = 1e-9;  // of the area: costs below this are none
+constexpr double kRounding = 1e-9;  // share of the area: lower costs are rounding errors
 
-/// The nodes that are not left out, areas as shares of `area`.
+/// Returns the nodes that are not left out, with areas as shares of `area`.
 ClusterGraph clusters_of(const JoinedGraph& graph, const Components& components, double area) {
   ClusterGraph clusters;
   std::vector<std::int32_t> number(graph.sum.size(), kNone);
@@ -56,7 +56,7 @@ Extent measure(const Mesh& mesh, Job& job) {
   Vec3 first = Vec3::Zero();
   double squares = 0;
   const auto vertices = mesh.vertices();
-  const Vec3 near = vertices[mesh.triangles()[0][0]];  // so that no digits are lost
+  const Vec3 near = vertices[mesh.triangles()[0][0]];  // local origin, so that no digits are lost
   std::size_t done = 0;
   for (const Triangle& t : mesh.triangles()) {
     if ((done++ & 0xffff) == 0) job.poll();
@@ -92,7 +92,7 @@ Patches detail_patches(const Mesh& mesh, double tolerance, double noise, Job& jo
 }
 
 double least_cost(double tolerance, double noise) {
-  constexpr double kSpread = 1.5;  // of costs below the limit that the cut is chosen among
+  constexpr double kSpread = 1.5;  // the cut is chosen among costs down to this factor below the limit
   return merge_limit(tolerance, noise, kLeastNoise) / kSpread;
 }
 

@@ -31,14 +31,14 @@ double area_of(std::span<const RegionSum> sums) {
   return area;
 }
 
-/// Of a unit of length, as a share of the area.
+/// Returns the price of a unit of length, as a share of the area.
 double price_of_length(const BorderPrice& price, double area) {
   return price.smooth > 0 && area > 0
              ? border_price(price.error, price.smooth) / (2 * std::sqrt(std::max(1, price.proxies)) * std::sqrt(area))
              : 0.0;
 }
 
-/// Compressed rows from pairs; pairs that stand there twice add up.
+/// Returns the neighbours of each node as compressed rows. Repeated pairs are separate entries, whose borders add up.
 MergeGraph rows_of(const JoinedGraph& graph, double price) {
   MergeGraph rows;
   rows.sum.resize(graph.sum.size());
@@ -132,7 +132,7 @@ std::vector<std::int32_t> merge(const JoinedGraph& graph, const Components& comp
     sums[u].x *= unit;
     sums[u].y *= unit;
     sums[u].z *= unit;
-    if (components.component[u] == kNone) sums[u].faces = 0;  // takes no part
+    if (components.component[u] == kNone) sums[u].faces = 0;  // excluded
     rows.part[u] = std::max(rows.part[u], 0);
   }
   return merge_greedily(rows, sums, components.need, target, job);
@@ -148,7 +148,7 @@ GroupMerges merge_inside(const JoinedGraph& graph, const Components& components,
   rows.part = components.component;
   std::vector<RegionSum> sums = graph.sum;
   for (std::size_t u = 0; u < sums.size(); ++u) {
-    if (components.component[u] == kNone) sums[u].faces = 0;  // takes no part
+    if (components.component[u] == kNone) sums[u].faces = 0;  // excluded
     rows.part[u] = std::max(rows.part[u], 0);
   }
   GroupMerges result;

@@ -8,9 +8,9 @@
 
 namespace isimp::tiles {
 
-/// The patches of a tile and the graph of them.
-/// \param label  (n) patch of each face, by graph index; kNone for none
-/// \param sum    areas as shares of the tile's
+/// Returns the patches of a tile and their graph.
+/// \param label  (n) patch of each face, by graph index; kNone: none
+/// \param sum    areas as shares of the tile's area
 Patches patches_of(const Mesh& mesh, std::vector<std::int32_t> label, std::vector<RegionSum> sum);
 
 }  // namespace isimp::tiles

@@ -11,7 +11,7 @@
 namespace isimp::tiles {
 namespace {
 
-/// Labels of which some must stay.
+/// Labels of faces, some of which must not change.
 struct FrozenLabels {
   std::int32_t* label;
   const std::uint8_t* frozen;
@@ -36,8 +36,8 @@ void check(const TileFaces& tile, std::span<const std::int32_t> label, std::size
   }
 }
 
-/// The tile as the engine's relaxing sees a whole mesh. Areas are scaled so that the mean over all tiles is what it
-/// takes for the mean: one over the faces it has.
+/// Returns the tile as a mesh for borders/relax.h, which expects a mean area of 1 / n for n faces. Areas are scaled so
+/// that the mean over all tiles has this value.
 FaceGraph graph_of(const TileFaces& tile, double unit) {
   FaceGraph graph;
   const auto n = static_cast<std::int32_t>(tile.face.size());
@@ -48,11 +48,11 @@ FaceGraph graph_of(const TileFaces& tile, double unit) {
   graph.neighbours.push_back({n, n, n});
   for (auto& around : graph.neighbours)
     for (std::int32_t& j : around) j = j == kNone ? n : j;
-  graph.mesh_face.resize(static_cast<std::size_t>(n));  // only its size is asked for
+  graph.mesh_face.resize(static_cast<std::size_t>(n));  // only its size is used
   return graph;
 }
 
-/// The regions that a tile has, under numbers of its own.
+/// The regions of a tile, with numbers of its own.
 struct Local {
   std::vector<std::int32_t> name;   // region of each own number, rising
   std::vector<std::int32_t> label;  // (n + 1) own number of each face

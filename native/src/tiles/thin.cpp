@@ -11,17 +11,18 @@
 namespace isimp::tiles {
 namespace {
 
-// Between a face and the mean direction of what it stands for. What stands inside a region is kept, as houses that are
-// of one region with the ground: it is cut by the directions of its sides, where they are rough by up to 0.035
-// (meshing/direction_cut.cpp). Source: own trials; at 0.95 the sides are lost in some tilings of a city.
+// Cosine of the angle between a face and the mean direction of the scan faces that it represents. Structures inside a
+// region stay, such as houses in one region with the ground: polygons are cut by the directions of their sides, if the
+// roughness of the sides is at most 0.035 (meshing/discs/direction_cut.cpp). Source: own trials; at 0.95 the sides are
+// lost in some tilings of a city.
 constexpr double kLeastCosine = 0.97;
-constexpr double kLeastSine = 0.02;  // of two edges of a new face; far above rounding, so signs are certain
+constexpr double kLeastSine = 0.02;  // sine between two edges of a new face; far above rounding, so signs are certain
 constexpr std::size_t kLargestRing = 40;
-constexpr std::size_t kTries = 8;     // neighbours that a vertex may go into
-constexpr std::int64_t kEnough = 50;  // passes end where fewer than one in so many vertices goes
+constexpr std::size_t kTries = 8;     // neighbours that a vertex may be collapsed into
+constexpr std::int64_t kEnough = 50;  // passes end if at most one vertex is removed for kEnough that stay
 constexpr std::int32_t kPollEvery = 0x3fff;
 
-/// The mesh while vertices are taken out of it.
+/// Removes vertices inside regions from a mesh.
 class Thinner {
  public:
   Thinner(const Mesh& mesh, std::span<const std::int32_t> label)
@@ -67,7 +68,7 @@ class Thinner {
   }
 
   [[nodiscard]] bool lives(std::int32_t f) const { return heir_[f] == kNone && label_[f] != kNone; }
-  /// What is left of it in the end: of each face the one that stands for it; kNone: it lives.
+  /// Returns for each face the face that represents it after its removal; kNone: the face is live.
   std::vector<std::int32_t> take_heirs() { return std::move(heir_); }
   [[nodiscard]] const Triangle& triangle(std::int32_t f) const { return triangle_[f]; }
 
@@ -78,7 +79,7 @@ class Thinner {
   }
   static bool has(const Triangle& t, std::int32_t v) { return t[0] == v || t[1] == v || t[2] == v; }
 
-  /// Calls fn(corner) for the corners of the live faces at a vertex; forgets the others.
+  /// Calls fn(corner) for the corners of the live faces at a vertex, and removes other corners from its list.
   template <class Function>
   void for_each_corner(std::int32_t v, Function fn) {
     for (std::int32_t* at = &head_[v]; *at != kNone;) {
@@ -92,8 +93,8 @@ class Thinner {
     }
   }
 
-  /// The corners and the ring of a vertex inside a region.
-  /// \return false where there is nothing to take out
+  /// Reads the corners and the ring of a vertex inside a region.
+  /// \return false if the vertex can't be removed
   bool read_star(std::int32_t v) {
     star_.clear();
     ring_.clear();
@@ -121,7 +122,7 @@ class Thinner {
     return false;
   }
 
-  /// Whether the surface stays a manifold and no face turns over when v goes into w.
+  /// Returns whether the surface stays a manifold and no face turns over if v is collapsed into w.
   bool fits(std::int32_t v, std::int32_t w) {
     const auto p = mesh_.vertices();
     const Vec3& n = normal_[label_[star_[0] / 3]];
@@ -144,13 +145,14 @@ class Thinner {
     return links_fit(v, w);
   }
 
-  /// Above 0: what a face stands for looks about in this direction. 0: that has no direction.
+  /// Compares a direction with the mean direction of the scan faces that a face represents. Above 0: the angle is less
+  /// than the limit. 0: at the limit, or there is no direction.
   [[nodiscard]] double along(std::int32_t f, const Vec3& direction) const {
     const Vec3 own = vector_area_[f].cast<double>();
     return own.dot(direction) - kLeastCosine * own.norm() * direction.norm();
   }
 
-  /// Whether the face that will stand for one that goes, when v goes into w, looks about the same way.
+  /// Returns whether the direction of a face's heir is near the face's mean direction after v is collapsed into w.
   [[nodiscard]] bool heir_fits(std::int32_t face, std::int32_t v, std::int32_t w) const {
     const std::int32_t heir = heir_of(face, v, w);
     if (heir == kNone) return true;
@@ -159,7 +161,7 @@ class Thinner {
     return along(face, cross(t)) >= 0;
   }
 
-  /// Whether the rings of v and w have just the two vertices in common that face the edge between them.
+  /// Returns whether the rings of v and w share exactly the two vertices opposite the edge between v and w.
   bool links_fit(std::int32_t v, std::int32_t w) {
     int common = 0;
     bool doubled = false;
@@ -195,7 +197,7 @@ class Thinner {
     }
   }
 
-  /// Of a face of the star that goes: the one beside it that stays, and will stand for it.
+  /// Returns the neighbour of a removed face of the star that stays and will represent it; kNone: there is none.
   [[nodiscard]] std::int32_t heir_of(std::int32_t face, std::int32_t v, std::int32_t w) const {
     const Triangle& t = triangle_[face];
     const std::int32_t u = *std::find_if(t.begin(), t.end(), [&](std::int32_t x) { return x != v && x != w; });
@@ -207,18 +209,18 @@ class Thinner {
   const Mesh& mesh_;
   std::span<const std::int32_t> label_;
   std::vector<Triangle> triangle_;
-  std::vector<std::int32_t> head_, next_;     // corners at each vertex
-  std::vector<std::int32_t> heir_;            // of a face that is gone: the one that stands for it; kNone: it lives
-  std::vector<Eigen::Vector3f> vector_area_;  // by face: twice that of what it stands for
+  std::vector<std::int32_t> head_, next_;     // lists of the corners at each vertex
+  std::vector<std::int32_t> heir_;            // face that represents a removed face; kNone: the face is live
+  std::vector<Eigen::Vector3f> vector_area_;  // by face: twice the vector area of the scan faces that it represents
   std::vector<std::int32_t> seen_;            // by vertex
   std::vector<std::uint8_t> locked_;
-  std::vector<Vec3> normal_;  // of the regions
+  std::vector<Vec3> normal_;  // by region, not normalised
   std::vector<std::int32_t> star_, ring_;
   std::vector<std::pair<double, std::int32_t>> near_;
   std::int32_t stamp_ = 0;
 };
 
-/// The face that stands for a face.
+/// Returns the live face that represents a face. Shortens the paths.
 std::int32_t stands_for(std::vector<std::int32_t>& heir, std::int32_t f) {
   while (heir[f] != kNone) {
     if (heir[heir[f]] != kNone) heir[f] = heir[heir[f]];
@@ -260,7 +262,7 @@ Thinned thin(const Mesh& mesh, std::span<const std::int32_t> label, std::span<co
     result.label.push_back(label[f]);
   }
   std::vector<std::int32_t> heir = thinner->take_heirs();
-  thinner.reset();  // before the moments, which take most
+  thinner.reset();  // before the moments, which need most memory
   result.moments.resize(result.triangles.size());
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     if ((f & kPollEvery) == 0) job.poll();

@@ -13,16 +13,16 @@
 namespace isimp::tiles {
 namespace {
 
-constexpr std::int64_t kFarthest = std::int64_t{1} << 53;  // cell: further away doubles know no single cells
+constexpr std::int64_t kFarthest = std::int64_t{1} << 53;  // largest cell index: doubles resolve no cells beyond
 
-/// Points by the cube of space that they are in.
+/// Points by the cubic cell that contains them.
 class Grid {
  public:
   Grid(std::span<const Vec3> points, double size) : points_(points), size_(size) {
     if (!points.empty()) origin_ = points[0];
   }
   void insert(std::int32_t i) { cells_[key(cell(points_[i]))].push_back(i); }
-  /// Calls fn(i) for all points within `size` of a place, and for some that are further off.
+  /// Calls fn(i) for all points within `size` of a place, and for some others.
   template <class Function>
   void near(const Vec3& place, Function fn) const {
     const Cell at = cell(place);
@@ -40,7 +40,7 @@ class Grid {
     for (int k = 0; k < 3; ++k) c[k] = to_integer(std::floor((p[k] - origin_[k]) / size_), -kFarthest, kFarthest);
     return c;
   }
-  /// Cells of one key are taken for one: whoever asks measures all distances.
+  /// Cells with the same key share their points. Callers of `near` measure all distances, so this is harmless.
   static std::uint64_t key(const Cell& c) {
     std::uint64_t h = 0;
     for (const std::int64_t x : c) {
@@ -61,7 +61,7 @@ void check_length(double length) {
     throw InvalidInput("the length to weld within must be above 0, got " + std::to_string(length));
 }
 
-/// That a point would like to take the place of another one.
+/// A point, and the nearest place of an earlier tile that it could take.
 struct Wish {
   std::int32_t place;
   double distance;
@@ -100,7 +100,7 @@ std::vector<std::int32_t> weld(std::span<const Vec3> points, std::span<const std
     std::sort(wishes.begin(), wishes.end());
     for (std::size_t k = 0, first = 0; k < wishes.size(); ++k) {
       if (wishes[k].place != wishes[first].place) first = k;
-      // Vertices of a tile at the very same place go together.
+      // Vertices of a tile at exactly the same place move together.
       if (k == first || points[wishes[k].point] == points[wishes[first].point]) to[wishes[k].point] = wishes[k].place;
     }
     for (std::int32_t i = begin; i < end; ++i)
