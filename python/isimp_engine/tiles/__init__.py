@@ -1,11 +1,11 @@
-"""One scan in tiles, larger than memory: `isimp tiles` as a function, and its steps as functions on arrays.
+"""A scan in tiles that may be larger than memory: `isimp tiles` as a function, and its steps as functions on arrays.
 
     from isimp_engine import tiles
 
     outcome = tiles.run("city", "city.obj", proxies=20_000)
     print(outcome.report["unmatched_share"])
 
-A run that was ended goes on from its work folder. docs/scale.md describes the steps.
+An interrupted run continues from its work folder. docs/scale.md describes the steps.
 """
 
 from .errors import TileFailed, TilesError

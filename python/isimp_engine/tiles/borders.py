@@ -1,4 +1,4 @@
-"""Where tiles meet: border edges that are one, halos, and T-junctions."""
+"""Borders of tiles: matching edges, halos and T-junctions."""
 
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -11,30 +11,30 @@ _MIX = (np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBF58476D1CE4E5B9))
 
 
 class Fringe(NamedTuple):
-    """What other tiles must know of a tile: its faces at its border vertices, and its border edges."""
+    """The data of a tile that other tiles need: its faces at its border vertices, and its border edges."""
 
-    face: NDArray[np.int32]  #: (N,) places in the order of Faces, rising
+    face: NDArray[np.int32]  #: (N,) positions in the order of Faces, rising
     record: NDArray[np.float32]  #: (N, 4) as in Faces
     neighbour: NDArray[np.int32]  #: (N, 3) as in Faces
-    keys: Keys  #: (N, 3) names of the places of the corners
+    keys: Keys  #: (N, 3) keys of the places of the corners
     edge_face: NDArray[np.int32]  #: (B,) the face of each border edge
-    edge_corner: NDArray[np.int8]  #: (B,) the corner it begins at
-    edge_keys: Keys  #: (B, 2) names of the places of its ends
+    edge_corner: NDArray[np.int8]  #: (B,) the corner at which it begins
+    edge_keys: Keys  #: (B, 2) keys of the places of its ends
 
 
 class Halo(NamedTuple):
-    """The faces of other tiles that share a vertex with those of a tile."""
+    """The faces of other tiles that share a vertex with a tile."""
 
     record: NDArray[np.float32]  #: (H, 4)
-    neighbour: NDArray[np.int32]  #: (F + H, 3) of the tile's own faces, and of these
-    tile: NDArray[np.int32]  #: (H,) whose they are
-    place: NDArray[np.int32]  #: (H,) which of that tile's fringe
+    neighbour: NDArray[np.int32]  #: (F + H, 3) neighbours of the tile's own faces, then of the halo's faces
+    tile: NDArray[np.int32]  #: (H,) their tile
+    place: NDArray[np.int32]  #: (H,) their position in that tile's fringe
     touch_face: NDArray[np.int32]  #: (T,) own faces that share a vertex with another tile
     touch_tile: NDArray[np.int32]  #: (T,) that tile
 
 
 def place_keys(points: NDArray[np.float64]) -> Keys:
-    """(N,) 64-bit names of places: the same wherever a place is the same bit for bit."""
+    """Return 64-bit keys (N,) of places. Places that are equal, bit for bit, have the same key."""
     bits = np.ascontiguousarray(points + 0.0).view(np.uint64).reshape(-1, 3)  # -0 is 0
     key = np.zeros(len(bits), np.uint64)
     for k in range(3):
@@ -46,7 +46,7 @@ def place_keys(points: NDArray[np.float64]) -> Keys:
 
 
 def match(edge_keys: Keys, tile: NDArray[np.int32]) -> NDArray[np.int64]:
-    """(M, 2) border edges of different tiles that are one: two with these ends, in opposite directions."""
+    """Return (M, 2) matching border edges of different tiles: exactly two with these ends, in opposite directions."""
     low, high = edge_keys.min(1), edge_keys.max(1)
     key = low * _MIX[0] ^ (high << np.uint64(17) | high >> np.uint64(47))
     order = np.argsort(key, kind="stable")
@@ -59,7 +59,7 @@ def match(edge_keys: Keys, tile: NDArray[np.int32]) -> NDArray[np.int64]:
 
 
 def border_edges(neighbour: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int8]]:
-    """The faces and first corners of the edges that have one face."""
+    """Return the faces and first corners of the edges that have one face."""
     face, corner = np.nonzero(neighbour < 0)
     return face.astype(np.int32), corner.astype(np.int8)
 
@@ -71,7 +71,7 @@ def fringe_of(
     triangles: NDArray[np.int32],
     vertices: NDArray[np.float64],
 ) -> Fringe:
-    """The fringe of a tile; record, neighbour and mesh_face of its Faces, triangles and vertices of its mesh."""
+    """Return the fringe of a tile. record, neighbour, mesh_face: from its Faces. triangles, vertices: from its mesh."""
     face, corner = border_edges(neighbour)
     corners = triangles[mesh_face[face]]
     row = np.arange(len(face))
@@ -89,7 +89,7 @@ def fringe_of(
 
 
 def neighbours_of(edge_keys: list[Keys]) -> list[list[int]]:
-    """Which tiles share a place on their borders with each tile."""
+    """Return for each tile the tiles that share a place on their borders with it."""
     own = [np.unique(keys) for keys in edge_keys]
     key = np.concatenate(own)
     tile = np.repeat(np.arange(len(own)), [len(keys) for keys in own])
@@ -97,7 +97,7 @@ def neighbours_of(edge_keys: list[Keys]) -> list[list[int]]:
     key, tile = key[order], tile[order]
     found: list[set[int]] = [set() for _ in own]
     step = 1
-    while step < len(key):  # places of several tiles stand in a row; a row is as long as there are tiles round it
+    while step < len(key):  # equal keys are adjacent; the tiles that share a place give the length
         same = np.flatnonzero(key[step:] == key[:-step])
         if not len(same):
             break
@@ -109,7 +109,7 @@ def neighbours_of(edge_keys: list[Keys]) -> list[list[int]]:
 
 
 def halo_of(number: int, neighbour: NDArray[np.int32], own: Fringe, others: dict[int, Fringe]) -> Halo:
-    """The halo of tile `number`, from its own fringe and those of all tiles that share a place with its border."""
+    """Return the halo of tile `number`, from its own fringe and the fringes of all tiles that share a border place."""
     count = len(neighbour)
     mine = np.unique(own.edge_keys)
     parts: list[tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.int32]]] = []
@@ -141,7 +141,7 @@ def halo_of(number: int, neighbour: NDArray[np.int32], own: Fringe, others: dict
 
 
 def found_in(names: NDArray[Any], wanted: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Positions of values in a rising list, each with whether the value is in the list; 0 where the list is empty."""
+    """Return the positions of values in a rising list, and whether each value is in it. Empty list: positions are 0."""
     if not len(names):
         return np.zeros(wanted.shape, np.int64), np.zeros(wanted.shape, bool)
     at = np.minimum(np.searchsorted(names, wanted), len(names) - 1)
@@ -153,13 +153,13 @@ def _joined(parts: list[NDArray[np.int32]]) -> NDArray[np.int32]:
 
 
 def _places(faces: NDArray[np.int32], among: NDArray[np.int32], base: int) -> NDArray[np.int32]:
-    """Where faces stand in a rising list, from `base` on; -1 where they are not in it."""
+    """Return `base` plus the position of each face in a rising list; -1 if the list does not contain it."""
     at, known = found_in(among, faces)
     return np.where(known, base + at, -1).astype(np.int32)
 
 
 def frozen_of(halo: Halo, own: int, number: int, rank: NDArray[np.int64]) -> NDArray[np.uint8]:
-    """(F + H,) faces that stay: the halo, and own faces at a vertex of a tile with a higher rank."""
+    """Return (F + H,) flags of faces that stay: the halo, and own faces at a vertex of a tile with a higher rank."""
     frozen = np.zeros(own + len(halo.record), np.uint8)
     frozen[own:] = 1
     frozen[halo.touch_face[rank[halo.touch_tile] > rank[number]]] = 1
@@ -167,7 +167,7 @@ def frozen_of(halo: Halo, own: int, number: int, rank: NDArray[np.int64]) -> NDA
 
 
 def ranks(tiles: int, round_number: int) -> NDArray[np.int64]:
-    """(T,) the rank of each tile in a round: another order in each, the same for any number of workers."""
+    """Return the rank (T,) of each tile in a round. The order differs by round, and never depends on the workers."""
     with np.errstate(over="ignore"):
         key = (np.arange(tiles, dtype=np.uint64) + np.uint64(7919 * round_number + 1)) * _MIX[0]
         key ^= key >> np.uint64(31)
@@ -181,9 +181,9 @@ def ranks(tiles: int, round_number: int) -> NDArray[np.int64]:
 def split_faces(
     triangles: NDArray[np.int32], face: NDArray[np.int32], corner: NDArray[np.int8], vertex: NDArray[np.int32]
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Put vertices into border edges; returns the triangles, and the face each was.
+    """Insert vertices into border edges; returns the triangles, and the original face of each.
 
-    face, corner: (J,) the edges, those of one edge in the order of the vertices along it. vertex: (J,) the vertices.
+    face, corner: (J,) the edge of each vertex; vertices of one edge are in order along it. vertex: (J,) the vertices.
     """
     added: dict[int, list[tuple[int, int, int]]] = {}
     edges: dict[tuple[int, int], list[int]] = {}

@@ -1,9 +1,9 @@
-"""What can be wrong with a run on tiles."""
+"""Errors of a run on tiles."""
 
 
 class TilesError(Exception):
-    """It can't be run as it was asked for."""
+    """A run with these arguments is impossible."""
 
 
 class TileFailed(RuntimeError):
-    """A step of a run has failed: a tile can't be read, or there is too little memory."""
+    """A step of a run has failed: a tile can't be read, or memory is not sufficient."""

@@ -1,8 +1,8 @@
-"""Merging by groups of tiles: steps of one group, and what all groups have in common.
+"""Merging by groups of tiles: steps of one group, and values common to all groups.
 
-Of many tiles no process holds the graph of all patches. Adjacent tiles form groups. Each group merges its patches, the
-cheapest pair first; two patches with neighbours in other groups do not merge. All groups are cut at one price, which
-follows from the prices of their merges. Then the clusters of all groups are joined.
+If there are many tiles, no process holds the graph of all patches. Adjacent tiles form groups. Each group merges its
+patches, cheapest pair first; two patches with neighbours in other groups do not merge. All groups are cut at one price,
+which follows from the prices of their merges. Then the clusters of all groups are joined.
 """
 
 import math
@@ -15,18 +15,18 @@ from numpy.typing import NDArray
 from . import borders, steps
 from .store import load, of_tile, save, values_of
 
-GROUP = 4  #: tiles of a group at most; so few tiles have none
-_EARLY = 0.25  # merging in a group ends at this share of the nodes that it would have on average
-_SPARE = 1.02  # nodes that groups leave, as a multiple of what the last merging is to leave
-_WAITING = 1.0  # nodes that merge later than elsewhere since a border of groups is near, for each node at it
-_COARSER = 8  # with a tolerance: by how much merges in groups are cheaper than those at the cut
+GROUP = 4  #: largest number of tiles in a group; a scan of at most this number has no groups
+_EARLY = 0.25  # merging in a group ends at this share of the nodes that a group keeps on average
+_SPARE = 1.02  # nodes that groups leave, as a multiple of the target of the last merging
+_WAITING = 1.0  # extra nodes for each node at a border of groups, since merges near it are late
+_COARSER = 8  # with a tolerance: ratio of the least cost at the cut to the limit in groups
 _GRAPH = ("sums", "pairs", "edge_patch", "fringe_edge_keys")
 
 Task = dict[str, Any]
 
 
 def groups_of(centres: NDArray[np.float64], largest: int) -> list[list[int]]:
-    """Near tiles together: their places, halved along the longest side until no group has more than `largest`."""
+    """Group near tiles: split them in halves along the longest side until no group has more than `largest`."""
     groups: list[list[int]] = []
 
     def halve(own: NDArray[np.int64]) -> None:
@@ -44,7 +44,7 @@ def groups_of(centres: NDArray[np.float64], largest: int) -> list[list[int]]:
 
 
 def beside(low: NDArray[np.float64], high: NDArray[np.float64], group: list[int], off: float) -> list[int]:
-    """The tiles outside a group whose boxes, which end at `low` and `high`, are at most `off` from one of its own."""
+    """Return the tiles outside a group whose boxes, from `low` to `high`, are at most `off` from a box of the group."""
     near = np.zeros(len(low), bool)
     for k in group:
         near |= ((low <= high[k] + off) & (high >= low[k] - off)).all(1)
@@ -54,7 +54,7 @@ def beside(low: NDArray[np.float64], high: NDArray[np.float64], group: list[int]
 
 
 def group(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The graph of a group of tiles, and the merges inside it."""
+    """Save the graph of a group of tiles, and the merges inside it."""
     tiles = task["own"]
     folders = [of_tile(work, "patches", tile) for tile in tiles]
     own = [load(folder, "fringe_edge_keys") for folder in folders]
@@ -67,7 +67,7 @@ def group(task: Task, work: Path, made: Path) -> dict[str, Any]:
     matched = borders.match(every, edge_tile)
     inside = matched[(matched < len(patch)).all(1)]
     outer = matched[matched[:, 0] < len(patch), 0], matched[matched[:, 1] < len(patch), 1]
-    edge = np.setdiff1d(np.concatenate(outer), inside)  # whose other side another group has
+    edge = np.setdiff1d(np.concatenate(outer), inside)  # their other side is in another group
     rim = np.ones(len(patch), bool)
     rim[inside] = rim[edge] = False
     inner = [load(f, "pairs") + o for f, o in zip(folders, first, strict=False)]
@@ -98,16 +98,16 @@ def group(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 
 def graph_bytes(folders: list[Path]) -> int:
-    """Of what leaves the tiles."""
+    """Return the size in bytes of the files from which the graph is made."""
     return sum(f.stat().st_size for folder in folders for f in folder.glob("*.npy") if f.stem in _GRAPH)
 
 
 def totals(work: Path, groups: int) -> dict[str, Any]:
-    """What all groups have together."""
+    """Return the sums over all groups, and the neighbours of each tile."""
     found = [values_of(of_tile(work, "group", k)) for k in range(groups)]
     names = ("patches", "border_edges", "matched_edges", "graph_bytes")
     sums: dict[str, Any] = {name: sum(each[name] for each in found) for name in names}
-    # Both sides of an edge between groups have found the other one.
+    # Each group counts its side of an edge between groups.
     sums["matched_edges"] += sum(each["outer_edges"] for each in found)
     near: dict[str, list[int]] = {}
     for each in found:
@@ -116,20 +116,20 @@ def totals(work: Path, groups: int) -> dict[str, Any]:
 
 
 def limit_of(wanted: dict[str, Any]) -> float | None:
-    """With a tolerance: the price up to which groups merge, below all that have a say in where the tree is cut."""
+    """Return the price up to which groups merge with a tolerance: lower than all prices that the cut depends on."""
     if "tolerance" not in wanted:
         return None
     return steps.least_cost(wanted["tolerance"], wanted["noise"]) / _COARSER / 2
 
 
 def level(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The price at which all groups are cut."""
+    """Save the price at which all groups are cut."""
     save(made, price=np.array(_price(work, "group", task["groups"], task["nodes"], task["target"])))
     return {}
 
 
 def _price(work: Path, step: str, groups: int, nodes: int, target: int) -> float:
-    """The price at which groups leave what the last merging is to leave, and what waits at their borders."""
+    """Return the price at which groups leave the target of the last merging and the extra nodes at their borders."""
     folders = [of_tile(work, step, k) for k in range(groups)]
     border = sum(values_of(folder)["border"] for folder in folders)
     prices = [load(folder, "price") for folder in folders]
@@ -137,7 +137,7 @@ def _price(work: Path, step: str, groups: int, nodes: int, target: int) -> float
 
 
 def cut(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The graph that a group leaves."""
+    """Save the graph that is left of a group after the cut."""
     folder = of_tile(work, "group", task["tile"])
     price = task["limit"] if "limit" in task else float(load(of_tile(work, "level", 0), "price"))
     sums, pairs, opened = load(folder, "sums"), load(folder, "pairs"), load(folder, "open")
@@ -151,7 +151,7 @@ def cut(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 
 def regroup(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The merges of regions inside a group, by exact prices and lengths of borders."""
+    """Save the merges of regions inside a group, by exact prices and lengths of borders."""
     folders = [of_tile(work, "touch", tile) for tile in task["own"]]
     rim = np.concatenate([load(folder, "rim") for folder in folders])
     outside = np.unique(rim[~np.isin(rim[:, 1], task["own"]), 0])
@@ -165,7 +165,7 @@ def regroup(task: Task, work: Path, made: Path) -> dict[str, Any]:
     target = int(_EARLY * task["share"] * len(region))
     price = {"smooth": task["smooth"], "error": task["error"], "proxies": task["target"], "area": task["area"]}
     graph = (sums, local.reshape(-1, 2).astype(np.int32), lengths, found, border)
-    # Where the number was found, up to the cost at which it is counted once more.
+    # If the number was found by a tolerance, merging ends at the cost at which regions are counted again.
     limit = math.inf if task["cost"] is None else task["cost"] / 2
     merges = steps.merge_inside(*graph, target, limit, **price)
     save(made, merged=region[merges.merged].reshape(-1, 2), price=merges.price)
@@ -173,21 +173,21 @@ def regroup(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 
 def price_of_regions(work: Path, groups: int, nodes: int, target: int) -> float:
-    """The price at which groups leave about as many regions as there are to be."""
+    """Return the price at which groups leave about `target` regions."""
     return _price(work, "regroup", groups, nodes, target)
 
 
 def merged_in_groups(work: Path, groups: int, nodes: int, price: float) -> NDArray[np.int32]:
-    """The region of each region after the merges below a price of all groups."""
+    """Return the new region of each region after the merges of all groups below a price."""
     folders = [of_tile(work, "regroup", k) for k in range(groups)]
     pairs = np.concatenate([load(folder, "merged") for folder in folders])
     prices = np.concatenate([load(folder, "price") for folder in folders])
-    order = np.argsort(prices, kind="stable")  # groups have no node in common, and none merges before its own turn
+    order = np.argsort(prices, kind="stable")  # groups share no node, and the order inside a group stays
     return steps.labels_after(nodes, steps.Merges(pairs[order], prices[order]), price)
 
 
 def rim_of(halo: borders.Halo, label: NDArray[np.int32], own: int) -> NDArray[np.int32]:
-    """(N, 2) the regions that a tile has at vertices of other tiles, or sees there, and which tile."""
+    """Return (N, 2) pairs of a region and another tile: regions at vertices of that tile, own and in the halo."""
     region = np.concatenate([label[halo.touch_face], label[own:]])
     tile = np.concatenate([halo.touch_tile, halo.tile])
     rows = np.unique(np.stack([region, tile], 1), axis=0)

@@ -16,7 +16,7 @@ Task = dict[str, Any]
 
 
 class Surface(NamedTuple):
-    """A thinned mesh with the labels of its faces, and the moments of what they stand for."""
+    """A thinned mesh with the labels of its faces, and the moments of the scan faces that they represent."""
 
     mesh: Mesh
     label: NDArray[np.int32]
@@ -24,7 +24,7 @@ class Surface(NamedTuple):
 
 
 def thinned(parts: list[Path], threads: int) -> Surface:
-    """The thinned meshes of some folders as one, thinned again over what were borders between them."""
+    """Join the thinned meshes of some folders, and thin the result again over the former borders."""
     options = CleanOptions(threads=threads)
 
     def joined(name: str) -> NDArray[Any]:
@@ -35,7 +35,7 @@ def thinned(parts: list[Path], threads: int) -> Surface:
     triangles = np.concatenate([load(p, "triangles") + int(o) for p, o in zip(parts, first, strict=False)])
     mesh = clean(joined("vertices"), triangles.astype(np.int32, copy=False), options)
     del triangles
-    # Moments take more than the mesh, so there is one copy of them at a time.
+    # Moments need more memory than the mesh, so one copy of them exists at a time.
     label, moments = joined("label")[mesh.source_face], joined("moments")[mesh.source_face]
     again = steps.thin(mesh, label, moments)
     del label, moments
@@ -45,7 +45,7 @@ def thinned(parts: list[Path], threads: int) -> Surface:
 
 
 def mesh_all(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The polygons of all tiles."""
+    """Write the polygons of all tiles."""
     mesh, label, moments = thinned([of_tile(work, "thin", tile) for tile in task["present"]], task["threads"])
     part = partition_from(mesh, label)
     kept = steps.kept_moments(mesh, moments)

@@ -1,4 +1,4 @@
-"""What a run over tiles is to do."""
+"""The plan of a run over tiles: inputs, output and options."""
 
 import hashlib
 import json
@@ -17,21 +17,21 @@ from ..reading import kind_of
 from .errors import TileFailed, TilesError
 from .tileset import Leaf, leaves, tileset_of
 
-DETAIL = 0.005  #: where neither a number nor a tolerance is given, as for one piece
+DETAIL = 0.005  #: if neither a number nor a tolerance is given; the same as for one piece
 OUTPUTS = (".obj", ".ply")
 PARTITION = ("proxies", "detail", "tolerance", "noise", "snap", "smooth", "leave_out", "seed")
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What is to be done."""
+    """The inputs, output and options of a run."""
 
-    inputs: list[tuple[str, Path]]  # names, and files
-    is_single: bool  # a scan that is cut into tiles first
+    inputs: list[tuple[str, Path]]  # names and files
+    is_single: bool  # one scan, which is cut into tiles first
     output: Path
     work: Path
     options: dict[str, Any]
-    leaves: tuple[Leaf, ...] = ()  # of a tileset: as inputs
+    leaves: tuple[Leaf, ...] = ()  # leaves of a tileset, in the order of `inputs`
 
     def key(self) -> str:
         files = [(name, str(p), p.stat().st_size, p.stat().st_mtime_ns) for name, p in self.inputs]
@@ -73,11 +73,11 @@ def plan_of(source: Path, output: Path, work: Any, options: dict[str, Any], tile
     if not inputs:
         raise TilesError(f"{source}: there is no tile in this folder")
     for _, path in inputs:
-        if not path.is_file():  # a pipe would be waited for, and a device has no end
+        if not path.is_file():  # reading a pipe could block, and a device has no end
             raise TileFailed(f"{path}: is no file" if path.exists() else f"{path}: there is no such file")
     if tile_faces < 1:
         raise TilesError(f"the number of faces of a tile must be at least 1, got {tile_faces}")
-    single = source.is_file() and kind_of(source) in READABLE  # another file is a list of tiles
+    single = source.is_file() and kind_of(source) in READABLE  # any other file is a list of tiles
     return Plan(inputs, single, place, folder, options | ({"tile_faces": tile_faces} if single else {}))
 
 

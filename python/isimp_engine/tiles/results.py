@@ -1,4 +1,4 @@
-"""What a run leaves: the polygons and the labels, at their places."""
+"""The results of a run: writes the polygons and the labels to their final places."""
 
 import shutil
 from pathlib import Path
@@ -14,7 +14,7 @@ from .store import load, of_tile, values_of
 
 
 def write_labels(plan: Plan, folder: Path) -> int:
-    """The labels of each file's faces; returns how many files."""
+    """Write the labels of each file's faces; returns the number of files."""
     if plan.is_single:
         faces = values_of(of_tile(plan.work, "split", 0))["faces"]
         label = np.full(faces, -1, np.int32)
@@ -32,7 +32,7 @@ def write_labels(plan: Plan, folder: Path) -> int:
 
 
 def _save_label(folder: Path, name: str, label: Any, plan: Plan) -> None:
-    """As NAME.npy, or NAME.SUFFIX.npy where two tiles differ only in their suffix."""
+    """Write labels as NAME.npy, or as NAME.SUFFIX.npy if two tiles differ only in their suffix."""
     stems = [str(inner(other).with_suffix("")) for other, _ in plan.inputs]
     own = str(inner(name).with_suffix(""))
     path = folder / f"{name if stems.count(own) > 1 else own}.npy"
@@ -42,7 +42,7 @@ def _save_label(folder: Path, name: str, label: Any, plan: Plan) -> None:
 
 
 def deliver(plan: Plan) -> None:
-    """The result to its place, over an older one."""
+    """Copy the result to its place. It replaces an older one."""
     made = of_tile(plan.work, "mesh", 0) / f"result{plan.output.suffix.lower()}"
     with whole(plan.output) as draft:
         shutil.copyfile(made, draft)

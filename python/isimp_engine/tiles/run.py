@@ -1,4 +1,4 @@
-"""A scan given as tiles, larger than memory: a tile at a time in each of some child processes."""
+"""A run on a scan in tiles that may be larger than memory: each child process holds one tile at a time."""
 
 import os
 import shutil
@@ -27,31 +27,31 @@ from .store import MADE, load, of_tile, publish, values_of
 from .tasks import SURPLUS
 from .work_folder import NAMES, PLAN, begin, damage_forgotten, key_of
 
-TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
-_PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region at least
-_FIRST = (3, 3)  # rounds before the last merging, and sweeps of each, at most
-_FIRST_BY_DETAIL = (4, 8)  # the same where the number is found
-_LAST = (10, 8)  # and after it
-_OF_ONE_PIECE = 2.0  # its error before the last merging against that of tiles, which merge from better patches
-_LIGHT = 0.5  # of the error, for what borders weigh in the first rounds where the number is found
-_FEW = 2e-5  # of all faces: rounds end where fewer move
+TILE_FACES = 1_000_000  #: size of the tiles that a single scan is cut into
+_PATCH, _PATCHES_A_REGION = 100, 6  # most faces of a patch; least mean number of patches of a region
+_FIRST = (3, 3)  # most rounds before the last merging, and most sweeps of each
+_FIRST_BY_DETAIL = (4, 8)  # with a tolerance
+_LAST = (10, 8)  # after the last merging
+_OF_ONE_PIECE = 2.0  # its error before the last merging, as a multiple of that of tiles, which merge better patches
+_LIGHT = 0.5  # share of the error that weighs borders in the first rounds with a tolerance
+_FEW = 2e-5  # share of all faces: rounds end if at most this share moves
 _TICK = 0.2  # seconds
 
 
 @dataclass
 class State:
-    """How far a run is."""
+    """The progress of a run."""
 
-    step: str = ""  #: what is being done
-    done: int = 0  #: tiles of this step
+    step: str = ""  #: name of the present step
+    done: int = 0  #: tiles for which this step is done
     tiles: int = 0
-    before: int = 0  #: steps of tiles that an earlier run did
+    before: int = 0  #: number of steps of tiles that an earlier run did
     seconds: float = 0.0
 
 
 @dataclass
 class Outcome:
-    """What a run made."""
+    """The result of a run."""
 
     output: Path
     report: dict[str, Any] = field(default_factory=dict)  #: the numbers; see docs/scale.md
@@ -78,21 +78,21 @@ def run(
     source: a folder of tiles in one system of coordinates (PLY, OBJ, STL, OFF), a tileset.json of 3D Tiles, or one
             scan, which is cut into tiles of about `tile_faces` faces.
     output: the polygon mesh, .obj or .ply.
-    proxies: the number of regions; None: found, as options say.
-    weld: length up to which vertices on borders of different tiles are one; 0: only where they are equal.
-    work: folder for intermediate results, on a disk that all workers share; it stays. None: one beside the output,
-          which is removed at the end. A run that was ended goes on from there.
+    proxies: the number of regions; None: found by `options`.
+    weld: largest distance at which vertices on borders of different tiles are joined; 0: only equal ones are.
+    work: folder for intermediate results, on a disk that all workers share; it stays. None: a folder next to the
+          output, which is removed at the end. An interrupted run continues from there.
     labels: folder for the labels: an int32 array for each tile, the region of each face of its file; -1: none.
-    jobs: the largest number of tiles at once; None: one a core. Free memory may allow fewer.
+    jobs: the largest number of tiles at once; None: one for each core. Free memory may allow fewer.
     dask: the address of a Dask scheduler, whose workers do the work.
-    cluster: a cluster that is started for this run, see batch.Cluster, in place of `dask`.
+    cluster: a cluster to start for this run in place of `dask`; see batch.Cluster.
     group: largest number of tiles in a group. A scan of more tiles is merged by groups: no process has the whole graph.
-    options: detail, tolerance, noise, snap, smooth, leave_out, seed of PartitionOptions, planar of MeshingOptions.
-    watch: called after each step of a tile, and some times a second.
+    options: detail, tolerance, noise, snap, smooth, leave_out and seed of PartitionOptions, planar of MeshingOptions.
+    watch: called after each step of a tile, and several times a second.
 
-    The result is the same bits for any number of workers, and after any number of interrupted runs.
-    Raises TilesError (wrong usage), TileFailed (a tile can't be read, too little memory) and KeyboardInterrupt as it
-    comes.
+    The result is the same, bit for bit, for any number of workers and after any number of interrupted runs.
+    Raises TilesError (wrong usage) or TileFailed (a tile can't be read, too little memory). KeyboardInterrupt passes
+    through.
     """
     if not hasattr(os, "fork"):
         raise TilesError("tiles need child processes by fork, which this system does not have")
@@ -111,9 +111,9 @@ def run(
         check_one(dask, cluster)
         own.take(unmarked=work is None or key_of(plan.work) is not None)
         with Lock(plan.work) as lock:
-            own.take(unmarked=True)  # a run that has just ended may have removed the mark meanwhile
+            own.take(unmarked=True)  # a run that has just ended may have removed the mark
             before = begin(plan, own)
-            for path in plan.work.glob("running-*"):  # of a run on a cluster that was killed
+            for path in plan.work.glob("running-*"):  # left by a killed run on a cluster
                 path.unlink()
             parts = plan.work / "parts"
             discard(parts)
@@ -143,7 +143,7 @@ def _label_folder(folder: Path, plan: Plan) -> Path:
 
 
 class _Run:
-    """The steps in their order; those that are done are not done again."""
+    """Runs the steps in their order, and skips steps that are done."""
 
     def __init__(
         self, plan: Plan, workers: Workers, watch: Callable[[State], None] | None, before: int, labels: bool
@@ -156,7 +156,7 @@ class _Run:
         self._sizes = [path.stat().st_size for _, path in plan.inputs]
         self._tolerance: float | None = None  # scene units; None: the number of regions is given
         self._noise = 0.0
-        self._groups: list[list[int]] = []  # tiles of each; none where there are few tiles
+        self._groups: list[list[int]] = []  # tiles of each group; empty if there are few tiles
         self._beside: list[list[int]] = []
         self._peaks: dict[str, float] = {}
         self._seconds: dict[str, float] = {}
@@ -169,7 +169,7 @@ class _Run:
         self._one("mend", {"weld": options["weld"], "diagonal": self._diagonal}, sum(whole) // 50)
         smooth = options.get("smooth", PartitionOptions().smooth)
         self._map("patches", present, self._fineness() | {"smooth": smooth})
-        for k in present:  # vertices on borders have been put in, or all faces of a tile welded away
+        for k in present:  # `mend` may have added vertices on borders, or welded all faces of a tile away
             self._faces[k] = values_of(of_tile(plan.work, "patches", k))["faces"]
         present = [k for k in present if self._faces[k]]
         leave_out = options.get("leave_out", PartitionOptions().leave_out)
@@ -205,14 +205,14 @@ class _Run:
         return Outcome(plan.output, self._report(join, merged, last, sums, present))
 
     def _gather(self, present: list[int], patches: int) -> int:
-        """Merge inside groups of tiles, where there are many tiles; returns how many patches are left."""
+        """Merge inside groups of tiles, if there are many tiles; returns the number of patches that are left."""
         if len(present) <= self._plan.options["group"]:
             return patches
         work = self._plan.work
         found = [values_of(of_tile(work, "prepare", k)) for k in present]
         low, high = (np.array([values[name] for values in found]) for name in ("low", "high"))
         places = groups_of((low + high) / 2, self._plan.options["group"])
-        off = 2 * self._plan.options["weld"] + 1e-6 * self._diagonal  # vertices on borders have moved
+        off = 2 * self._plan.options["weld"] + 1e-6 * self._diagonal  # `mend` may have moved vertices on borders
         near = [beside(low, high, own, off) for own in places]
         self._groups = [[present[i] for i in own] for own in places]
         self._beside = [[present[i] for i in own] for own in near]
@@ -231,12 +231,12 @@ class _Run:
         return sum(values_of(of_tile(work, "cut", g))["patches"] for g in range(count))
 
     def _of_groups(self, step: str, task: dict[str, Any], faces: dict[int, int]) -> None:
-        """A step of each group of tiles."""
+        """Run a step for each group of tiles."""
         own = {g: {"own": self._groups[g], "beside": self._beside[g]} for g in range(len(self._groups))}
         self._each(step, list(own), {"step": step} | task, own, lambda g: needed_mb(faces[g], 0))
 
     def _places(self, present: list[int], near: dict[str, list[int]]) -> dict[int, dict[str, Any]]:
-        """Where each tile finds the regions of its patches, and its neighbours."""
+        """Return for each tile where the regions of its patches are stored, and its neighbours."""
         first = load(of_tile(self._plan.work, "join", 0), "first").tolist()
         if not self._groups:
             return {k: {"first": first[i], "near": near[str(k)]} for i, k in enumerate(present)}
@@ -247,16 +247,16 @@ class _Run:
         return own
 
     def _fineness(self) -> dict[str, Any]:
-        """What patches are made by."""
+        """Return the options that set the size of patches."""
         if self._tolerance is not None:
             return {"tolerance": self._tolerance, "noise": self._noise}
         return {"size": max(1, min(_PATCH, sum(self._faces) // (_PATCHES_A_REGION * self._plan.options["proxies"])))}
 
     def _borders(self, smooth: float, area: float) -> tuple[dict[str, float], dict[str, float], dict[str, float]]:
-        """What borders weigh in the first rounds, in the last merging and in the rounds after it, as in one piece.
+        """Return the weights of borders in the first rounds, the last merging and the last rounds, as for one piece.
 
-        One piece weighs them by the error of its regions before the last merging. Where it finds the number, it weighs
-        them lightly at first, and merges by the error alone.
+        One piece weighs borders by the error of its regions before the last merging. With a tolerance, their weight is
+        low in the first rounds, and merging depends on the error alone.
         """
         error = steps.error_of(load(of_tile(self._plan.work, "join", 0), "sums")) / area
         if self._tolerance is None:
@@ -266,7 +266,7 @@ class _Run:
         return plain, plain, {"smooth": smooth, "error": error}
 
     def _wanted(self) -> dict[str, Any]:
-        """What tells the number of regions."""
+        """Return the options that set the number of regions."""
         options = self._plan.options
         if self._tolerance is None:
             return {"proxies": options["proxies"]}
@@ -274,7 +274,7 @@ class _Run:
         return {"tolerance": self._tolerance, "noise": self._noise, "snap": snap}
 
     def _measure(self, found: list[dict[str, Any]]) -> None:
-        """The tolerance in scene units, from the size of the scan, and the noise; from tiles that have faces."""
+        """Set the tolerance (scene units, from the size of the scan) and the noise, from the tiles that have faces."""
         options = self._plan.options
         size, noise = steps.size_and_noise([steps.Extent(**each["extent"]) for each in found if each["faces"]])
         self._tolerance = options.get("tolerance", options.get("detail", DETAIL) * (size or self._diagonal))
@@ -328,12 +328,12 @@ class _Run:
         shared: dict[str, Any],
         relabel: str | None = None,
     ) -> tuple[str, str]:
-        """Relax until few faces move; returns the steps that have the labels and the sums."""
+        """Relax until few faces move; returns the names of the steps with the labels and the sums."""
         labels, sums = begin
         for number in range(extent[0]):
             step, added = f"{name}-{number:02d}", f"{name}-{number:02d}-sums"
             if number + 1 < extent[0] and (self._plan.work / f"{name}-{number + 1:02d}-sums").exists():
-                labels, sums = step, added  # done, and its labels are gone or on the way out
+                labels, sums = step, added  # done, and its labels may be removed already
                 continue
             task = {"step": "relax", "before": labels, "sums": sums, "round": number + 100 * len(name)}
             task["whole"] = shared | {"sweeps": extent[1]}
@@ -357,14 +357,14 @@ class _Run:
         return self._one("mesh", task, 3 * sum(thinned.values()))
 
     def _one(self, step: str, task: dict[str, Any], faces: int, mb: float = 0.0) -> dict[str, Any]:
-        """A step of all tiles together."""
+        """Run a step for all tiles together."""
         self._each(step, [0], {"step": step} | task, {}, lambda tile: needed_mb(faces, 0) + mb)
         return values_of(of_tile(self._plan.work, step, 0))
 
     def _map(
         self, step: str, tiles: list[int], task: dict[str, Any], own: Mapping[int, dict[str, Any]] | None = None
     ) -> None:
-        """A step of each of some tiles."""
+        """Run a step for each of some tiles."""
         need = lambda tile: needed_mb(self._faces[tile], self._sizes[tile])  # noqa: E731
         self._each(step, tiles, {"step": step} | task, own or {}, need)
 

@@ -1,4 +1,4 @@
-"""A single scan cut into tiles: binary PLY files without reading them whole, others after reading them."""
+"""Cutting of a single scan into tiles. Binary PLY files are mapped; other files are read into memory."""
 
 import re
 from collections.abc import Iterator
@@ -13,17 +13,17 @@ from ..cli.loading import cut
 from ..reading import plain
 from .store import save, tile_name
 
-_CHUNK = 1 << 20  # faces that are looked at together
+_CHUNK = 1 << 20  # faces that are processed together
 _SAMPLE = 1 << 18  # faces from which the tree of boxes is made
 _TYPES = {"float": "f4", "float32": "f4", "double": "f8", "float64": "f8", "int": "i4", "int32": "i4", "uint": "u4"}
 _TYPES |= {"uint32": "u4", "uchar": "u1", "uint8": "u1", "char": "i1", "int8": "i1", "short": "i2", "int16": "i2"}
 _TYPES |= {"ushort": "u2", "uint16": "u2"}
 
-Chunk = tuple[NDArray[Any], NDArray[np.int32]]  # triangles, and the face of the file each is part of
+Chunk = tuple[NDArray[Any], NDArray[np.int32]]  # triangles, and the face of the file that each is part of
 
 
 class Source:
-    """A scan's vertices, and its triangles in chunks."""
+    """The vertices of a scan, and its triangles in chunks."""
 
     def __init__(self, vertices: Any, triangles: Any, polygon: NDArray[np.int32] | None, faces: int) -> None:
         self._vertices, self._triangles, self._polygon, self.faces = vertices, triangles, polygon, faces
@@ -33,7 +33,7 @@ class Source:
         return len(self._triangles)
 
     def places(self, index: NDArray[Any]) -> NDArray[np.float64]:
-        """(N, 3) of these vertices."""
+        """Return the places (N, 3) of these vertices."""
         rows = self._vertices[index]
         if rows.dtype.names:
             return np.stack([rows[axis].astype(np.float64) for axis in "xyz"], -1)
@@ -51,7 +51,7 @@ class Source:
 
 
 def open_scan(path: Path) -> Source:
-    """A scan for cutting into tiles. Raises FileError."""
+    """Open a scan for cutting into tiles. Raises FileError."""
     mapped = _mapped_ply(path)
     if mapped is not None:
         return mapped
@@ -61,7 +61,7 @@ def open_scan(path: Path) -> Source:
 
 
 def _mapped_ply(path: Path) -> Source | None:
-    """A binary PLY whose faces are all triangles in rows of one size; None for any other file."""
+    """Map a binary PLY file whose faces are all triangles in rows of one size; None for any other file."""
     if path.suffix.lower() != ".ply" or not path.is_file():
         return None
     with path.open("rb") as file:
@@ -89,12 +89,12 @@ def _mapped_ply(path: Path) -> Source | None:
     for begin in range(0, faces, _CHUNK):
         rows = triangles[begin : begin + _CHUNK]
         if (rows["n"] != 3).any() or rows["v"].min() < 0 or rows["v"].max() >= count:
-            return None  # the reader of the engine says what is wrong, or cuts the polygons
+            return None  # the engine's reader raises the error, or cuts the polygons
     return Source(vertices, triangles, None, faces)
 
 
 class Boxes:
-    """A tree of boxes with about as many faces each, by the middles of some of the faces."""
+    """A tree of boxes with about equal numbers of faces, made from the middles of some of the faces."""
 
     def __init__(self, middles: NDArray[np.float64], leaves: int) -> None:
         self.leaves = 0
@@ -115,7 +115,7 @@ class Boxes:
         return axis, border, self._split(middles[below], lower), self._split(middles[~below], leaves - lower)
 
     def find(self, middles: NDArray[np.float64]) -> NDArray[np.int32]:
-        """(N,) the box of each place."""
+        """Return the box (N,) of each place."""
         result = np.zeros(len(middles), np.int32)
         waiting = [(self._root, np.arange(len(middles)))]
         while waiting:
@@ -136,7 +136,7 @@ def middles_of(source: Source, triangles: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def split_scan(path: Path, folder: Path, tile_faces: int) -> dict[str, int]:
-    """Cut a scan into tiles of about so many faces, each a folder of arrays: vertices, triangles, polygon."""
+    """Cut a scan into tiles of about `tile_faces` faces, each a folder of arrays: vertices, triangles, polygon."""
     folder.mkdir(parents=True, exist_ok=True)
     with plain(path, folder) as place:
         return _split(open_scan(place), folder, tile_faces)

@@ -1,4 +1,4 @@
-"""Files of a run: arrays in folders that appear whole or not at all."""
+"""Files of a run: arrays in folders, which appear complete or not at all."""
 
 import json
 import os
@@ -18,7 +18,7 @@ from ..reading import reader
 
 VALUES = "values.json"
 DAMAGED = "is damaged; the next run begins with an empty work folder"
-MADE = "made"  #: in the folder of a child: what its step made
+MADE = "made"  #: in the folder of a child: the files of its step
 
 
 def save(folder: Path, **arrays: NDArray[Any]) -> None:
@@ -29,7 +29,7 @@ def save(folder: Path, **arrays: NDArray[Any]) -> None:
 
 
 def load(folder: Path, name: str, mapped: bool = False) -> NDArray[Any]:
-    """An array; mapped: of a large file, to read parts of it. Raises FileError."""
+    """Load an array. mapped: map the file, to read parts of a large array. Raises FileError."""
     path = folder / f"{name}.npy"
     with _ours(path):
         if mapped:
@@ -42,7 +42,7 @@ def load(folder: Path, name: str, mapped: bool = False) -> NDArray[Any]:
 
 @contextmanager
 def _ours(path: Path) -> Iterator[None]:
-    """Where a file of the work folder can't be read or is gone, say so."""
+    """Raise FileError if a file of the work folder is missing or can't be read."""
     with reader(path, DAMAGED):
         try:
             yield
@@ -51,7 +51,7 @@ def _ours(path: Path) -> Iterator[None]:
 
 
 def save_values(folder: Path, values: dict[str, Any]) -> None:
-    """Raises InvalidInput for numbers that are not finite."""
+    """Write the values of a step. Raises InvalidInput for numbers that are not finite."""
     try:
         text = json.dumps(values, allow_nan=False)
     except ValueError:
@@ -65,7 +65,7 @@ def save_values(folder: Path, values: dict[str, Any]) -> None:
 
 
 def values_of(folder: Path) -> dict[str, Any]:
-    """Raises FileError."""
+    """Load the values of a step. Raises FileError."""
     path = folder / VALUES
     with _ours(path):
         values: dict[str, Any] = json.loads(path.read_bytes())
@@ -74,9 +74,9 @@ def values_of(folder: Path) -> dict[str, Any]:
 
 
 def publish(made: Path, place: Path) -> None:
-    """Give a folder its final name; from then on its step is done."""
+    """Rename a folder to its final name. Its step counts as done if this name exists."""
     place.parent.mkdir(parents=True, exist_ok=True)
-    if place.exists():  # of a run that was ended before it could use it
+    if place.exists():  # left by an interrupted run, which has not used it
         discard(place)
     made.replace(place)
     sync_folder(place.parent)
@@ -87,5 +87,5 @@ def tile_name(tile: int) -> str:
 
 
 def of_tile(work: Path, step: str, tile: int) -> Path:
-    """The folder of a step of a tile; steps of all tiles together are of tile 0."""
+    """Return the folder of a step of a tile. Steps of all tiles together use tile 0."""
     return work / step / tile_name(tile)

@@ -1,4 +1,4 @@
-"""What a child does: one step of one tile, or of all together. Arrays come from files and go to files."""
+"""The work of a child process: one step of one tile, or of all together. It reads and writes files of arrays."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -21,15 +21,15 @@ from .splitting import split_scan
 from .store import MADE, load, of_tile, save, save_values, tile_name
 
 _CLEAN = CleanOptions(threads=1)
-_FINER = 4.0  # by how much patches are finer than the tolerance at which the joined tree is cut
-SURPLUS = 2.2  # regions before the last merging, as a multiple of a number that is given
-_T_JUNCTION = 1e-9  # of the diagonal: how far off an edge a vertex may be that lies on it, where nothing is welded
+_FINER = 4.0  # ratio of the tolerance at which the joined tree is cut to that of the patches
+SURPLUS = 2.2  # regions before the last merging, as a multiple of a given number
+_T_JUNCTION = 1e-9  # share of the diagonal: largest distance of a T-junction from its edge without welding
 
 Task = dict[str, Any]
 
 
 def run(task: Task, folder: Path) -> dict[str, Any]:
-    """Do the step `task["step"]`; its files go to a folder MADE. Returns its values, or {"why": ...}."""
+    """Run the step `task["step"]`. Its files are written to a folder MADE. Returns {"why": ...} if it fails."""
     made = folder / MADE
     made.mkdir()
     work = Path(task["work"])
@@ -47,7 +47,7 @@ def _split(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 
 def _prepare(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """A tile as a sound mesh, and its border."""
+    """Read and repair a tile; save its mesh and its border."""
     if "place" in task:
         vertices, triangles = tileset.read(tileset.Leaf(Path(task["input"]), task["place"], task["up"]))
         faces = len(triangles)
@@ -81,7 +81,7 @@ def _prepare(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 
 def _clean(vertices: NDArray[Any], triangles: NDArray[Any]) -> Mesh | None:
-    """The mesh; None where no face of the tile can be used."""
+    """Return the repaired mesh; None if no face of the tile can be used."""
     if not len(triangles):
         return None
     try:
@@ -93,7 +93,7 @@ def _clean(vertices: NDArray[Any], triangles: NDArray[Any]) -> Mesh | None:
 
 
 def _mend(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """Which border vertices move so that tiles meet, and which are put into edges of other tiles."""
+    """Find border vertices to move so that tiles meet, and border vertices to insert into edges of other tiles."""
     tiles = range(task["tiles"])
     folders = [of_tile(work, "prepare", tile) for tile in tiles]
     ends = [load(folder, "ends") for folder in folders]
@@ -138,7 +138,7 @@ def _t_junctions(
     edge_tile: NDArray[np.int32],
     task: Task,
 ) -> NDArray[np.int64]:
-    """(J, 2) border edge and vertex inside it, of another tile, by edge and then along it."""
+    """Return (J, 2) pairs of a border edge and a vertex of another tile inside it, by edge, then along it."""
     whole = np.ones(len(edge), bool)
     whole[borders.match(names[edge], edge_tile).ravel()] = False
     left = np.flatnonzero(whole)
@@ -155,18 +155,18 @@ def _t_junctions(
     result = np.stack([left[found[:, 0]], points[found[:, 1]]], 1)
     result = result[edge_tile[result[:, 0]] != tile_of[result[:, 1]]]
     key = np.stack([result[:, 0].astype(np.uint64), names[result[:, 1]]], 1)
-    _, one = np.unique(key, axis=0, return_index=True)  # a place of several tiles goes in once
+    _, one = np.unique(key, axis=0, return_index=True)  # a place that several tiles share is inserted once
     kept: NDArray[np.int64] = result[np.sort(one)]
     return kept
 
 
 def _patches(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The mended mesh of a tile, its patches and what other tiles must know of it."""
+    """Save the faces of the mended mesh of a tile, its patches, and the fringe that other tiles need."""
     tile = task["tile"]
     mesh, polygon = _mended(work, tile)
     if mesh is None:
         return {"faces": 0, "patches": 0}
-    # What relaxing needs goes to files before the patches are made, so that memory never holds both.
+    # The arrays for relaxing are saved before the patches are made, so that memory never holds both.
     record, neighbour, mesh_face, length = steps.faces_of(mesh)
     save(made, record=record, neighbour=neighbour, mesh_face=mesh_face, length=length, polygon=polygon)
     del length, polygon
@@ -183,7 +183,7 @@ def _patches(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 
 def _mended(work: Path, tile: int) -> tuple[Mesh | None, NDArray[np.int32]]:
-    """The mesh of a tile that fits its neighbours, and the file's face of each of its faces."""
+    """Return the mesh of a tile that fits its neighbours, and the face of the file that each face is part of."""
     folder, mend = of_tile(work, "prepare", tile), of_tile(work, "mend", 0) / tile_name(tile)
     polygon = load(folder, "polygon")
     if not len(polygon):
@@ -205,7 +205,7 @@ def fringe(work: Path, tile: int) -> borders.Fringe:
 
 
 def _join(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The graph of all patches, or of what groups leave, merged to the number found or to some more than that given."""
+    """Join the graphs of patches, or of groups, and merge them to the number found, or to SURPLUS times a given one."""
     tiles, groups = task["present"], task["groups"]
     folders = [of_tile(work, "cut" if groups else "patches", k) for k in (range(groups) if groups else tiles)]
     sums = [load(folder, "sums") for folder in folders]
@@ -257,7 +257,7 @@ def _totals(tiles: list[int], folders: list[Path], keys: list[Any], patches: int
 def _merged(
     sums: NDArray[np.float64], component: NDArray[np.int32], label: NDArray[np.int32]
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """The sums and the components of regions, from those of their nodes."""
+    """Return the sums and the components of regions, from the sums and components of their nodes."""
     kept = label >= 0
     count = int(label.max()) + 1
     merged = np.empty((count, 5))
@@ -269,7 +269,7 @@ def _merged(
 
 
 def _halo(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The halo of a tile, and the first labels of its faces."""
+    """Save the halo of a tile, and the first labels of its faces."""
     tile, near = task["tile"], task["near"]
     folder, join = of_tile(work, "patches", tile), of_tile(work, "join", 0)
     own = fringe(work, tile)
@@ -284,7 +284,7 @@ def _halo(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 
 def _labels(task: Task, work: Path) -> NDArray[np.int32]:
-    """The labels of a tile and its halo after the step before."""
+    """Return the labels of a tile and its halo after the previous step."""
     tile, before = task["tile"], task["before"]
     halo = of_tile(work, "halo", tile)
     owner, place = load(halo, "tile"), load(halo, "place")
@@ -321,7 +321,7 @@ def _relax(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 
 def _sum(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The sums of all regions after a round."""
+    """Save the sums of all regions after a round."""
     folders = [of_tile(work, task["after"], tile) for tile in task["present"]]
     changes = [(load(folder, "changed"), load(folder, "change")) for folder in folders]
     save(made, sums=steps.add_changes(load(of_tile(work, task["sums"], 0), "sums"), changes))
@@ -341,7 +341,7 @@ def _touch(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 
 def _merge(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The regions merged to as many as are wanted."""
+    """Merge the regions to the number to be made."""
     folders = [of_tile(work, "touch", tile) for tile in task["present"]]
     pairs, lengths = (np.concatenate([load(folder, name) for folder in folders]) for name in ("pairs", "lengths"))
     sums, join, groups = load(of_tile(work, task["sums"], 0), "sums"), of_tile(work, "join", 0), task["groups"]
@@ -360,7 +360,7 @@ def _merge(task: Task, work: Path, made: Path) -> dict[str, Any]:
         price = grouped.price_of_regions(work, groups, whole, target) if cost is None else cost / 2
         label = grouped.merged_in_groups(work, groups, whole, price)
         rest, near, own_lengths, found = part(label)
-    if cost is not None:  # once more, now that borders have moved: some regions have become like others beside them
+    if cost is not None:  # count again: borders have moved, and some regions are now similar to their neighbours
         target = min(target, steps.find_regions(rest, near, found, 0.0, 0.0, cost=cost).regions)
     joined = len(rest)
     label = steps.merge(rest, near, own_lengths, found, target, task["smooth"], task["error"], target)[label]
@@ -370,7 +370,7 @@ def _merge(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 
 def _thin(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """What meshing needs of a tile, and the labels of the file's faces."""
+    """Save the thinned mesh of a tile for meshing, and the labels of the file's faces."""
     tile = task["tile"]
     mesh, polygon = _mended(work, tile)
     assert mesh is not None
@@ -391,7 +391,7 @@ def _thin(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 
 def _file_labels(polygon: NDArray[np.int32], region: NDArray[np.int32], area: NDArray[np.float64]) -> NDArray[np.int32]:
-    """The region of each face of the file that is left, in rising order: the one with most of its area."""
+    """Return the region with most of the area of each face of the file that is left, in rising order of the faces."""
     kept = region >= 0
     faces, at = np.unique(polygon, return_inverse=True)
     result = np.full(len(faces), -1, np.int32)
@@ -422,5 +422,5 @@ _STEPS: dict[str, Callable[[Task, Path, Path], dict[str, Any]]] = {
     "thin": _thin,
     "mesh": meshing.mesh_all,
 }
-#: the folders of steps in a work folder, as a regular expression; rounds of relaxing have a number
+#: regular expression of the folders of steps in a work folder; rounds of relaxing have a number
 FOLDERS = "|".join([*(step for step in _STEPS if step not in ("relax", "sum")), r"(first|last)-\d+(-sums)?"])

@@ -1,4 +1,4 @@
-"""3D Tiles: the leaves of a tileset, and the meshes in them at their places."""
+"""3D Tiles: the leaves of a tileset, and their meshes in the tileset's coordinates."""
 
 import json
 import struct
@@ -16,9 +16,9 @@ from ..texturing import glb, named
 from ..texturing.gltf_values import Item
 
 CONTENTS = (".b3dm", ".cmpt", ".glb", ".gltf")  #: files of leaves that hold meshes
-_DEEPEST = 64  # tilesets within tilesets
-_AGAIN = 100_000  # tiles that may come from files which were read before
-_B3DM, _CMPT = 28, 16  # bytes of their headers
+_DEEPEST = 64  # depth of tilesets in tilesets, at most
+_AGAIN = 100_000  # most tiles from tilesets that were read before
+_B3DM, _CMPT = 28, 16  # sizes of their headers, bytes
 _POINTS = {b"pnts": "points", b"i3dm": "instances of a model"}
 _UP: dict[str, NDArray[np.float64]] = {  # from the axes of glTF to z upward
     "Y": np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]),
@@ -30,7 +30,7 @@ Mesh = tuple[NDArray[np.float64], NDArray[np.int32]]
 
 
 class Leaf(NamedTuple):
-    """A file of the finest level, and where it is."""
+    """A file of the finest level, and its place."""
 
     path: Path
     place: list[float]  #: (16,) the rows of the matrix to the tileset's coordinates
@@ -38,21 +38,21 @@ class Leaf(NamedTuple):
 
 
 def tileset_of(path: Path) -> Path | None:
-    """The tileset that a path stands for: a .json file, or a folder with tileset.json; None for others."""
+    """Return the tileset of a path: a .json file, or tileset.json in a folder; None for other paths."""
     if path.is_dir():
         path = path / "tileset.json"
     return path if path.suffix.lower() == ".json" and path.is_file() else None
 
 
 def leaves(path: Path) -> list[Leaf]:
-    """The files of a tileset's finest level, in its order. Raises FileError, which names what can't be used."""
+    """Return the files of a tileset's finest level, in its order. Raises FileError with the name of the bad file."""
     walk = _Walk(path)
     walk.into(path, np.eye(4), 0)
     return walk.found
 
 
 class _File:
-    """A tileset, which other ones may name."""
+    """A tileset file; other tilesets may name it."""
 
     def __init__(self, path: Path) -> None:
         self.path, self.is_known = path, False
@@ -62,14 +62,14 @@ class _File:
 
 
 class _Walk:
-    """A way through all tilesets that one names."""
+    """A traversal of a tileset and all tilesets that it names."""
 
     def __init__(self, path: Path) -> None:
         self.found: list[Leaf] = []
         self._root = named.root_of(path)
         self._files: dict[Path, _File] = {}
-        self._places: dict[tuple[Path, str], Path] = {}  # what tiles name
-        self._again = 0  # tiles of files that were gone through before
+        self._places: dict[tuple[Path, str], Path] = {}  # files by the names in tiles
+        self._again = 0  # tiles of files that were traversed before
 
     def into(self, path: Path, place: NDArray[np.float64], depth: int) -> None:
         """Find the leaves of a tileset at a place."""
@@ -98,7 +98,7 @@ class _Walk:
             self._content(file, content, place, depth)
         for child in tile.get("children", ()):
             self._tile(file, child, place, refine, depth)
-        if refine != "ADD" and len(self.found) == count:  # else what is finer stands for all of it
+        if refine != "ADD" and len(self.found) == count:  # else finer tiles replace all of it
             for content in contents:
                 self._content(file, content, place, depth)
 
@@ -113,7 +113,7 @@ class _Walk:
             self.found.append(Leaf(found, place.ravel().tolist(), file.up))
 
     def _named(self, path: Path, uri: str) -> Path:
-        """The file that a tile of a tileset names."""
+        """Return the file that a tile of a tileset names."""
         parts = urlsplit(uri)
         if len(parts.scheme) > 1 or parts.netloc:
             raise FileError(f"{path}: the tile {uri} is not a file of this machine; fetch the tileset first")
@@ -126,7 +126,7 @@ class _Walk:
 
 
 def read(leaf: Leaf) -> Mesh:
-    """The vertices (V, 3) and triangles (F, 3) of a leaf, in the tileset's coordinates. Raises FileError."""
+    """Read the vertices (V, 3) and triangles (F, 3) of a leaf, in the tileset's coordinates. Raises FileError."""
     path, place = leaf.path, np.array(leaf.place).reshape(4, 4)
     with reader(path, "is damaged, or not of 3D Tiles"):
         parts = list(_meshes(path, path.read_bytes(), place, _UP[leaf.up]))
@@ -166,7 +166,7 @@ def _moved(by: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _unpacked(path: Path, data: bytes) -> tuple[NDArray[np.float64], bytes]:
-    """The centre that a b3dm file is relative to, and the glTF file in it."""
+    """Return the centre of a b3dm file, to which its coordinates are relative, and the glTF file in it."""
     size, text, binary, batch_text, batch_binary = struct.unpack_from("<5I", data, 8)
     if size > len(data):
         raise FileError(f"{path}: is cut short")

@@ -1,4 +1,4 @@
-"""The folder with the intermediate results of a run, and the plan that it is for."""
+"""The folder with the intermediate results of a run, and the plan that they belong to."""
 
 import json
 import os
@@ -16,11 +16,11 @@ from .store import DAMAGED
 from .tasks import FOLDERS
 
 PLAN = "plan.json"
-NAMES = rf"plan\.json(\.part)?|parts|running-\w+|{FOLDERS}"  #: what is in a work folder
+NAMES = rf"plan\.json(\.part)?|parts|running-\w+|{FOLDERS}"  #: names in a work folder
 
 
 def begin(plan: Plan, own: Own) -> int:
-    """Make the work folder ready; returns how many steps of tiles an earlier run of the same plan did."""
+    """Prepare the work folder; returns the number of steps of tiles that an earlier run of the same plan did."""
     note, key = plan.work / PLAN, plan.key()
     if key_of(plan.work) == key:
         return sum(1 for _ in plan.work.glob("*/*/values.json"))
@@ -37,7 +37,7 @@ def begin(plan: Plan, own: Own) -> int:
 
 @contextmanager
 def damage_forgotten(work: Path) -> Iterator[None]:
-    """Where a file of the work folder is damaged, the plan goes, so that the next run does not end there too."""
+    """Remove the plan if a file of the work folder is damaged, so that the next run begins with an empty folder."""
     try:
         yield
     except (FileError, TileFailed) as error:
@@ -47,7 +47,7 @@ def damage_forgotten(work: Path) -> Iterator[None]:
 
 
 def key_of(work: Path) -> str | None:
-    """The key of the plan that a work folder is for; None where it has none that can be read."""
+    """Return the key of the plan of a work folder; None if it has no readable plan."""
     try:
         said = json.loads((work / PLAN).read_bytes())
     except (OSError, ValueError, RecursionError):
