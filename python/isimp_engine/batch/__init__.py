@@ -1,4 +1,4 @@
-"""Many scans into polygon meshes, each in a child process with limits: `isimp batch` as functions.
+"""Conversion of many scans to polygon meshes, each in a child process with limits: `isimp batch` as functions.
 
     from isimp_engine import batch
 
@@ -6,7 +6,7 @@
     for row in outcome.failed:
         print(row["name"], row["why"])
 
-A second call does only what is missing. docs/scale.md describes the rows and the folders.
+A second call skips scans that are done. docs/scale.md describes the rows and the folders.
 """
 
 from .clusters import Cluster

@@ -1,6 +1,7 @@
 """The process that forks children: `python -m isimp_engine.batch.children MODULE:FUNCTION`; see nursery.py.
 
-It reads requests from stdin and writes endings to stdout, as JSON lines. When stdin ends, it ends with its children.
+It reads requests from stdin and writes endings to stdout, as JSON lines. When stdin ends, it kills its children and
+ends.
 """
 
 import contextlib
@@ -26,10 +27,10 @@ from .nursery import _RESULT, _SAID, NO_RESULT, NO_SPACE
 
 Work = Callable[[dict[str, Any], Path], dict[str, Any]]
 
-_POLL = 0.05  # seconds between two looks at the memory of children
+_POLL = 0.05  # seconds between two checks of the memory of children
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of Linux
 _NAME = 15  # PR_SET_NAME of Linux
-_STACK_MB = 8.5  # address space of a thread's stack, which is never used whole
+_STACK_MB = 8.5  # address space of a thread's stack, most of which is never used
 
 
 @dataclass
@@ -44,7 +45,7 @@ class Child:
 
 
 class Server:
-    """Forks, watches and ends children. It has one thread, which children forked from it rely on."""
+    """Forks, watches and kills children. It has one thread only, so that forking is safe."""
 
     def __init__(self, work: Work, requests: int, answers: int) -> None:
         self._work, self._requests, self._answers = work, requests, answers
@@ -66,7 +67,7 @@ class Server:
                 _kill(pid)
 
     def _read(self) -> bool:
-        """Wait for a request, the end of a child or the time to look; False when no more requests come."""
+        """Wait for a request, the end of a child or the next check; returns False at the end of the requests."""
         ready = select.select([self._requests, self._wake], [], [], self._pause())[0]
         if self._wake in ready:
             os.read(self._wake, 4096)
@@ -93,7 +94,7 @@ class Server:
         begun, parent = time.monotonic(), os.getpid()
         try:
             pid = os.fork()
-        except OSError as error:  # no more processes, or no memory for one
+        except OSError as error:  # the limit of processes is reached, or memory is short
             self._answer({"number": request["number"], "error": f"no process can be started: {error.strerror}"})
             return
         if pid == 0:
@@ -114,7 +115,7 @@ class Server:
                 _kill(pid)
 
     def _collect(self) -> None:
-        """Say of each child that has ended how it did; the kernel knows its peak."""
+        """Report how each ended child ended, with the kernel's peak of its memory."""
         for pid in list(self._children):
             ended, status, usage = os.wait4(pid, os.WNOHANG)
             if not ended:
@@ -137,7 +138,7 @@ class Server:
         os.write(self._answers, json.dumps(values).encode() + b"\n")
 
     def _watch(self) -> None:
-        """Kill children beyond their limits."""
+        """Kill children that exceed their limits."""
         now = time.monotonic()
         for pid, child in self._children.items():
             if child.stopped is not None:
@@ -151,13 +152,13 @@ class Server:
 
 
 def _kill(pid: int) -> None:
-    for kill in (os.killpg, os.kill):  # the group first: the work may have started processes
+    for kill in (os.killpg, os.kill):  # the group first: the work may have started other processes
         with contextlib.suppress(ProcessLookupError, PermissionError):
             kill(pid, signal.SIGKILL)
 
 
 def _memory(pid: int | str) -> dict[str, float]:
-    """MB of each kind of memory of a process; empty where the system does not say."""
+    """Return the MB of each kind of memory of a process; empty if the system does not provide them."""
     try:
         lines = Path(f"/proc/{pid}/status").read_text(errors="replace").splitlines()
     except OSError:
@@ -166,7 +167,7 @@ def _memory(pid: int | str) -> dict[str, float]:
 
 
 def _be_child(request: dict[str, Any], parent: int, work: Work, handles: tuple[int, ...]) -> None:
-    """Do the work, leave its result in the folder, and end."""
+    """Run the work, write its result to the folder, and end the process."""
     _end_with(parent)
     _be_called(Path(str(request["task"].get("input", ""))).name)
     os.setpgid(0, 0)
@@ -189,13 +190,13 @@ def _be_child(request: dict[str, Any], parent: int, work: Work, handles: tuple[i
     try:
         part.write_text(json.dumps(values, allow_nan=False), encoding="utf-8")
         part.replace(folder / _RESULT)
-    except OSError as error:  # with nothing on disk, the status alone says it
+    except OSError as error:  # no file can be written, so the exit status carries the reason
         os._exit(NO_SPACE if error.errno in (errno.ENOSPC, errno.EDQUOT) else NO_RESULT)
-    os._exit(0)  # the engine's memory need not be given back piece by piece
+    os._exit(0)  # skips the release of the engine's memory, piece by piece
 
 
 def _end_with(parent: int) -> None:
-    """Have the system end this process when its parent ends, even by kill -9."""
+    """Make the system kill this process when its parent ends, even by kill -9."""
     if _LIBC is not None:
         _LIBC.prctl(_DIE_WITH_PARENT, signal.SIGKILL, 0, 0, 0)
     if os.getppid() != parent:
@@ -203,23 +204,23 @@ def _end_with(parent: int) -> None:
 
 
 def _be_called(name: str) -> None:
-    """Show which scan this is in lists of processes."""
+    """Set the name of the scan as the name of this process, for lists of processes."""
     if _LIBC is not None and name:
         _LIBC.prctl(_NAME, os.fsencode(name)[:15], 0, 0, 0)
 
 
 def limit_memory(mb: float | None) -> None:
-    """Let this process have so much memory, what it has already among it; None: as much as it may.
+    """Limit this process to `mb` MB, including the memory that it uses now; None: only the hard limit applies.
 
-    RLIMIT_DATA counts what can be written; address space that is only reserved, as by threads, does not count in Linux.
-    Beyond it the engine raises MemoryError. Memory that is reserved and not used yet is given on top.
+    RLIMIT_DATA counts writable memory. Linux does not count address space that is only reserved, as by threads. Beyond
+    the limit the engine raises MemoryError. Memory that is reserved and not used yet is added to the limit.
     """
     hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
     if mb is None:
         resource.setrlimit(resource.RLIMIT_DATA, (hard, hard))
         return
     now = _memory("self")
-    if "VmData" not in now:  # the limits of other systems don't hold; the kernel's peak is looked at there alone
+    if "VmData" not in now:  # other systems do not enforce this limit
         return
     most = int(max(mb - now["VmRSS"], 1.0) + now["VmData"] + (machine.cores() + 4) * _STACK_MB) << 20
     resource.setrlimit(resource.RLIMIT_DATA, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
@@ -233,8 +234,8 @@ def main() -> None:
     os.dup2(nothing, 0)
     os.dup2(nothing, 1)
     gc.collect()
-    gc.freeze()  # so that children share these pages
-    with contextlib.suppress(BrokenPipeError):  # nobody waits for the answers any more
+    gc.freeze()  # children share these pages
+    with contextlib.suppress(BrokenPipeError):  # the reader of the answers has ended
         os.write(answers, b'{"ready": true}\n')
         Server(work, requests, answers).serve()
 

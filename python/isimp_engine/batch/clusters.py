@@ -1,4 +1,4 @@
-"""Clusters that are started for one run: jobs of a batch system by dask-jobqueue, or machines by SSH."""
+"""Clusters that a run starts for itself: jobs of a batch system by dask-jobqueue, or machines by SSH."""
 
 import importlib
 import json
@@ -8,29 +8,29 @@ from typing import Any, NamedTuple
 
 from .errors import BatchError
 
-JOBS = {  # kinds whose workers are jobs: the class of dask-jobqueue
+JOBS = {  # kinds with jobs as workers: module and class of dask-jobqueue
     "slurm": ("dask_jobqueue", "SLURMCluster"),
     "pbs": ("dask_jobqueue", "PBSCluster"),
     "sge": ("dask_jobqueue", "SGECluster"),
     "lsf": ("dask_jobqueue", "LSFCluster"),
-    "local": ("dask_jobqueue.local", "LocalCluster"),  # jobs are processes of this machine: to try it
+    "local": ("dask_jobqueue.local", "LocalCluster"),  # jobs are processes of this machine, for trials
 }
 KINDS = (*JOBS, "ssh")
-_SHARE = 0.9  # of a job's memory that children get; the rest is for the worker itself
+_SHARE = 0.9  # share of a job's memory for children; the rest is for the worker itself
 _UNITS = {"B": 1, "KB": 10**3, "MB": 10**6, "GB": 10**9, "TB": 10**12}
 _UNITS |= {"KIB": 2**10, "MIB": 2**20, "GIB": 2**30, "TIB": 2**40}
 
 
 class Cluster(NamedTuple):
-    """A cluster to be started."""
+    """A cluster to start."""
 
     kind: str  #: one of KINDS
-    workers: int = 1  #: jobs; of `ssh` as many as hosts but the first
-    options: dict[str, Any] = {}  # noqa: RUF012  #: of the cluster's class: cores, memory, walltime, queue, hosts, ...
+    workers: int = 1  #: number of jobs; `ssh` starts one on each host except the first
+    options: dict[str, Any] = {}  # noqa: RUF012  #: for the cluster's class: cores, memory, walltime, queue, hosts, ...
 
 
 def option(text: str) -> tuple[str, Any]:
-    """An option as the command line gives it, NAME=VALUE: a number, a list or another value of JSON, else a text."""
+    """Parse an option NAME=VALUE of the command line. VALUE is JSON, such as a number or a list, else a text."""
     name, equals, value = text.partition("=")
     if not equals or not name.isidentifier():
         raise BatchError(f"--cluster-option must be NAME=VALUE, got {text!r}")
@@ -41,7 +41,7 @@ def option(text: str) -> tuple[str, Any]:
 
 
 def checked(kind: str | None, workers: int | None, options: Sequence[str]) -> Cluster | None:
-    """What the command line says of a cluster; None where it says nothing. Raises BatchError."""
+    """Return the cluster from the options of the command line; None without `--cluster`. Raises BatchError."""
     if kind is None:
         if workers is not None or options:
             raise BatchError("--workers and --cluster-option belong to --cluster")
@@ -55,7 +55,7 @@ def checked(kind: str | None, workers: int | None, options: Sequence[str]) -> Cl
 
 @contextmanager
 def started(cluster: Cluster) -> Iterator[str]:
-    """Start a cluster; gives the address of its scheduler, and ends its jobs with the block. Raises BatchError."""
+    """Start a cluster. Yields the address of its scheduler, and ends its jobs after the block. Raises BatchError."""
     make = _ssh if cluster.kind == "ssh" else _jobs
     found = make(cluster)
     try:
@@ -75,7 +75,7 @@ def _class_of(kind: str, module: str, name: str, package: str) -> Any:
 def _jobs(cluster: Cluster) -> Any:
     kind, options = cluster.kind, dict(cluster.options)
     make = _class_of(kind, *JOBS[kind], "dask-jobqueue")
-    options.setdefault("processes", 1)  # a job is one worker, its threads wait for children
+    options.setdefault("processes", 1)  # a job is one worker, with threads that wait for children
     options.setdefault("nanny", False)
     if "memory" in options:
         extra = list(options.get("worker_extra_args", ()))
@@ -106,7 +106,7 @@ def _ssh(cluster: Cluster) -> Any:
 
 
 def megabytes(text: str | float) -> float:
-    """`60GB`, `64 GiB`, or bytes, as MB of 2^20 bytes. Raises BatchError."""
+    """Convert `60GB`, `64 GiB` or a number of bytes to MB of 2^20 bytes. Raises BatchError."""
     if isinstance(text, str):
         digits = text.strip().rstrip("BKMGTIbkmgti ")
         unit = text.strip()[len(digits) :].strip().upper() or "B"

@@ -1,4 +1,4 @@
-"""What can be wrong with a batch as a whole."""
+"""Errors of a batch as a whole."""
 
 
 class BatchError(Exception):

@@ -1,4 +1,4 @@
-"""Children of this machine: as many at once as its cores and its memory have room for."""
+"""Children on this machine. Its cores and its free memory limit their number."""
 
 import shutil
 import tempfile
@@ -10,7 +10,7 @@ from typing import Any
 from .. import machine
 from .nursery import Ending, Limits, Nursery, NurseryEnded
 
-_SHARE = 0.9  # of the free memory
+_SHARE = 0.9  # share of the free memory
 
 
 @dataclass(frozen=True)
@@ -20,16 +20,16 @@ class Job:
     task: dict[str, Any]
     folder: Path
     limits: Limits
-    mb: float  #: what it may need, by estimate
+    mb: float  #: estimated need
     tries: int = 1
 
 
 class Local:
     """Runs pieces of work on this machine.
 
-    parts: a folder for their folders.
-    jobs: the largest number at once; None: as many as keep the cores busy.
-    threads: that each of them has; None: as `threads` says.
+    parts: a folder for the folders of the pieces.
+    jobs: the largest number of pieces at once; None: as many as keep the cores busy.
+    threads: number of threads of each piece; None: the method `threads` chooses it.
     """
 
     def __init__(self, parts: Path, jobs: int | None, limits: Limits, work: str, threads: int | None = None) -> None:
@@ -37,8 +37,8 @@ class Local:
         self._jobs = jobs or max(1, self._cores // (threads or 1))
         self._mb = _SHARE * machine.memory_mb()
         self._limits = Limits(limits.seconds, self._mb if limits.mb is None else limits.mb)
-        self._most = limits.mb  # that a child gets; None: what the machine has
-        self._scale = 1.0  # by how much estimates were too low so far
+        self._most = limits.mb  # limit of a child as given; None: the free memory
+        self._scale = 1.0  # factor by which estimates have been too low
         self._running: dict[int, Job] = {}
         self._nursery = Nursery(work)
 
@@ -51,23 +51,23 @@ class Local:
         self._nursery.close()
 
     def refuses(self, mb: float) -> str:
-        """Why a piece of work with this need is not even begun; empty: it may be. Here its own limit decides."""
+        """Return "": no piece of work is refused here, because the limit of the child applies."""
         return ""
 
     def threads(self, mb: float, waiting: int) -> int:
-        """How many threads the next piece of work gets, `waiting` counts it and those after it; 0: no room now."""
+        """Return the number of threads for the next piece; 0: no room now. waiting: this piece and all later ones."""
         need = self._need(mb)
         free = self._mb - sum(self._need(job.mb) for job in self._running.values())
         if self._running and (len(self._running) >= self._jobs or need > free):
             return 0
-        beside = max(1, int(self._mb // max(need, 1.0)))  # so many of its size have room at once
+        beside = max(1, int(self._mb // max(need, 1.0)))  # number of pieces of this size that fit into memory together
         return max(1, self._cores // min(self._jobs, len(self._running) + waiting, beside))
 
     def start(self, number: int, task: dict[str, Any], mb: float) -> None:
         self._begin(number, Job(task, self._folder(), self._limits, mb))
 
     def endings(self, seconds: float) -> list[tuple[int, Path, Ending]]:
-        """What has ended, with its folder; waits for so long for the first."""
+        """Return the pieces that have ended, with their folders. Waits at most `seconds` for the first."""
         try:
             ended = self._nursery.endings(seconds)
         except NurseryEnded:
@@ -92,7 +92,7 @@ class Local:
         self._nursery.start(number, job.task, job.folder, job.limits)
 
     def _begin_again(self) -> list[tuple[int, Path, Ending]]:
-        """The process that forks was killed, and its children with it: one more try for each."""
+        """Start all pieces again, once each, after the process that forks and its children were killed."""
         lost, self._running = self._running, {}
         found = []
         for number, job in lost.items():

@@ -1,7 +1,7 @@
-"""Child processes with limits: a process that has loaded the engine once and forks a child for each piece of work.
+"""Child processes with limits. A process loads the engine once, and forks a child for each piece of work.
 
-A crash, a hang or a lack of memory ends one child. The process that forks is a fresh one that never starts a thread, so
-that its children get the engine as it is after loading, whatever the process that asks has done.
+A crash, a hang or a lack of memory ends one child only. The process that forks is a new one and never starts a thread.
+So the state of the calling process does not matter: children have the engine in its state after loading.
 """
 
 import contextlib
@@ -18,19 +18,19 @@ from typing import Any
 
 from .errors import BatchError
 
-SIMPLIFY = f"{__package__}.work:simplify"  #: the work of a batch, unless another is given
+SIMPLIFY = f"{__package__}.work:simplify"  #: the default work of a batch
 _RESULT, _SAID = "result.json", "stderr.txt"
 NO_SPACE, NO_RESULT = 74, 73  # exit statuses of a child that can't write its result: full disk, or another reason
-# Large arrays go back to the system when they are freed, and come in pages of 2 MB. By default glibc keeps arrays of up
-# to 32 MB, and the peak of a child is a tenth higher. Other C libraries do not read this variable.
+# Large arrays return to the system when they are freed, and use pages of 2 MB. By default glibc keeps freed arrays of
+# up to 32 MB, and the peak of a child is a tenth higher. Other C libraries do not read this variable.
 _ALLOCATOR = "glibc.malloc.mmap_threshold=4194304:glibc.malloc.hugetlb=1"
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What one child may take; None: no limit."""
+    """The limits of a child; None: no limit."""
 
-    seconds: float | None = None  #: of wall time
+    seconds: float | None = None  #: wall time
     mb: float | None = None  #: memory, MB of 2^20 bytes
 
 
@@ -38,29 +38,29 @@ class Limits:
 class Ending:
     """How a child ended."""
 
-    why: str  #: empty: well; else what went wrong
-    values: dict[str, Any]  #: what the work returned
+    why: str  #: the reason of a failure; empty: success
+    values: dict[str, Any]  #: the values that the work returned
     seconds: float = 0.0  #: from the fork to the end
-    peak_mb: float | None = None  #: memory, as the kernel counted it
+    peak_mb: float | None = None  #: peak of memory, from the kernel
 
 
 class NurseryEnded(Exception):
-    """The process that forks children has ended, and they with it."""
+    """The process that forks children has ended, together with its children."""
 
 
 class Nursery:
-    """Runs pieces of work in child processes. One thread at a time; use it in a `with` block."""
+    """Runs pieces of work in child processes. Use it in a `with` block, from one thread at a time."""
 
     def __init__(self, work: str = SIMPLIFY) -> None:
-        """Start nothing yet.
+        """Prepare only. The first piece of work starts the process.
 
-        work: "module:function". The function gets the task, a dict of JSON values, and a folder of its own, and returns
-              a dict of JSON values; {"why": ...} where it failed.
+        work: "module:function". The function gets the task, a dict of JSON values, and a folder of its own. It returns
+              a dict of JSON values, or {"why": ...} if it fails.
         """
         self._work = work
         self._process: subprocess.Popen[bytes] | None = None
         self._rest = b""
-        self._ready = False  # it has loaded the work
+        self._ready = False  # the process has loaded the work
         self._running: dict[int, tuple[Path, Limits]] = {}
 
     def __enter__(self) -> "Nursery":
@@ -72,17 +72,17 @@ class Nursery:
         self.close()
 
     def start(self, number: int, task: dict[str, Any], folder: Path, limits: Limits) -> None:
-        """Begin a piece of work: `number` names it, `folder` is empty and its own."""
+        """Start a piece of work. number: its identifier. folder: its own empty folder."""
         self._running[number] = folder, limits
         request = {"do": "start", "number": number, "task": task, "folder": str(folder)}
         self._send(request | {"seconds": limits.seconds, "mb": limits.mb})
 
     def stop(self, number: int) -> None:
-        """End a piece of work; its ending comes as of others."""
+        """Kill a piece of work. `endings` returns its ending, as for others."""
         self._send({"do": "stop", "number": number})
 
     def endings(self, seconds: float | None) -> list[tuple[int, Ending]]:
-        """What has ended; waits for so long (None: without end) for the first. Raises NurseryEnded."""
+        """Return pieces that have ended. Waits for the first at most `seconds`; None: no limit. Raises NurseryEnded."""
         assert self._process is not None
         assert self._process.stdout is not None
         if not select.select([self._process.stdout], [], [], seconds)[0]:
@@ -100,7 +100,7 @@ class Nursery:
         return [self._ended(answer) for answer in answers if "number" in answer]
 
     def run(self, task: dict[str, Any], folder: Path, limits: Limits) -> Ending:
-        """One piece of work, waited for."""
+        """Run a piece of work, and wait for its end."""
         self.start(0, task, folder, limits)
         while True:
             for _, ending in self.endings(None):
@@ -111,7 +111,7 @@ class Nursery:
         if self._process is not None:
             for pipe in (self._process.stdin, self._process.stdout):
                 if pipe is not None:
-                    with contextlib.suppress(OSError):  # it is gone, and what it was sent with it
+                    with contextlib.suppress(OSError):  # the process has ended without reading its last requests
                         pipe.close()
             try:
                 self._process.wait(timeout=5)
@@ -123,16 +123,16 @@ class Nursery:
     def _send(self, request: dict[str, Any]) -> None:
         process = self._process or self._begin()
         assert process.stdin is not None
-        with contextlib.suppress(OSError):  # it has ended: `endings` says so
+        with contextlib.suppress(OSError):  # the process has ended; `endings` raises the error
             process.stdin.write(json.dumps(request).encode() + b"\n")
             process.stdin.flush()
 
     def _begin(self) -> subprocess.Popen[bytes]:
         paths = os.pathsep.join(os.path.abspath(path) for path in sys.path)  # noqa: PTH100
-        defaults = {"GLIBC_TUNABLES": _ALLOCATOR, "OPENBLAS_NUM_THREADS": "1"}  # numpy would start threads
+        defaults = {"GLIBC_TUNABLES": _ALLOCATOR, "OPENBLAS_NUM_THREADS": "1"}  # otherwise numpy starts threads
         environment = {**defaults, **os.environ, "PYTHONPATH": paths}
         command = [sys.executable, "-m", f"{__package__}.children", self._work]
-        # Ctrl-C in a terminal is for the process that asks; the folder is one in which no module can be.
+        # Ctrl-C in a terminal must reach the calling process alone. The current folder must not contain modules.
         self._process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, cwd=os.sep, start_new_session=True
         )
@@ -144,7 +144,7 @@ class Nursery:
         if "error" in said:
             return number, Ending(said["error"], {})
         values: dict[str, Any] = {}
-        with contextlib.suppress(OSError, ValueError):  # it may not have come so far
+        with contextlib.suppress(OSError, ValueError):  # the child may have ended before it wrote the file
             values = json.loads((folder / _RESULT).read_bytes())
         why = _why(said, values, folder, limits)
         values.pop("why", None)
@@ -152,7 +152,7 @@ class Nursery:
 
 
 def _why(said: dict[str, Any], values: dict[str, Any], folder: Path, limits: Limits) -> str:
-    """What went wrong with a child; empty: nothing."""
+    """Return the reason of a child's failure; empty: success."""
     number, why, last_line = said["signal"], values.get("why", ""), _last_line(folder / _SAID)
     lacks = why == "MemoryError" or ((number or said["code"]) and "bad_alloc" in last_line)
     if said["stopped"] == "seconds":

@@ -1,7 +1,7 @@
-"""The same children on the workers of a Dask cluster. Files travel by a folder that all machines share.
+"""Children on the workers of a Dask cluster. All machines share a folder for the files.
 
-Each thread of a worker has a process of its own that forks children. A Dask task only waits for a child: what the child
-does to itself, no worker notices.
+Each thread of a worker has a process of its own that forks children. A Dask task only waits for a child, so a crash or
+a hang of the child does not affect the worker.
 """
 
 import os
@@ -20,17 +20,17 @@ from .clusters import Cluster, started
 from .errors import BatchError
 from .nursery import Ending, Limits, Nursery, NurseryEnded
 
-_LOOK = 0.5  # seconds between two looks whether the batch still runs
-_CONNECT = 20  # seconds to wait for a scheduler, and for a worker
-_RESOURCE = "MB"  #: of workers, if they say how much memory they have
+_LOOK = 0.5  # seconds between two checks that the batch is still running
+_CONNECT = 20  # seconds to wait for a scheduler or a worker
+_RESOURCE = "MB"  #: name of the workers' resource for memory, which is optional
 
 _own = threading.local()
 
 
 def run_one(task: dict[str, Any], parts: str, running: str, limits: Limits, work: str) -> tuple[str, Ending]:
-    """A piece of work, in a worker: the folder with what it made, and how it ended.
+    """Run a piece of work in a worker; returns the folder with its files, and its ending.
 
-    running: a file that is there while the batch goes on.
+    running: a file that exists as long as the batch runs.
     """
     if not os.path.exists(running):  # noqa: PTH110
         raise BatchError(f"{running}: is not seen from here: OUTPUT_FOLDER must be a folder that all workers share")
@@ -58,7 +58,7 @@ def version() -> str:
 
 @contextmanager
 def on_cluster(cluster: Cluster, parts: Path, limits: Limits, work: str) -> "Iterator[OnDask]":
-    """The workers of a cluster that is started for this."""
+    """Start a cluster; yields its workers."""
     with started(cluster) as address, OnDask(address, parts, limits, work, None) as workers:
         yield workers
 
@@ -66,12 +66,12 @@ def on_cluster(cluster: Cluster, parts: Path, limits: Limits, work: str) -> "Ite
 class OnDask:
     """Runs pieces of work on the workers of a cluster.
 
-    Workers that were started with a resource MB run as many at once as that has room for, by estimated need; others as
-    many as they have threads.
+    Workers with a resource MB run as many pieces at once as fit into it, by estimated need. Other workers run one piece
+    in each thread.
     """
 
     def __init__(self, address: str, parts: Path, limits: Limits, work: str, patience: float | None = _CONNECT) -> None:
-        """patience: seconds to wait for a worker; None: as long as it takes, as jobs wait in a queue."""
+        """patience: seconds to wait for a worker; None: no limit, since jobs may wait in a queue."""
         try:
             import distributed
         except ImportError:
@@ -99,18 +99,18 @@ class OnDask:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._running.unlink(missing_ok=True)  # children that still run are ended where they are
+        self._running.unlink(missing_ok=True)  # workers kill their children when this file is missing
         self._client.cancel(list(self._futures.values()))
         self._client.close()
 
     def refuses(self, mb: float) -> str:
-        """Why a piece of work with this need is not even begun; empty: it may be."""
+        """Return why a piece of work with this need is refused; empty: it is not."""
         if not self._resource or self._mb is None or mb <= self._mb:
             return ""
         return f"needs about {mb:,.0f} MB, and the largest worker has {self._mb:,.0f} MB"
 
     def threads(self, mb: float, waiting: int) -> int:
-        """One a child: a worker has as many tasks as threads."""
+        """Return 1: a worker runs as many children as it has threads."""
         return 1
 
     def start(self, number: int, task: dict[str, Any], mb: float) -> None:
@@ -122,7 +122,7 @@ class OnDask:
         future.add_done_callback(self._note(number))
 
     def endings(self, seconds: float) -> list[tuple[int, Path, Ending]]:
-        """What has ended, with its folder; waits for so long for the first."""
+        """Return a piece that has ended, with its folder. Waits at most `seconds` for it."""
         try:
             number = self._done.get(timeout=seconds)
         except queue.Empty:
@@ -141,7 +141,7 @@ class OnDask:
         return lambda _: self._done.put(number)
 
     def _check(self, address: str, patience: float | None) -> None:
-        """Refuse workers without this version, before they refuse each scan."""
+        """Raise BatchError for workers without this version, before each scan fails on them."""
         try:
             self._client.wait_for_workers(1, timeout=patience)
         except TimeoutError:
@@ -152,7 +152,7 @@ class OnDask:
                 raise BatchError(f"--dask: the worker {worker} must have isimp {__version__}, it has: {what}")
 
     def _memory(self) -> tuple[float | None, bool]:
-        """MB that a child can have on the largest worker, and whether workers have it as a resource."""
+        """Return the MB for a child on the largest worker, and whether the workers have them as a resource."""
         workers = self._client.scheduler_info(n_workers=-1)["workers"].values()
         said = [worker["resources"][_RESOURCE] for worker in workers if _RESOURCE in worker.get("resources", {})]
         if said:

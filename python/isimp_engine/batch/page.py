@@ -1,4 +1,4 @@
-"""results.html: one page that shows what a batch made, problems first. It needs no other file."""
+"""results.html: one page with the results of a batch, problems first. It needs no other file."""
 
 import base64
 import html
@@ -11,7 +11,7 @@ from ..folders import WORK
 from .table import Row
 
 NAME = "results.html"
-_PICTURES = 1000  # on the page at most: some 10 KB each
+_PICTURES = 1000  # most pictures on the page; about 10 KB each
 _FLAWS = ("crossing", "flipped", "bent", "intersecting")
 
 _STYLE = """
@@ -23,7 +23,7 @@ tr.failed { background: #fdeaea } tr.flawed { background: #fff7e0 } img { displa
 
 
 def flaws(row: Row) -> list[str]:
-    """What is not as it should be in a result: `3 bent`, `not manifold`, and the warnings of its partition."""
+    """Return the defects of a result, such as `3 bent` or `not manifold`, and the warnings of its partition."""
     found = [f"{row[kind]} {kind}" for kind in _FLAWS if row.get(kind)]
     if row.get("manifold") is False:
         found.append("not manifold")
@@ -34,12 +34,12 @@ def flaws(row: Row) -> list[str]:
 
 
 def in_order(rows: Iterable[Row]) -> list[Row]:
-    """Failed ones first, then those with flaws, then the others."""
+    """Sort rows: failed scans first, then results with flaws, then the others."""
     return sorted(rows, key=lambda row: (row["status"] == "ok", not flaws(row), row["name"]))
 
 
 def totals(rows: list[Row]) -> str:
-    """`996 of 1,000 scans ok, 4 failed; 12.3 million faces became 45,210 polygons`."""
+    """Return a summary: `996 of 1,000 scans ok, 4 failed; 12,345,678 faces became 45,210 polygons`."""
     good = [row for row in rows if row["status"] == "ok"]
     text = f"{len(good):,} of {len(rows):,} {'scan' if len(rows) == 1 else 'scans'} ok"
     if len(good) < len(rows):
@@ -87,7 +87,7 @@ def _line(row: Row, folder: Path, pictures: Path | None) -> str:
 
 
 def _name(row: Row, folder: Path) -> str:
-    """The name, which leads to the result."""
+    """Return the name as a link to the result."""
     if not row.get("output"):
         return html.escape(row["name"])
     place = os.path.relpath(row["output"], folder)

@@ -1,4 +1,4 @@
-"""Small pictures of a scan and of its model, drawn with numpy alone."""
+"""Small pictures of a scan and its model, drawn with numpy alone."""
 
 import struct
 import zlib
@@ -12,19 +12,19 @@ from .. import triangulate
 Array = NDArray[Any]
 
 SIDE = 144  #: pixels
-_SAMPLES = 80_000  # points that a picture is made of, at most
-_BEFORE = 4.0  # pixels: a step of depth that is taken for the far side, seen through a hole between points
-_LEAST = 5  # of them a pixel, where the surface is seen; a hole is rare then
-_LIGHT = np.array([-0.35, 0.5, 0.79])  # by the axes of the camera
+_SAMPLES = 80_000  # most points of a picture with the default side
+_BEFORE = 4.0  # pixels: a larger step of depth counts as a hole between points, with the far side behind it
+_LEAST = 5  # least mean number of points in a pixel of the surface, so that holes are rare
+_LIGHT = np.array([-0.35, 0.5, 0.79])  # direction in the axes of the camera
 _BACK = (255, 255, 255)
 _COLORS = np.array([[0.55, 0.69, 0.86], [0.93, 0.71, 0.49], [0.62, 0.80, 0.58], [0.85, 0.62, 0.66], [0.73, 0.66, 0.84],
                     [0.90, 0.83, 0.56], [0.56, 0.79, 0.78], [0.78, 0.75, 0.72]])  # fmt: skip
 
 
 def beside(scan: tuple[Array, Array], model: tuple[Array, Array, Array, Array], side: int = SIDE) -> bytes:
-    """A PNG of the scan (vertices, triangles) beside the model (vertices, loops, loop_start, region), seen alike.
+    """Return a PNG of a scan (vertices, triangles) next to its model (vertices, loops, loop_start, region).
 
-    side: of each of the two, in pixels.
+    side: width and height of each of the two views, in pixels.
     """
     vertices, loops, starts, region = model
     triangles, polygon = triangulate(vertices, loops, starts)
@@ -36,7 +36,7 @@ def beside(scan: tuple[Array, Array], model: tuple[Array, Array, Array, Array], 
 
 
 def _camera(vertices: Array, triangles: Array, side: int = SIDE) -> tuple[Array, Array, float]:
-    """Middle, axes (right, up, towards the eye) and pixels a length: from the front, the side and above."""
+    """Return centre, axes (right, up, towards the eye) and pixels per unit of a view from front, side and above."""
     mask = np.zeros(len(vertices), bool)
     mask[triangles] = True
     used = vertices[mask]
@@ -59,13 +59,13 @@ def _camera(vertices: Array, triangles: Array, side: int = SIDE) -> tuple[Array,
 def draw(
     vertices: Array, triangles: Array, colors: Array, camera: tuple[Array, Array, float], side: int = SIDE
 ) -> Array:
-    """(side, side, 3) uint8: points spread over the triangles, the nearest of each pixel kept.
+    """Draw an image (side, side, 3) uint8: spread points over the triangles, and keep the nearest in each pixel.
 
     colors: (T, 3) or (1, 3), in [0, 1].
     """
     image = np.full((side * side, 3), _BACK, np.uint8)
     middle, axes, scale = camera
-    with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is left out below
+    with np.errstate(invalid="ignore", over="ignore"):  # values that are not finite are left out below
         corners = (((vertices - middle) @ axes.T) * scale).astype(np.float32)[triangles]
         normals = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         lengths = np.sqrt(np.einsum("ij,ij->i", normals, normals))
@@ -88,19 +88,19 @@ def draw(
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """As np.cross, in less time."""
+    """Return np.cross(a, b), in less time."""
     (x, y, z), (u, v, w) = a.T, b.T
     return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
 
 
 def _spread(corners: Array, seen: Array, areas: Array, most: int) -> tuple[Array, Array]:
-    """Points on the triangles `seen`, at least _LEAST a pixel if `most` allows it: their triangles, their places."""
+    """Spread points over the triangles `seen`, _LEAST or more a pixel if `most` allows it: triangles, places."""
     wanted = areas * _LEAST + 1.0
     share = min(1.0, most / float(wanted.sum(dtype=np.float64)))
     sums = np.floor(np.cumsum(wanted, dtype=np.float64) * share + 0.5).astype(np.intp)
     triangle = np.repeat(seen, np.diff(sums, prepend=0))
     k = np.arange(len(triangle))
-    u, v = (k * 0.7548776662466927) % 1.0, (k * 0.5698402909980532) % 1.0  # points that keep apart: the R2 sequence
+    u, v = (k * 0.7548776662466927) % 1.0, (k * 0.5698402909980532) % 1.0  # evenly spread points: the R2 sequence
     outside = u + v > 1
     u[outside], v[outside] = 1 - u[outside], 1 - v[outside]
     a, b, c = (corners[triangle, j] for j in range(3))
@@ -108,7 +108,7 @@ def _spread(corners: Array, seen: Array, areas: Array, most: int) -> tuple[Array
 
 
 def _filled(nearest: Array, depth: Array) -> Array:
-    """Where most neighbours of a pixel are well before it, no point met the surface there: it gets a neighbour's."""
+    """Fill holes: a pixel far behind most of its neighbours has no point of the surface, and gets a neighbour's."""
     shifts = [(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1) if dy or dx]
     around = np.stack([np.roll(depth, shift, (0, 1)) for shift in shifts])
     hole = (around > depth + _BEFORE).sum(axis=0) >= 5
@@ -121,7 +121,7 @@ def _filled(nearest: Array, depth: Array) -> Array:
 
 
 def png(image: Array) -> bytes:
-    """(H, W, 3) uint8 as a PNG."""
+    """Encode an image (H, W, 3) uint8 as a PNG."""
     height, width = image.shape[:2]
     rows = np.zeros((height, 1 + 3 * width), np.uint8)
     rows[:, 0] = 1  # each byte is stored as its difference from the pixel to the left

@@ -1,4 +1,4 @@
-"""A batch from its scans to its rows: what is missing is done, and each result is on disk before its row is."""
+"""Run of a batch, from scans to rows. Scans that are done are skipped. A result is on disk before its row."""
 
 import argparse
 import datetime
@@ -26,34 +26,34 @@ from .on_dask import OnDask, on_cluster
 from .scans import Scan, estimated_faces, find_scans, fixed_part, needed_mb
 from .table import MADE, PICTURE, Lock, Row, Table, sync_folder
 
-_TICK = 0.2  # seconds between two calls of `watch`, at most
-_FACES_OF_A_START = 20_000  # that take as long as a scan without any
-_SAME_RESULT = {"threads", "backend"}  # options that change no result, so that other values of them redo nothing
+_TICK = 0.2  # most seconds between two calls of `watch`
+_FACES_OF_A_START = 20_000  # number of faces that take as long as a scan without faces
+_SAME_RESULT = {"threads", "backend"}  # options that change no result, so a change of them repeats no work
 
 Workers = Local | OnDask
 
 
 @dataclass
 class State:
-    """How far a batch is."""
+    """The progress of a batch."""
 
-    scans: int  #: in the batch
-    before: int  #: of them done by earlier runs
-    done: int = 0  #: by this run, failed ones among them
-    failed: int = 0  #: of all, also by earlier runs
-    running: list[str] = field(default_factory=list)  #: names
-    seconds: float = 0.0  #: since this run began to work
-    share: float = 0.0  #: of this run's work that is done, by estimate, in [0, 1]
+    scans: int  #: number of scans in the batch
+    before: int  #: number of scans that earlier runs did
+    done: int = 0  #: number of scans that this run did, including failed ones
+    failed: int = 0  #: number of failed scans of this run and earlier ones
+    running: list[str] = field(default_factory=list)  #: names of the running scans
+    seconds: float = 0.0  #: time since this run began
+    share: float = 0.0  #: estimated share of this run's work that is done, in [0, 1]
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What is known of the scans of a batch after a run."""
+    """The results of a batch after a run."""
 
     rows: list[Row]  #: the row of each scan that has one, in the order of the scans' names
-    scans: int  #: how many the batch has
-    before: int  #: how many were done by earlier runs
-    cut_short: bool  #: the last line of results.jsonl was cut short, so that its scan was done again
+    scans: int  #: number of scans in the batch
+    before: int  #: number of scans that earlier runs did
+    cut_short: bool  #: the last line of results.jsonl was incomplete, so its scan was done again
 
     @property
     def failed(self) -> list[Row]:
@@ -62,7 +62,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Plan:
-    """What is done with each scan, and where."""
+    """The work on each scan, and the place of its result."""
 
     output: Path
     suffix: str
@@ -74,12 +74,12 @@ class Plan:
     pictures: bool
 
     def key(self, scan: Scan) -> str:
-        """Names the work on a scan; what changes the result changes it."""
+        """Return an identifier of the work on a scan. Any change that affects the result changes it."""
         options = {name: value for name, value in self.options.items() if name not in _SAME_RESULT}
         return scan.key({"options": options, "recipe": self.recipe, "labels": self.labels, "reports": self.reports})
 
     def task(self, scan: Scan, threads: int) -> dict[str, Any]:
-        """As `work.simplify` takes it."""
+        """Return the task for `work.simplify`."""
         return {
             "input": str(scan.path),
             "output": Path(scan.output).name,
@@ -105,7 +105,7 @@ def run(
     *,
     options: Mapping[str, Any] | None = None,
     recipe: str | os.PathLike[str] | dict[str, Any] | None = None,
-    format: str = "obj",  # noqa: A002  (as the option of the command)
+    format: str = "obj",  # noqa: A002  (named as the option of the command)
     jobs: int | None = None,
     dask: str | None = None,
     cluster: Cluster | None = None,
@@ -118,25 +118,25 @@ def run(
     work: str = SIMPLIFY,
     watch: Callable[[State], None] | None = None,
 ) -> Outcome:
-    """Simplify many scans, each in a child process; what an earlier run did is not done again.
+    """Simplify many scans, each in a child process. Scans that an earlier run did are skipped.
 
     inputs: a folder, a pattern, a list of scans or several of these; see `find_scans`.
-    output: the folder for the results, which get the scans' names and folders, and for results.jsonl and results.html.
-    options: as of `isimp simplify`, with _ for -: {"proxies": 500, "leave_out": 0.0}.
-    recipe: the file or the values of a recipe; options that are given come first.
-    format: of the results, such as "obj" or "ply".
-    jobs: the largest number of scans at once; None: one a core. Free memory may allow fewer.
-    dask: the address of a Dask scheduler, whose workers do the work; all of them must see the same files.
-    cluster: a cluster that is started for this batch, see `Cluster`, in place of `dask`.
-    time_limit, memory_limit: of each scan, in seconds and MB; None: no limit, and the memory that is free.
-    retry_failed: do again what failed before.
+    output: the folder for results.jsonl, results.html and the results, which have the scans' names and folders.
+    options: options of `isimp simplify`, with _ in place of -: {"proxies": 500, "leave_out": 0.0}.
+    recipe: the file or the values of a recipe. `options` have precedence.
+    format: format of the results, such as "obj" or "ply".
+    jobs: the largest number of scans at once; None: one for each core. Free memory may allow fewer.
+    dask: the address of a Dask scheduler, whose workers do the work. All of them must have access to the same files.
+    cluster: a cluster to start for this batch in place of `dask`; see `Cluster`.
+    time_limit, memory_limit: limits of each scan, in seconds and MB; None: no time limit, the free memory.
+    retry_failed: repeat scans that failed before.
     labels, reports: also write NAME.labels.npy and NAME.report.json, as `isimp simplify` does.
-    pictures: draw each scan beside its result, for results.html.
-    work: "module:function" for another way from a scan to its result; see `Nursery` and `work.simplify`.
-    watch: called after each scan, and some times a second.
+    pictures: draw each scan next to its result, for results.html.
+    work: "module:function" in place of `work.simplify`, for the work on each scan; see `Nursery`.
+    watch: called after each scan, and several times a second.
 
-    A scan that fails is a row; see `read_rows`. Raises BatchError if the batch as a whole can't be run, and
-    KeyboardInterrupt as it comes; rows that were written stay, and the next run goes on from them.
+    A failed scan is a row; see `read_rows`. Raises BatchError if the batch as a whole can't be run. KeyboardInterrupt
+    passes through; rows that were written stay, and the next run continues from them.
     """
     if not hasattr(os, "fork"):
         raise BatchError("a batch needs child processes by fork, which this system does not have")
@@ -167,7 +167,7 @@ def run(
 
 
 def _tidy_folders(plan: Plan) -> None:
-    """Make the work folder, without what a run left there that was killed."""
+    """Make the work folder, and remove files that a killed run left there."""
     for file in list((plan.output / WORK).glob("running-*")):
         file.unlink(missing_ok=True)
     discard(plan.parts)
@@ -176,7 +176,7 @@ def _tidy_folders(plan: Plan) -> None:
 
 
 def check_one(dask: str | None, cluster: Cluster | None) -> None:
-    """Refuse two clusters."""
+    """Raise BatchError if both a Dask scheduler and a cluster are given."""
     if dask is not None and cluster is not None:
         raise BatchError("--dask and --cluster contradict each other; give one of them")
 
@@ -190,7 +190,7 @@ def workers_of(
     cluster: Cluster | None,
     threads: int | None,
 ) -> AbstractContextManager[Workers]:
-    """What runs the children: the workers of a cluster, or this machine."""
+    """Return the place where children run: the workers of a cluster, or this machine."""
     if cluster is not None:
         return on_cluster(cluster, parts, limits, work)
     if dask is not None:
@@ -200,11 +200,11 @@ def workers_of(
 
 @contextmanager
 def _finished(outcome: Outcome, scans: list[Scan], plan: Plan, table: Table, state: State) -> Iterator[None]:
-    """However the block ends: rows in order, one for each scan, and the page."""
+    """Write one row for each scan, in order, and the page, even if the block ends by an exception."""
     try:
         yield
     finally:
-        state.done = table.added()  # an interrupt may have come between a row and its count
+        state.done = table.added()  # an interrupt may have occurred between a row and its count
         table.tidy()
         outcome.rows.extend(table.rows[scan.name] for scan in scans if scan.name in table.rows)
         page.write(plan.output, outcome.rows, plan.pictures_folder)
@@ -212,7 +212,7 @@ def _finished(outcome: Outcome, scans: list[Scan], plan: Plan, table: Table, sta
 
 
 class _Run:
-    """The loop: what has room begins, what has ended is kept."""
+    """The main loop: starts scans that fit into memory, and collects finished ones."""
 
     def __init__(
         self,
@@ -227,7 +227,7 @@ class _Run:
         self._watch = watch or (lambda state: None)
         faces = {scan.name: estimated_faces(scan.path) for scan in todo}
         needs = {scan.name: needed_mb(faces[scan.name], scan.size) for scan in todo}
-        self._scans = sorted(todo, key=lambda scan: -needs[scan.name])  # large ones first: none is left for the end
+        self._scans = sorted(todo, key=lambda scan: -needs[scan.name])  # large scans must not be the last
         self._needs = [needs[scan.name] for scan in self._scans]
         self._shares = [_FACES_OF_A_START + faces[scan.name] for scan in self._scans]
         self._running: dict[int, Scan] = {}
@@ -245,7 +245,7 @@ class _Run:
             self._watch(self._state)
 
     def _begin_some(self, following: int) -> int:
-        """Begin what has room, in order; returns the first that waits."""
+        """Start scans that fit into memory, in order; returns the index of the first that waits."""
         while following < len(self._scans):
             scan, need = self._scans[following], self._needs[following]
             if why := self._workers.refuses(need):
@@ -260,7 +260,7 @@ class _Run:
         return following
 
     def _keep(self, scan: Scan, folder: Path, ending: Ending) -> None:
-        """The result to its place, then its row."""
+        """Move the result to its place, then add its row."""
         target = None
         if not ending.why:
             try:
@@ -271,7 +271,7 @@ class _Run:
         shutil.rmtree(folder, ignore_errors=True)
 
     def _published(self, scan: Scan, folder: Path) -> Path:
-        """Move what was made to its place, the result itself last; all of it is on disk before it has its name."""
+        """Move the files to their places, the result last. All of them are on disk before they get their names."""
         target = self._plan.output / scan.output
         target.parent.mkdir(parents=True, exist_ok=True)
         made = sorted((folder / MADE).iterdir(), key=lambda path: path.name == target.name)
@@ -312,7 +312,7 @@ class _Run:
 
 
 def _is_wanted(scan: Scan, plan: Plan, table: Table, retry_failed: bool) -> bool:
-    """Whether a scan is to be done: no row is of this work, its result is gone, or it failed and is tried again."""
+    """Return whether a scan is to be done: no row for this work, no result, or a failure that is to be repeated."""
     row = table.rows.get(scan.name)
     if row is None or row.get("key") != plan.key(scan):
         return True
@@ -326,7 +326,7 @@ def _state(scans: list[Scan], todo: list[Scan], table: Table) -> State:
 
 
 def _suffix(kind: str, arguments: argparse.Namespace) -> str:
-    """The suffix of a format that `isimp simplify` can write with these options."""
+    """Return the suffix of a format. Raises BatchError if `isimp simplify` can't write it with these options."""
     kinds = output_kinds(arguments)
     suffix = "." + kind.lower().removeprefix(".")
     if suffix not in kinds:
@@ -342,7 +342,7 @@ def _suffix(kind: str, arguments: argparse.Namespace) -> str:
 def _checked_options(
     options: dict[str, Any], recipe: str | os.PathLike[str] | dict[str, Any] | None
 ) -> argparse.Namespace:
-    """Options and recipe as the steps take them. Raises BatchError if they are wrong for any scan."""
+    """Return options and recipe in the form for the steps. Raises BatchError if they are wrong for all scans."""
     known = vars(simplify_options().parse_args([]))
     del known["recipe"]
     for name in options:
@@ -365,7 +365,7 @@ def _checked_options(
 
 
 def check_ranges(options: PartitionOptions | CleanOptions) -> None:
-    """Refuse once what the engine would refuse for each scan."""
+    """Check the ranges of options once, before the engine would raise the same error for each scan."""
     values = options.as_dict()
     for option in options.fields():
         value, name = values[option["name"]], option["name"].replace("_", "-")
@@ -386,7 +386,7 @@ def _positive(value: float | None, name: str) -> float | None:
 
 
 def _check_place(inputs: Any, output: Path) -> None:
-    """Refuse an output folder that is an input folder: results would be taken for scans."""
+    """Raise BatchError if the output folder is an input folder: results would become scans."""
     if output.exists() and not output.is_dir():
         raise BatchError(f"{output}: is a file; results need a folder")
     for text in [inputs] if isinstance(inputs, (str, os.PathLike)) else inputs:
@@ -398,7 +398,7 @@ def _check_place(inputs: Any, output: Path) -> None:
 
 
 def _check_outputs(scans: list[Scan], plan: Plan) -> None:
-    """Refuse results that would replace scans."""
+    """Raise BatchError if a result would replace a scan."""
     inputs = {os.path.realpath(scan.path): scan.path for scan in scans}
     for scan in scans:
         other = inputs.get(os.path.realpath(plan.output / scan.output))

@@ -1,4 +1,4 @@
-"""Which scans a batch has, where their results go, and how much memory each may need."""
+"""The scans of a batch, the places of their results, and the memory that each may need."""
 
 import glob
 import hashlib
@@ -15,13 +15,13 @@ from .. import __version__
 from ..reading import head_of, inner, is_compressed, kind_of
 from .errors import BatchError
 
-READABLE = (".ply", ".obj", ".stl", ".off")  #: kinds of files that are looked for in folders; .gz or .zst may follow
+READABLE = (".ply", ".obj", ".stl", ".off")  #: kinds of files that count as scans in folders; .gz or .zst may follow
 
 _MB = 1 << 20
-_BASE_MB = 60.0  # an interpreter with numpy and the engine
-_MB_PER_FACE = 260e-6  # the peak of a run that finds the number of regions, by measurement, and some room
-_RATIO = 6  # of what a compressed file becomes, at most as a rule
-_BYTES_PER_FACE = {".ply": 15, ".obj": 30, ".stl": 50, ".off": 24}  # at least, so that more faces are not in a file
+_BASE_MB = 60.0  # memory of an interpreter with numpy and the engine
+_MB_PER_FACE = 260e-6  # measured peak of a run that finds the number of regions, with a margin
+_RATIO = 6  # usual upper bound of the unpacked size over the compressed size
+_BYTES_PER_FACE = {".ply": 15, ".obj": 30, ".stl": 50, ".off": 24}  # lower bounds
 
 
 @dataclass(frozen=True)
@@ -35,21 +35,22 @@ class Scan:
     output: str = ""  #: the path of the result below the output folder, with /
 
     def key(self, recipe: dict[str, Any]) -> str:
-        """Identifies the work by the file's present state, what is to be done, and the version of the engine."""
+        """Return an identifier of the work, from the state of the file, the recipe and the version of the engine."""
         values = [self.name, self.size, self.changed, self.output, recipe, __version__]
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:32]
 
 
 def find_scans(inputs: Any, suffix: str = ".obj", besides: Path | None = None) -> list[Scan]:
-    """The scans that `inputs` names, sorted by name.
+    """Return the scans that `inputs` names, sorted by name.
 
     inputs: a path or a pattern with `*`, `?`, `[...]` or `**`, or a list of them. A folder stands for all files of
-            READABLE in it and in its folders, without hidden ones. A file of another kind is a list: one path on each
-            line, from the list's folder on; `#` begins a comment. Files are named from the last folder they share on.
-    suffix: of the results.
+            the kinds READABLE in it and in its folders, without hidden ones. A file of another kind is a list: one path
+            on each line, relative to the list's folder; `#` begins a comment. The name of a single file is its path
+            below the last folder that all single files share.
+    suffix: suffix of the results.
     besides: a folder that is not searched.
 
-    Raises BatchError if nothing is found, or if two scans would have the same name.
+    Raises BatchError if no scan is found, or if two scans would have the same name.
     """
     texts = [inputs] if isinstance(inputs, (str, os.PathLike)) else list(inputs)
     alone = [path for text in texts if kind_of(path := _absolute(os.fspath(text))) in READABLE and path.is_file()]
@@ -63,7 +64,7 @@ def find_scans(inputs: Any, suffix: str = ".obj", besides: Path | None = None) -
     for name, path in sorted(found.items()):
         try:
             state = path.stat()
-        except OSError:  # its row says why: a scan that is gone is no reason to stop the others
+        except OSError:  # its row gets the error: a missing scan must not stop the others
             scans.append(Scan(path, name, 0, 0))
             continue
         scans.append(Scan(path, name, state.st_size, state.st_mtime_ns))
@@ -71,20 +72,20 @@ def find_scans(inputs: Any, suffix: str = ".obj", besides: Path | None = None) -
 
 
 def _without_repeats(pairs: Sequence[tuple[str, Path]]) -> dict[str, Path]:
-    """The paths by their names; each file once."""
+    """Return the paths by their names; each file appears once."""
     found: dict[str, Path] = {}
     seen: dict[str, str] = {}
     for name, path in pairs:
         real = os.path.realpath(path)
         if seen.setdefault(real, name) != name and name not in found:
-            continue  # the same file by another name
+            continue  # the same file under another name
         if found.setdefault(name, path) != path and os.path.realpath(found[name]) != real:
             raise BatchError(f"{found[name]} and {path} would both be '{name}': give the folder that holds both")
     return found
 
 
 def _with_outputs(scans: Sequence[Scan], suffix: str) -> list[Scan]:
-    """Results are named like their scans; where that gives a name twice, the scan's suffix stays in it."""
+    """Set the paths of results: as for the scans; the scan's suffix stays if two would be equal otherwise."""
     short = [str(PurePosixPath(inner(scan.name)).with_suffix(suffix)) for scan in scans]
     times = Counter(name.casefold() for name in short)
     outputs = [
@@ -103,12 +104,12 @@ def _absolute(text: str) -> Path:
 
 
 def _common(paths: Sequence[Path]) -> Path:
-    """The last folder that the paths share."""
+    """Return the last folder that the paths share."""
     return Path(os.path.commonpath([path.parent for path in paths]))
 
 
 def _named(text: str, base: Path, several: bool, besides: Path | None) -> Iterator[tuple[str, Path]]:
-    """Names and paths of what one argument stands for; `base`: where the names of single files begin."""
+    """Yield names and paths of the scans of one argument. base: the folder where names of single files begin."""
     path = _absolute(text)
     if path.is_dir():
         before = f"{path.name}/" if several else ""
@@ -129,7 +130,7 @@ def _named(text: str, base: Path, several: bool, besides: Path | None) -> Iterat
 
 
 def fixed_part(pattern: str) -> Path:
-    """The folder of a pattern above its first wildcard."""
+    """Return the folder of a pattern above its first wildcard."""
     parts = _absolute(pattern).parts
     fixed = [part for k, part in enumerate(parts[:-1]) if not any(map(glob.has_magic, parts[: k + 1]))]
     return Path(*fixed)
@@ -144,7 +145,7 @@ def _is_inside(path: Path, folder: Path | None) -> bool:
 
 
 def _in_folder(folder: Path, besides: Path | None) -> Iterator[Path]:
-    """The scans in a folder and its folders; those behind links too, each folder once."""
+    """Yield the scans in a folder and its folders, also behind links. Each folder is visited once."""
     seen, waiting = set(), [folder]
     while waiting:
         place = waiting.pop()
@@ -161,12 +162,12 @@ def _in_folder(folder: Path, besides: Path | None) -> Iterator[Path]:
                 continue
             if _is_folder(entry):
                 waiting.append(Path(entry.path))
-            elif kind_of(entry.name) in READABLE:  # a pipe or a broken link too: its row says why
+            elif kind_of(entry.name) in READABLE:  # also a pipe or a broken link, whose row gets the error
                 yield Path(entry.path)
 
 
 def _is_folder(entry: os.DirEntry[str]) -> bool:
-    """Whether an entry is a folder, or a link to one; not a link that leads to itself."""
+    """Return whether an entry is a folder, or a link to one. A link that leads to itself is none."""
     try:
         return entry.is_dir()
     except OSError:
@@ -189,9 +190,9 @@ def _in_list(path: Path) -> Iterator[tuple[str, Path]]:
 
 
 def estimated_faces(path: Path) -> int:
-    """About how many faces a file has, by its header and size; never more than it has room for."""
+    """Estimate the number of faces of a file from its header and size. The size sets an upper bound."""
     try:
-        if not path.is_file():  # what comes through a pipe comes once
+        if not path.is_file():  # a pipe can be read only once
             return 0
         size = path.stat().st_size
         head = head_of(path, 4096)
@@ -206,12 +207,12 @@ def estimated_faces(path: Path) -> int:
         said = int(match[1])
     elif kind == ".stl" and len(head) >= 84:
         count = int.from_bytes(head[80:84], "little")
-        said = count if size == 84 + 50 * count else size // 250  # else it is text
+        said = count if size == 84 + 50 * count else size // 250  # otherwise it is a text file
     elif kind == ".off" and (match := re.match(rb"\s*\w*OFF\s+(?:#[^\n]*\n\s*)*(\d+)\s+(\d+)", head)):
         said = int(match[2])
     return most if said is None else min(said, most)
 
 
 def needed_mb(faces: int, size: int) -> float:
-    """Estimate of the memory that a run on this number of faces in a file of this many bytes needs, in MB."""
+    """Estimate the memory in MB for a run on `faces` faces in a file of `size` bytes."""
     return _BASE_MB + _MB_PER_FACE * faces + size / _MB

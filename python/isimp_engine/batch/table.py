@@ -1,4 +1,4 @@
-"""results.jsonl: one line a scan, on disk as soon as the scan is done; and the lock of an output folder."""
+"""results.jsonl, with one line for each scan, on disk as soon as the scan is done; the lock of an output folder."""
 
 import json
 import os
@@ -15,16 +15,16 @@ from .errors import BatchError
 Row = dict[str, Any]
 
 NAME = "results.jsonl"
-MADE = "made"  #: in the folder of a child: the result and what belongs to it, by their final names
+MADE = "made"  #: in the folder of a child: the result and its other files, by their final names
 PICTURE = "picture.png"  #: in the folder of a child
-_LARGEST = 1e300  # numbers of rows are below
-_NAMES = r"lock|results\.jsonl|results\.html|parts|pictures|running-\w+"  # what is in WORK
+_LARGEST = 1e300  # upper bound of numbers in rows
+_NAMES = r"lock|results\.jsonl|results\.html|parts|pictures|running-\w+"  # names in WORK
 
 
 def read_rows(folder: str | os.PathLike[str]) -> list[Row]:
-    """The last row of each scan in an output folder's results.jsonl, in the order of their first rows.
+    """Return the last row of each scan in results.jsonl of an output folder, in the order of their first rows.
 
-    A line that is not a row, such as one that a power failure cut short, is left out. No file: no rows.
+    A line that is not a row is skipped, such as one that a power failure cut short. Without a file there are no rows.
     """
     try:
         lines = (Path(folder) / NAME).read_bytes().splitlines()
@@ -39,7 +39,7 @@ def read_rows(folder: str | os.PathLike[str]) -> list[Row]:
 
 
 def _row(line: bytes) -> Row | None:
-    """The row of a line; None where it is none. What a row can't hold is left out of it, whoever wrote it there."""
+    """Parse a line; None if it is not a row. Values that a row can't have are left out."""
     try:
         row = json.loads(line)
     except (ValueError, RecursionError):
@@ -51,7 +51,7 @@ def _row(line: bytes) -> Row | None:
 
 
 def _is_text(value: Any) -> bool:
-    """Whether a value is a text that can be shown; any name of a file can."""
+    """Return whether a value is a text that can be shown. All file names are."""
     try:
         return isinstance(value, str) and os.fsencode(value) is not None
     except UnicodeError:
@@ -64,7 +64,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _is_key(value: Any) -> bool:
-    """Keys name the files of pictures, which are removed by them."""
+    """Return whether a value is a key. Keys are names of picture files, which are removed by name."""
     return isinstance(value, str) and re.fullmatch("[0-9a-f]{32}", value) is not None
 
 
@@ -74,7 +74,7 @@ def _or_none(fits: Callable[[Any], bool]) -> Callable[[Any], bool]:
 
 _COUNTS = ("faces", "repaired", "regions", "polygons", "vertices", "corners", "crossing", "flipped", "bent")
 _LENGTHS = ("error", "planarity_max", "planarity_mean", "diagonal", "scan_distance", "scan_distance_allowed")
-_KINDS: dict[str, Callable[[Any], bool]] = {  # which values the keys of rows that are used here may have
+_KINDS: dict[str, Callable[[Any], bool]] = {  # checks of the values of the keys that are used here
     "key": _is_key,
     "warnings": lambda value: isinstance(value, list) and all(map(_is_text, value)),
     **dict.fromkeys((*_COUNTS, "intersecting", "seconds"), _is_number),
@@ -85,13 +85,13 @@ _MISSING: Row = {"why": None, "output": None, "seconds": 0.0, "peak_mb": None, "
 
 
 class Table:
-    """The rows of an output folder, open for one process."""
+    """The rows of an output folder, open in one process."""
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / NAME
         if self.path.is_symlink():
             raise BatchError(f"{self.path}: is a link, and rows are written to this file; remove the link")
-        self.cut_short = 0  #: 1 if the last line was cut short by the end of an earlier process
+        self.cut_short = 0  #: 1 if the end of an earlier process cut the last line short
         data = self.path.read_bytes() if self.path.exists() else b""
         self.rows: dict[str, Row] = {row["name"]: row for row in read_rows(folder)}
         self._lines = len(data.splitlines())
@@ -116,21 +116,21 @@ class Table:
         self._file.close()
 
     def add(self, row: Row) -> None:
-        """Append a row; when this returns, it is on disk."""
+        """Append a row. It is on disk when this method returns."""
         self._file.write(_line(row))
         self._sync()
         self._lines += 1
         self.rows[row["name"]] = row
 
     def added(self) -> int:
-        """How many rows were added so far."""
+        """Return the number of rows that were added."""
         self._file.flush()
         return self.path.read_bytes()[self._begin :].count(b"\n")
 
     def tidy(self) -> None:
-        """Leave one line a scan: rows that were replaced since go.
+        """Keep one line for each scan, and remove rows that were replaced.
 
-        What is in the file counts: an interrupt may have come while a row was added.
+        The file is read again: an interrupt may have occurred while a row was added.
         """
         self._sync()
         self.rows = {row["name"]: row for row in read_rows(self.path.parent)}
@@ -158,7 +158,7 @@ def _line(row: Row) -> bytes:
 
 
 def sync_folder(folder: Path) -> None:
-    """Make the names in a folder last, where the system can."""
+    """Write the names in a folder to disk, if the system supports it."""
     try:
         handle = os.open(folder, os.O_RDONLY)
     except OSError:  # Windows
@@ -172,7 +172,7 @@ def sync_folder(folder: Path) -> None:
 
 
 class Lock:
-    """At most one process works on an output folder; the lock ends with the process, however that ends."""
+    """Reserves an output folder for one process. The lock ends with the process, even if it is killed."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -209,5 +209,5 @@ class Lock:
             self._file.close()
 
     def remove(self) -> None:
-        """Remove the folder of the lock, while it is held."""
+        """Remove the folder of the lock while the lock is held."""
         self._own.remove()

@@ -1,4 +1,4 @@
-"""What a child does with one scan: the same as `isimp simplify`, in a folder of its own."""
+"""The work of a child on one scan: the same as `isimp simplify`, in a folder of its own."""
 
 import argparse
 from pathlib import Path
@@ -45,7 +45,7 @@ def simplify(task: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def figures(report: dict[str, Any]) -> dict[str, Any]:
-    """What a row tells of a report: see docs/scale.md."""
+    """Return the values of a report for a row; see docs/scale.md."""
     output = report["output"]
     return {
         "faces": report["input"]["faces"],
@@ -60,6 +60,6 @@ def figures(report: dict[str, Any]) -> dict[str, Any]:
 
 
 def _plain(message: str, arguments: argparse.Namespace, task: dict[str, Any]) -> str:
-    """The message on one line, with the final name of the result, and without the scan's, which the row has."""
+    """Return the message on one line, with the final name of the result and without the name of the scan."""
     text = message.replace(str(arguments.output), task["output"])
     return " ".join(text.removeprefix(f"{arguments.input}: ").split())
