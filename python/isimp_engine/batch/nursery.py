@@ -92,7 +92,7 @@ class Nursery:
             ready = self._ready
             self.close()
             if not ready:
-                raise BatchError(f"no child process can be started for {self._work}; what it wrote says why")
+                raise BatchError(f"no child process can be started for {self._work}; see its messages on stderr")
             raise NurseryEnded
         *lines, self._rest = (self._rest + data).split(b"\n")
         answers = [json.loads(line) for line in lines]

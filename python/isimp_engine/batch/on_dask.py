@@ -134,7 +134,7 @@ class OnDask:
         error = future.exception() if future.status == "error" else None
         if isinstance(error, BatchError):
             raise error
-        why = f"Dask gave it up: {_line(error)}" if error is not None else "Dask cancelled it"
+        why = f"Dask could not run it: {_line(error)}" if error is not None else "Dask cancelled it"
         return [(number, Path(tempfile.mkdtemp(dir=self._parts)), Ending(why, {}))]
 
     def _note(self, number: int) -> Callable[[Any], None]:
