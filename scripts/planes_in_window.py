@@ -1,12 +1,12 @@
 """The actions in Blender's window for picture 10 of the manual; run by tests/python/blender/window/drive.py.
 
-The scan is the castle: its polygons in the colours of their directions next to the panel Regularity.
+The scan is the castle: its polygons in the colours of their directions next to the panel Planes.
 """
 
 import bpy
 from mathutils import Euler
 from scenario_bunny import FOLDER, load
-from scenario_planes import open_regularity
+from scenario_planes import open_planes
 from scenario_tools import sketched
 
 import isimp
@@ -26,7 +26,7 @@ def view(hand):
 
 
 def run(hand):
-    open_regularity()
+    open_planes()
     isimp.register()
     load(FOLDER / "building" / "openmvs_castle_175k.ply", upright=True)
     yield 0.5

@@ -160,7 +160,7 @@ _REASONS = (
     ),
     (
         r"face \d+ lies in a part that was left out",
-        own("this part was left out, as it is small: set Leave Out to 0 and press Partition"),
+        own("this part was left out, as it is small: set Ignore Parts Below to 0 and press Partition"),
     ),
     (
         r"face \d+ was left out by the repair of the mesh: it has no area or is a duplicate",
@@ -168,7 +168,7 @@ _REASONS = (
     ),
     (
         r"the regions of .* share no edge: only neighbours can be merged",
-        own("these regions share no edge: only neighbours can be merged"),
+        own("only neighbouring regions can be merged"),
     ),
     (
         r"faces? .* are in one region: there is nothing to merge",
@@ -379,28 +379,20 @@ _WHY = {
 _FEWER = own("{number} fewer without area")
 
 
-def why_more(numbers: dict[str, Any], most: int | None = None) -> str:
+def why_more(numbers: dict[str, Any]) -> str:
     """Why there are more polygons than regions; empty if there are not. The figures add up to the difference.
 
     What no other cause explains is the repair of polygons that were not flat. It splits regions and adds diagonals, and
     removes some of both later, so its own counts do not add up.
-
-    most: how many causes are named, the rest as a sum; None for all.
     """
     more, split = numbers["polygons"] - numbers["regions"], numbers.get("split", {})
     if more <= 0 or not split:
         return said("{more} more than regions", more=f"{more:,}") if more > 0 else ""
     causes = {cause: split.get(name, 0) for name, cause in _WHY.items()}
-    causes[own("{number} cut off to be planar")] = split.get("cut_to_be_planar", 0)
+    causes[own("{number} corners cut to keep faces flat")] = split.get("cut_to_be_planar", 0)
     causes[_FEWER] = gone = split.get("without_area", 0)
-    causes[own("{number} not flat")] = more + 2 * gone - sum(causes.values())
+    causes[own("{number} split because they bend")] = more + 2 * gone - sum(causes.values())
     found = sorted(((number, cause) for cause, number in causes.items() if number > 0), reverse=True)
-    if most is not None and len(found) > most:
-        found = [each for each in found if each[1] != _FEWER][:most]
-        rest = more - sum(number for number, _ in found)
-        if not found or rest < 0:
-            return said("{more} more than regions", more=f"{more:,}")
-        found += [(rest, own("{number} other"))] if rest else []
     told = ", ".join(said(cause, number=f"{number:,}") for number, cause in found)
     return said("{more} more than regions: {causes}", more=f"{more:,}", causes=told)
 
@@ -408,13 +400,12 @@ def why_more(numbers: dict[str, Any], most: int | None = None) -> str:
 def expected(
     numbers: dict[str, Any],
     previewed: dict[str, Any] | None = None,
-    causes: int | None = None,
     snaps: bool = False,
 ) -> str:
     """How many polygons Mesh will make, and why; empty where that is not known or they are there.
 
     previewed: the numbers of their preview once it is there, which is what Mesh will make; before, it is an estimate.
-    causes: how many of the causes are named; None for all. snaps: whether polygons become exactly planar or planes are
+    snaps: whether polygons become exactly planar or planes are
     snapped, which the estimate knows nothing of.
     """
     if "polygons" in numbers:
@@ -422,9 +413,9 @@ def expected(
     counts = numbers.get("expected", {})
     if previewed and "polygons" in previewed:
         polygons = count(previewed["polygons"], "polygon")
-        told, why = said("Mesh will make {polygons}", polygons=polygons), why_more(previewed, causes)
+        told, why = said("Mesh will make {polygons}", polygons=polygons), why_more(previewed)
     elif {"polygons", "regions"} <= counts.keys():
-        why = why_more({"polygons": counts["polygons"], "regions": counts["regions"], "split": counts}, causes)
+        why = why_more({"polygons": counts["polygons"], "regions": counts["regions"], "split": counts})
         text = (
             own("Mesh will make about {polygons}, more to be planar")
             if snaps

@@ -30,14 +30,14 @@ class Preset:
 PRESETS = (
     Preset(
         "figure",
-        "Photogrammetry figure",
+        "Figure",
         "People, animals, statues: rounded shapes with fine details such as faces and hands",
         rcp.Partition(count_by="detail", detail=0.005, adaptivity=0.25),
         rcp.Mesh(),
     ),
     Preset(
         "building",
-        "Photogrammetry building",
+        "Building",
         "One building or room: large planes with straight edges and noise; planes become regular",
         rcp.Partition(count_by="detail", detail=0.0025, adaptivity=0.0),
         rcp.Mesh(flatten=60, planar=True, planar_most=0.1),
@@ -45,7 +45,7 @@ PRESETS = (
     ),
     Preset(
         "city",
-        "Drone / city tile",
+        "City Tile",
         "Roofs, walls and ground from the air: few large triangles, many small loose parts",
         rcp.Partition(count_by="detail", detail=0.0025, noise=0.0, adaptivity=0.0, leave_out=0.0005),
         rcp.Mesh(flatten=60),
@@ -59,7 +59,7 @@ PRESETS = (
     ),
     Preset(
         "low_poly",
-        "Low poly art",
+        "Low Poly",
         "Few large facets of similar size",
         rcp.Partition(count_by="detail", detail=0.01, snap=False, adaptivity=0.0),
         rcp.Mesh(flatten=60),

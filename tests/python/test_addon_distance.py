@@ -54,5 +54,5 @@ def test_the_causes_of_more_polygons_than_regions_add_up(planar):
     more, *causes = [int(number) for number in re.findall(r"\d+", said)]
     assert more == numbers["polygons"] - numbers["regions"] == sum(causes) > 0, said
     assert more > sum(number for name, number in numbers["split"].items() if name.startswith("split_for_"))
-    assert "not flat" in said
-    assert ("cut off to be planar" in said) == planar
+    assert "split because they bend" in said
+    assert ("corners cut to keep faces flat" in said) == planar

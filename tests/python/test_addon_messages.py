@@ -64,7 +64,7 @@ def test_regions_far_apart_can_not_be_merged():
     first, other = next((a, b) for a in range(8) for b in range(8) if a != b and not {(a, b), (b, a)} & pairs)
     faces = [int(np.flatnonzero(label == region)[0]) for region in (first, other)]
     error = failure(SPLIT, rcp.MergeRegions(face=faces[0], other=faces[1]))
-    assert messages.failed(error, False) == "These regions share no edge: only neighbours can be merged"
+    assert messages.failed(error, False) == "Only neighbouring regions can be merged"
 
 
 @pytest.mark.parametrize(
@@ -117,9 +117,12 @@ def test_more_polygons_than_regions_are_explained():
         "regions": 487,
         "split": {"split_for_holes": 40, "split_for_repair": 3, "split_for_odd": 9, "cut_to_be_planar": 2},
     }
-    assert messages.why_more(numbers) == "71 more than regions: 40 with holes, 29 not flat, 2 cut off to be planar"
+    assert (
+        messages.why_more(numbers)
+        == "71 more than regions: 40 with holes, 29 split because they bend, 2 corners cut to keep faces flat"
+    )
     numbers["split"]["without_area"] = 5
-    assert "34 not flat, 5 fewer without area, 2 cut" in messages.why_more(numbers)
+    assert "34 split because they bend, 5 fewer without area, 2 corners cut" in messages.why_more(numbers)
     assert messages.why_more({"polygons": 5, "regions": 4}) == "1 more than regions"
     assert messages.why_more({"polygons": 4, "regions": 4}) == ""
 

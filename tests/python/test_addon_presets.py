@@ -14,11 +14,11 @@ from session_scans import scan_of
 def test_there_are_five_with_names_of_their_own():
     assert len(BY_NAME) == len(PRESETS) == 5
     assert [preset.label for preset in PRESETS] == [
-        "Photogrammetry figure",
-        "Photogrammetry building",
-        "Drone / city tile",
+        "Figure",
+        "Building",
+        "City Tile",
         "CAD",
-        "Low poly art",
+        "Low Poly",
     ]
 
 

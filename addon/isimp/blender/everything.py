@@ -47,6 +47,7 @@ def register():
         bpy.utils.register_class(cls)
     store.register()
     settings.register()
+    presets.register()
     display.register()
     live.register()
     overlay.register()
@@ -65,6 +66,7 @@ def unregister():
     overlay.unregister()
     live.unregister()
     display.unregister()
+    presets.unregister()
     settings.unregister()
     store.unregister()
     for cls in reversed(_CLASSES):

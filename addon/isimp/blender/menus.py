@@ -4,7 +4,7 @@ import bpy
 
 from .. import recipe as rcp
 from . import settings
-from .panel.regularity import align
+from .panel.planes import align
 
 _SELECT = (
     ("SIZE", "Select Small Regions"),
@@ -33,6 +33,8 @@ class ISIMP_MT_object(bpy.types.Menu):
         layout.separator()
         settings.give(rcp.Regularise, panel.regularise, layout.operator("isimp.regularise", icon="SNAP_ON"))
         layout.menu("ISIMP_MT_planes")
+        layout.separator()
+        layout.operator("isimp.merge_flat", icon="MESH_PLANE")
         layout.separator()
         layout.operator("isimp.recipe_export", icon="EXPORT")
         layout.operator("isimp.recipe_import", icon="IMPORT")
@@ -90,15 +92,28 @@ def _draw_entry(menu, context) -> None:
     menu.layout.menu("ISIMP_MT_object", icon="MOD_REMESH")
 
 
+def _draw_import(menu, context) -> None:
+    menu.layout.operator("isimp.import_scan", text="Scan (iSimp)")
+
+
+def _draw_export(menu, context) -> None:
+    menu.layout.operator("isimp.export_building", text="Building (.ifc, .dxf, .city.json)")
+
+
 CLASSES = (ISIMP_MT_object, ISIMP_MT_planes, ISIMP_MT_planes_pie, ISIMP_MT_pie)
-_HOMES = ("VIEW3D_MT_object", "VIEW3D_MT_edit_mesh")
+_HOMES = (
+    ("VIEW3D_MT_object", _draw_entry),
+    ("VIEW3D_MT_edit_mesh", _draw_entry),
+    ("TOPBAR_MT_file_import", _draw_import),
+    ("TOPBAR_MT_file_export", _draw_export),
+)
 
 
 def register() -> None:
-    for name in _HOMES:
-        getattr(bpy.types, name).append(_draw_entry)
+    for name, draw in _HOMES:
+        getattr(bpy.types, name).append(draw)
 
 
 def unregister() -> None:
-    for name in _HOMES:
-        getattr(bpy.types, name).remove(_draw_entry)
+    for name, draw in _HOMES:
+        getattr(bpy.types, name).remove(draw)

@@ -148,9 +148,17 @@ class RecipeOperator:
     _before = None  #: the numbers of the regions before
     _is_modal = False
 
+    #: The settings in the panel of the last operation (F9): those that matter
+    adjusted: tuple = ()
+
     @classmethod
     def poll(cls, context):
         return targets.allows(cls, context, lambda scan: cls.problem(context, scan))
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        for name in self.adjusted:
+            self.layout.prop(self, name)
 
     @classmethod
     def problem(cls, context, scan) -> str:

@@ -52,6 +52,12 @@ class IsimpPreferences(bpy.types.AddonPreferences):
         default=True,
     )
 
+    experimental: BoolProperty(
+        name="Methods of the Papers",
+        description="Show the other methods of partition, with their settings, in More Settings",
+        default=False,
+    )
+
     show_keys: BoolProperty(name="Shortcuts of the Tools", description="Show and change the shortcuts")
 
     def draw(self, context):
@@ -89,6 +95,7 @@ _DRAWN = (
     ("Colours", ("border_color", "outline_color", "problem_color", "line_width")),
     ("Help", ("quick_start",)),
     ("Performance", ("threads", "backend") if len(_BACKENDS) > 1 else ("threads",)),
+    ("Experimental", ("experimental",)),
 )
 
 

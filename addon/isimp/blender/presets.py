@@ -1,19 +1,22 @@
 """Presets of the add-on, and users' own, which Blender stores as files."""
 
+from pathlib import Path
+
 import bpy
+import bpy.utils.previews
 from bl_operators.presets import AddPresetBase
 from bpy.props import EnumProperty
 
 from .. import presets
 from .. import recipe as rcp
 from ..language import own, said
-from . import settings
+from . import runtime, settings
 
 _FOLDER = "isimp"
 _TITLE, _DEFAULTS = "Presets", own("No preset (defaults)")
 # Titles of the menu that are no preset of the user's.
 _OURS = {_TITLE, _DEFAULTS, *(preset.label for preset in presets.PRESETS)}
-_SHORT = {"Photogrammetry figure": own("Figure"), "Photogrammetry building": own("Building")}  # as the panel is narrow
+_PICTURES = Path(__file__).parent.parent / "pictures"
 # Settings of one scan, not of a kind of scans: lengths in its units, a count, its weights.
 _LEFT = frozenset({"proxies", "tolerance", "bound", "weights", "influence", "borders", "length"})
 
@@ -95,14 +98,46 @@ def _is_shown(context, step) -> bool:
     return all(getattr(shown, name) == getattr(step, name) for name in _kept(type(step)))
 
 
-def draw(context, layout) -> None:
+def draw(context, layout, is_narrow: bool = False) -> None:
+    """Draws a card for each preset; the one with the present settings is lit once it was chosen."""
+    grid = layout.grid_flow(row_major=True, columns=1 if is_narrow else 2, even_columns=True, align=True)
+    chosen = title(context)
+    for preset in presets.PRESETS:
+        card = grid.operator(
+            "isimp.preset", text=preset.label, icon_value=_picture(preset.name), depress=preset.label == chosen
+        )
+        card.name = preset.name
+
+
+def draw_own(context, layout) -> None:
+    """Draws the menu of all presets, with the user's own, and how these are stored and deleted."""
     row = layout.row(align=True)
     row.use_property_split = False
     shown = title(context)
-    row.menu("ISIMP_MT_presets", text=said(_SHORT.get(shown, shown)) if shown in _OURS else shown)
+    row.menu("ISIMP_MT_presets", text=said(shown) if shown in _OURS else shown)
     row.operator("isimp.preset_add", text="", icon="ADD")
     if shown not in _OURS:
         row.operator("isimp.preset_add", text="", icon="REMOVE").remove_active = True
+
+
+def _picture(name: str) -> int:
+    """The number of the picture of a preset, for Blender's buttons; 0 where there are no pictures."""
+    found = runtime.get().pictures
+    return found[name].icon_id if found is not None and name in found else 0
+
+
+def register() -> None:
+    if bpy.app.background:
+        return
+    found = runtime.get().pictures = bpy.utils.previews.new()
+    for preset in presets.PRESETS:
+        found.load(preset.name, str(_PICTURES / f"{preset.name}.png"), "IMAGE")
+
+
+def unregister() -> None:
+    if runtime.get().pictures is not None:
+        bpy.utils.previews.remove(runtime.get().pictures)
+        runtime.get().pictures = None
 
 
 CLASSES = (ISIMP_OT_preset, ISIMP_MT_presets, ISIMP_OT_preset_add)

@@ -82,13 +82,13 @@ class PartitionSettings:
         unit="LENGTH",
     )
     adaptivity: FloatProperty(
-        name="Adaptivity",
+        name="Finer Where Rough",
         description="Smaller regions where the scan is rough. 0: the same detail everywhere",
         default=_PARTITION.adaptivity,
         **_range(PARTITION["adaptivity"]),
     )
     smooth: FloatProperty(
-        name="Smooth",
+        name="Straight Borders",
         description="How much short, straight borders count beside the error. 0: least error. 1: cleanest shapes",
         default=_PARTITION.smooth,
         **_range(PARTITION["smooth"]),
@@ -175,7 +175,7 @@ class PartitionSettings:
         **_range(PARTITION["iterations"]),
     )
     leave_out: FloatProperty(
-        name="Leave Out Parts",
+        name="Ignore Parts Below",
         description="Loose parts below this share of the total area get no region and no polygon. 0: keep every part",
         default=_PARTITION.leave_out,
         max=0.99,
@@ -252,21 +252,21 @@ class MeshSettings:
         **_range(MESHING["join_junctions"]),
     )
     flatten: IntProperty(
-        name="Planarize",
+        name="Flatten",
         description="Rounds of moving corners to make polygons planar. 0: corners keep their first positions",
         default=_MESH.flatten,
         soft_max=200,
         **_range(MESHING["flatten"]),
     )
     planar: BoolProperty(
-        name="Planar Exactly",
+        name="Exactly Flat Faces",
         description="Make every polygon exactly planar. Corners that can't be on the plane of their polygon are cut "
         "off as triangles",
         default=_MESH.planar,
     )
     planar_most: FloatProperty(
         name="Cut at Most",
-        description="Largest share of the polygons that Planar Exactly may cut. If more would be cut, polygons stay "
+        description="Largest share of the polygons that Exactly Flat Faces may cut. If more would be, polygons stay "
         "whole and are not exactly planar, and the report says so",
         default=_MESH.planar_most,
         subtype="FACTOR",

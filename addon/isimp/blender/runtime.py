@@ -53,6 +53,7 @@ class Runtime:
         self.stored = {}  #: (mesh's name, state) -> stored.Stored, until something can have changed it
         self.most_nodes = {}  #: mesh's name -> how many nodes it may have before some are forgotten; see store.py
         self.live = Live()
+        self.sizes = {}  #: object's name -> (shape, size); see measure.py
         self.scans = {}  #: object's name -> the arrays read last; see reading.py
         self.former = None  #: the arrays that `scans` had before, as the next ones may be equal
         self.groups = {}  #: (object's name, vertex group's) -> weights.Group, as far as it is read
@@ -62,6 +63,7 @@ class Runtime:
         self.own_writes = set()  #: names of meshes whose next change is the add-on's own
         self.drawings = OrderedDict()  #: overlays of scans; see overlay.py
         self.shaders = {}  #: own ones, by name
+        self.pictures = None  #: of the presets, as Blender's previews
         self.keys = []  #: (key map, item) of the add-on's own shortcuts
         self.start = None  #: the draw handler of the quick start
         self.handles = ()  #: of the draw handlers

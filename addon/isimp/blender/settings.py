@@ -74,6 +74,18 @@ def draw(layout, cls, properties, name: str, **more) -> None:
     layout.prop(properties, units.INSTEAD.get((cls, name), name), **more)
 
 
+_COLOURS = ("away", "heat", "directions")  #: of polygons; the first that is on is seen
+
+
+def _colour(self) -> int:
+    return next((number for number, name in enumerate(_COLOURS, 1) if getattr(self, name)), 0)
+
+
+def _set_colour(self, chosen: int) -> None:
+    for number, name in enumerate(_COLOURS, 1):
+        setattr(self, name, number == chosen)
+
+
 class _Shown:
     live: BoolProperty(
         name="Live",
@@ -111,8 +123,20 @@ class _Shown:
         "a hue for each direction, a shade for each plane. Grey is free",
         default=False,
     )
+    colour: EnumProperty(
+        name="Colour",
+        description="What the colours over the scan tell",
+        items=(
+            ("NONE", "Regions", "A colour for each region"),
+            ("AWAY", "Distance", "Green polygons are near to the scan, red ones two percent of the size off or more"),
+            ("HEAT", "Flatness", "Green polygons are planar, red ones bend by half a percent of the size or more"),
+            ("DIRECTIONS", "Directions", "A hue for each direction of snapped planes, a shade for each plane"),
+        ),
+        get=_colour,
+        set=_set_colour,
+    )
     regularise_first: BoolProperty(
-        name="Before Mesh",
+        name="Regularise When Meshing",
         description="Mesh regularises the planes first, with these settings",
         default=False,
     )
@@ -121,7 +145,6 @@ class _Shown:
         description="Tell in the corner of the view how many regions and polygons there are, and how far from the scan",
         default=True,
     )
-    times: IntProperty(name="Times", description="Number of edits", default=1, min=1, soft_max=50)
     brush: IntProperty(name="Radius", description="Radius of the brush", default=40, min=1, max=500, subtype="PIXEL")
     mirror: EnumProperty(
         name="Mirror",

@@ -1,6 +1,5 @@
 """Texts of the panel: numbers, warnings, reports."""
 
-import math
 import re
 import textwrap
 
@@ -12,9 +11,7 @@ from ..language import noun, own, said
 from . import mesh_io
 
 _STAY = "\N{NO-BREAK SPACE}"
-_REPORT = 200  # letters of a report, its lines filled up
-_LEAST_ROWS = 5
-_CAUSES = (None, 2, 1, 0)  # told of why there are more polygons than regions: all, or so many
+_ROWS = 3  # of a report without warnings
 
 
 def wrapped(message: str, width: int) -> list:
@@ -87,7 +84,7 @@ def repair_lines(numbers: dict, system: str, scale: float) -> list:
     if closed:
         told = said("{holes} and {tunnels}", holes=closed[0], tunnels=closed[-1]) if len(closed) > 1 else closed[0]
         below = length(numbers["closed_below"], system, scale) if numbers.get("closed_below") else ""
-        text = own("Closed: {openings} up to {length} round") if below else own("Closed: {openings}")
+        text = own("Closed: {openings}, up to {length} around") if below else own("Closed: {openings}")
         lines.append(said(text, openings=told, length=below))
     if numbers.get("kept_open"):
         lines.append(said("Kept open: {openings}", openings=_count(numbers["kept_open"], "opening")))
@@ -111,7 +108,7 @@ def short_progress(told: str) -> str:
 def left_out(numbers: dict) -> str:
     """Which faces are in no region; empty if all are in one."""
     faces = numbers.get("left_out", 0)
-    text = own("{faces} left out, grey on the scan: small parts or defects")
+    text = own("{faces} ignored (grey): tiny parts or damaged faces")
     return said(text, faces=_count(faces, "face")) if faces else ""
 
 
@@ -123,22 +120,41 @@ def describes(mesh, numbers: dict) -> bool:
 def report_rows(
     numbers: dict, system: str, scale: float, previewed: dict | None, width: int, snaps: bool = False
 ) -> list:
-    """(row, icon, whether it is a warning) of `report_lines`, in rows of `width` letters.
+    """(row, icon, whether it is a warning) of the report in the panel, in rows of `width` letters.
 
-    There are always as many rows as a report has in general, so that what is below it stays where it is: rows are
-    left empty, and minor causes are left out. Only warnings and a bound take more.
+    The first row is how many polygons there are or will be, the next two the distance from the scan; then warnings.
+    There are always as many rows without warnings, so that what is below them stays where it is. `report_lines` has
+    all of the report.
     """
-    room = max(_LEAST_ROWS, math.ceil(_REPORT / width))
-    rows: list = []
-    for causes in _CAUSES:
-        rows = []
-        for line, alert in report_lines(numbers, system, scale, previewed, causes, snaps):
-            icons = ["ERROR" if alert else "CHECKMARK"]
-            for part in wrapped(line, width):
-                rows.append((part, icons.pop() if icons else "BLANK1", alert))
-        if sum(not alert for _, _, alert in rows) <= room:
-            break
-    return rows + [("", "BLANK1", False)] * (room - len(rows))
+    lines = report_lines(numbers, system, scale, previewed, snaps=snaps)
+    short = _short(numbers, system, scale, previewed, snaps)
+    rows: list = [(short[0] if short else "", "CHECKMARK" if short else "BLANK1", False)]
+    for line in short[1:]:
+        rows += [(part, "BLANK1", False) for part in wrapped(line, width)]
+    rows += [("", "BLANK1", False)] * (_ROWS - len(rows))
+    for line, alert in lines:
+        if alert:
+            icons = ["ERROR"]
+            rows += [(part, icons.pop() if icons else "BLANK1", True) for part in wrapped(line, width)]
+    return rows
+
+
+def _short(numbers: dict, system: str, scale: float, previewed: dict | None, snaps: bool) -> list:
+    """The report in a few words: polygons, and how far they are from the scan."""
+    made = numbers if "polygons" in numbers else previewed or {}
+    if "polygons" not in made:
+        counts = numbers.get("expected", {})
+        if "polygons" not in counts:
+            return []
+        about = own("About {polygons}, or more") if snaps else own("About {polygons}")
+        return [said(about, polygons=_count(counts["polygons"], "polygon"))]
+    shape = "" if made is not numbers else said("closed") if made["closed"] and made["manifold"] else said("open")
+    told = _count(made["polygons"], "polygon")
+    lines = [f"{told} · {shape}" if shape else told]
+    if "away_max" in made:
+        mean, most = (amount(made, name, system, scale) for name in ("away_mean", "away_max"))
+        lines.append(said("{mean} off, {most} at most", mean=mean, most=most))
+    return lines
 
 
 def report_lines(
@@ -146,29 +162,27 @@ def report_lines(
     system: str,
     scale: float,
     previewed: dict | None = None,
-    causes: int | None = None,
     snaps: bool = False,
 ) -> list:
     """(line, whether it is a warning) for the report of Mesh; before it, how many polygons it will make.
 
-    causes: how many are told of why there are more polygons than regions; None for all. snaps: see `messages.expected`.
+    snaps: see `messages.expected`.
     """
     if "polygons" not in numbers:
-        return [(line, False) for line in [messages.expected(numbers, previewed, causes, snaps)] if line]
-    flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
+        return [(line, False) for line in [messages.expected(numbers, previewed, snaps)] if line]
     made = _count(numbers["polygons"], "polygon")
     lines = [(f"{made} · {said('closed')}" if numbers["closed"] and numbers["manifold"] else made, False)]
-    lines += [(line, False) for line in [messages.why_more(numbers, causes)] if line]
+    lines += [(line, False) for line in [messages.why_more(numbers)] if line]
     if "away_max" in numbers:
         mean, most = (amount(numbers, name, system, scale) for name in ("away_mean", "away_max"))
-        lines.append((said("{mean} off the scan, at most {most}", mean=mean, most=most), False))
-    lines.append((said("Flat to {flat}, worst {worst}", flat=flat, worst=worst), False))
+        lines.append((said("{mean} from the scan on average, {most} at most", mean=mean, most=most), False))
+    lines.append((_flatness(numbers, system, scale), False))
     if numbers.get("let_go"):
         gone = _count(numbers["let_go"], "plane")
         lines.append((said("{gone} not held, for better polygons", gone=gone), True))
     if "cut_if_planar" in numbers:
         share = f"{100 * numbers['cut_if_planar']:.0f} %"
-        lines.append((said("Planar Exactly left off: it would cut {share} of the polygons", share=share), False))
+        lines.append((said("Exactly Flat Faces left off: it would cut {share} of the polygons", share=share), False))
     if not numbers["manifold"]:
         lines.append((said("Non-manifold: polygons share an edge or vertex that they should not"), True))
     elif not numbers["closed"]:
@@ -182,6 +196,14 @@ def report_lines(
     if added > 0:
         lines.append((said("{regions} added to keep the bound", regions=_count(added, "region")), False))
     return lines
+
+
+def _flatness(numbers: dict, system: str, scale: float) -> str:
+    """How flat the polygons are: exactly up to a millionth of the diagonal."""
+    if numbers["planarity_max"] <= 1e-6 * numbers.get("diagonal", 0.0):
+        return said("Exactly flat")
+    flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
+    return said("Flat within {flat} on average, {worst} at most", flat=flat, worst=worst)
 
 
 def planes_line(numbers: dict, system: str, scale: float) -> str:
@@ -218,8 +240,13 @@ def amount(numbers: dict, name: str, system: str, scale: float) -> str:
 
 
 def length(value: float, system: str, scale: float) -> str:
+    """A length with its unit. Blender's own texts have "um" and "mil", which nobody reads as a length."""
     if system == "NONE":
         return f"{value:.3g}"
+    if system == "METRIC" and 0 < abs(value * scale) < 1e-3:
+        return f"{1e6 * value * scale:.3g} \N{MICRO SIGN}m"
+    if system == "IMPERIAL" and 0 < abs(value * scale) < 0.0254:
+        return said("{number} in", number=f"{value * scale / 0.0254:.2g}")
     return bpy.utils.units.to_string(system, "LENGTH", value * scale, precision=2, compatible_unit=True)
 
 

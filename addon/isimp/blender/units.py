@@ -3,11 +3,13 @@
 Each is another face of a setting of a step. Setting the one sets the other.
 """
 
-from math import degrees, radians
+from math import degrees, exp, log, radians
 
-from bpy.props import BoolProperty, FloatProperty
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from .. import recipe as rcp
+from . import measure, targets
 from .properties import MeshSettings, PartitionSettings, RegulariseSettings
 
 
@@ -63,10 +65,84 @@ def _set_automatic(self, value: bool) -> None:
     self.noise = -1.0 if value else max(0.0, self.noise)
 
 
+_LENGTHS = ("tolerance", "bound")
+_FINEST, _COARSEST = 0.0002, 0.05  # ends of the slider, shares of the scan's size
+
+
+def _size() -> float:
+    """The size of the scan that is looked at; 1 if there is none."""
+    scan, problem = targets.seen(bpy.context)
+    return 1.0 if problem else measure.size(scan)
+
+
+def _share(self) -> float:
+    """The smallest feature as a share of the scan's size, whichever way it is given."""
+    return getattr(self, self.count_by) / _size() if self.count_by in _LENGTHS else self.detail
+
+
+def _set_share(self, share: float) -> None:
+    if self.count_by in _LENGTHS:
+        setattr(self, self.count_by, share * _size())
+    else:
+        self.detail = min(max(share, 1e-6), 1.0)
+
+
+def _coarseness(self) -> float:
+    share = min(max(_share(self), _FINEST), _COARSEST)
+    return 100 * log(share / _FINEST) / log(_COARSEST / _FINEST)
+
+
+def _set_coarseness(self, percent: float) -> None:
+    _set_share(self, _FINEST * exp(percent / 100 * log(_COARSEST / _FINEST)))
+
+
+_WAYS = ("detail", "proxies")  #: of `way`; lengths belong to the first
+
+
+def _set_way(self, number: int) -> None:
+    if number != _way(self):
+        self.count_by = _WAYS[number]
+
+
+def _way(self) -> int:
+    return int(self.count_by == "proxies")
+
+
 SHOWN = {
     rcp.Partition: {
+        "way": EnumProperty(
+            name="How Many",
+            description="How the number of regions is chosen",
+            items=(
+                ("SIZE", "By Size", "The number follows from the shape: features below a size are ignored"),
+                ("COUNT", "Count", "An exact number of regions"),
+            ),
+            get=_way,
+            set=_set_way,
+        ),
+        "feature": FloatProperty(
+            name="Smallest Feature",
+            description="Features below this size are ignored. A smaller value gives more regions",
+            unit="LENGTH",
+            min=0.0,
+            soft_max=10.0,
+            precision=4,
+            step=1,
+            get=lambda self: _share(self) * _size(),
+            set=lambda self, value: _set_share(self, max(value, 1e-9) / _size()),
+        ),
+        "coarseness": FloatProperty(
+            name="Fine to Coarse",
+            description="The same as a slider: the further left, the finer, and the more regions",
+            subtype="PERCENTAGE",
+            min=0.0,
+            max=100.0,
+            precision=0,
+            get=_coarseness,
+            set=_set_coarseness,
+        ),
         "detail_percent": _percent(PartitionSettings, "detail", 1.0, 0.05, 2),
-        "leave_out_percent": _percent(PartitionSettings, "leave_out", 0.99, 0.05, 2, "Leave Out"),
+        "leave_out_percent": _percent(PartitionSettings, "leave_out", 0.99, 0.05, 2, "Ignore Parts Below"),
         "angle_turn": _angle(PartitionSettings, 180),
         "noise_automatic": BoolProperty(
             name="Automatic",

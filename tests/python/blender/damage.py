@@ -238,8 +238,13 @@ class Layout:
         getattr(data, name)
         self.said.append(text)
 
-    def menu(self, name, text=""):
+    def menu(self, name, text="", **_):
         self.said.append(text)
+
+    popover = menu
+
+    def separator(self):
+        pass
 
     def operator(self, name, text="", **_):
         self.said.append(text)

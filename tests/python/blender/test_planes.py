@@ -4,10 +4,11 @@ import bpy
 import numpy as np
 import pytest
 import scans
+from drawing import controls
 
 from isimp import recipe as rcp
 from isimp.blender import pending, runtime, settings, store, text, upward
-from isimp.blender.panel import regularity
+from isimp.blender.panel import planes
 
 pytestmark = pytest.mark.usefixtures("scene")
 OPS = bpy.ops.isimp
@@ -249,48 +250,19 @@ def test_the_preset_for_buildings_regularises_and_is_exactly_planar():
 
 
 def test_every_button_of_the_panel_is_drawn():
-    scan = parted()
-    drawn = []
-
-    class Layout:
-        use_property_split = use_property_decorate = alert = True
-        scale_y = 1.0
-
-        def row(self, **_):
-            return self
-
-        column = row
-
-        def operator(self, name, text="", icon="NONE"):
-            drawn.append((name, text))
-            kinds = getattr(bpy.ops.isimp, name.removeprefix("isimp.")).get_rna_type()
-            return type("Button", (), {"bl_rna": kinds})()
-
-        def prop(self, owner, name, text=None):
-            assert hasattr(owner, name)
-            drawn.append((name, text))
-
-        def label(self, text, icon="NONE"):
-            drawn.append(("", text))
-
-    panel = type("Panel", (), {"layout": Layout(), "prepare": lambda self, context: self.layout})()
-    regularity.ISIMP_PT_regularity.draw(panel, bpy.context)
-    texts = [text for _, text in drawn]
+    parted()
+    drawn = controls(planes.ISIMP_PT_planes, planes.ISIMP_PT_regularise)
     for name in ("Level", "Upright", "Parallel", "Perpendicular", "Coplanar", "Free"):
-        assert ("isimp.align", name) in drawn
-    assert ("isimp.regularise", "") in drawn
-    names = [name for name, _ in drawn]
-    assert {"angle_turn", "up", "regularise_first", "directions"} <= set(names)
+        assert ("operator", name) in drawn
+    names = [name for _, name in drawn]
+    assert {"angle_turn", "up", "regularise_first", "even_spacing"} <= set(names)
     assert names.count("length_automatic") == 2
     assert "length" not in names
     bpy.context.window_manager.isimp.align.length_automatic = False
-    regularity.ISIMP_PT_regularity.draw(panel, bpy.context)
-    assert ("length", None) in drawn
+    assert ("prop", "length") in controls(planes.ISIMP_PT_regularise)
     assert bpy.context.window_manager.isimp.align.length == pytest.approx(0.05)
     bpy.context.window_manager.isimp.align.length_automatic = True
     assert bpy.context.window_manager.isimp.align.length == 0
-    assert any("Planar Exactly" in (text or "") for text in texts)
-    assert scan.name == "Scan"
 
 
 def test_the_hover_text_tells_how_far_a_plane_leans():
@@ -310,4 +282,4 @@ def test_the_hover_text_tells_how_far_a_plane_leans():
     bpy.context.view_layer.update()
     OPS.align(face=face_along(scan, 0, 0, 1), to="level")
     told = under.ground(bpy.context, wait=True).told(unit, top)
-    assert told.endswith("plane held")
+    assert told.endswith("plane fixed")

@@ -49,7 +49,7 @@ def test_no_preset_is_named_before_one_is_chosen():
         settings.copy(cls, cls(), settings.group(bpy.context, cls))
     assert presets.title(bpy.context) == "No preset (defaults)"
     bpy.ops.isimp.preset(name="figure")
-    assert presets.title(bpy.context) == "Photogrammetry figure"
+    assert presets.title(bpy.context) == "Figure"
 
 
 def test_a_preset_is_what_partition_does():
@@ -69,7 +69,7 @@ def test_users_keep_presets_of_their_own(tmp_path, monkeypatch):
     (file,) = (tmp_path / "presets" / "isimp").iterdir()
     assert presets.title(bpy.context) == bpy.path.display_name(file.name)
     bpy.ops.isimp.preset(name="figure")
-    assert (group.seed, presets.title(bpy.context)) == (1, "Photogrammetry figure")
+    assert (group.seed, presets.title(bpy.context)) == (1, "Figure")
     bpy.ops.script.execute_preset(filepath=str(file), menu_idname="ISIMP_MT_presets")
     assert (group.seed, meshing.flatten) == (77, 11)
     assert group.detail == pytest.approx(0.0123)
@@ -77,20 +77,31 @@ def test_users_keep_presets_of_their_own(tmp_path, monkeypatch):
     assert not file.exists()
 
 
-@pytest.mark.parametrize(("preset", "shown"), [("figure", "Figure"), ("building", "Building"), ("cad", "CAD")])
-def test_the_menu_of_the_panel_has_a_short_title(preset, shown):
-    bpy.ops.isimp.preset(name=preset)
-    drawn = []
+@pytest.mark.parametrize("chosen", ["", "figure", "building", "cad"])
+def test_the_card_of_a_preset_is_lit_once_it_was_chosen(chosen):
+    for cls in (rcp.Partition, rcp.Mesh):
+        settings.copy(cls, cls(), settings.group(bpy.context, cls))
+    if chosen:
+        bpy.ops.isimp.preset(name=chosen)
+    cards = {}
 
     class Layout:
-        def row(self, **_):
+        def grid_flow(self, **_):
             return self
 
-        def menu(self, name, text):
-            drawn.append(text)
-
-        def operator(self, *_, **__):
-            return self
+        def operator(self, name, text, depress, icon_value):
+            cards[text] = depress
+            return type("Button", (), {})()
 
     presets.draw(bpy.context, Layout())
-    assert drawn == [shown]
+    assert list(cards) == ["Figure", "Building", "City Tile", "CAD", "Low Poly"]
+    assert [name for name, lit in cards.items() if lit] == ([given.BY_NAME[chosen].label] if chosen else [])
+
+
+@pytest.mark.parametrize("preset", given.PRESETS, ids=lambda preset: preset.name)
+def test_each_preset_has_a_small_picture(preset):
+    path = presets._PICTURES / f"{preset.name}.png"
+    image = bpy.data.images.load(str(path))
+    assert tuple(image.size) == (64, 64)
+    assert path.stat().st_size < 10_000
+    bpy.data.images.remove(image)

@@ -43,6 +43,12 @@ def opened():
     bpy.ops.isimp.partition(proxies=8)
 
 
+def slivered():
+    parted()
+    bpy.ops.isimp.paint_faces(painted="-1:0")
+    bpy.ops.isimp.paint_faces(painted="-1:60,61,62,63,64,65,66,67")
+
+
 def divided():
     tube()
     bpy.ops.isimp.partition(proxies=1, snap=False)
@@ -77,6 +83,10 @@ CHANGES = [
     ("regularise", rounded, {"angle": 8.0}, {"angle": 2.0}),
     ("align", parted, {"face": 0, "to": "upright"}, {"face": 0, "to": "free"}),
     ("align", parted, {"face": 0, "to": "upright"}, {"face": 0, "to": "upright", "length": 0.5}),
+    ("symmetrise", rounded, {"axis": "x"}, {"axis": "none"}),
+    ("merge_slivers", slivered, {"share": 10.0}, {"share": 50.0}),
+    ("merge_flat", rounded, {"angle": 0.001}, {"angle": 1.0}),
+    ("make_editable", rounded, {"chord_tolerance": 0.7}, {"chord_tolerance": 0.05}),
     ("mesh", rounded, {"chord_tolerance": 0.7}, {"chord_tolerance": 0.05}),
     ("texture", textured, {"size": 64}, {"size": 128}),
     ("show_problems", divided, {"kind": "DEFECTIVE"}, {"kind": "DIVIDED"}),
@@ -89,7 +99,8 @@ CHANGES = [
     ("select_by", parted, {"by": "DIRECTION"}, {"by": "DIRECTION", "direction": (0.0, 1.0, 0.0)}),
 ]
 SAME = {"step_move"}  # both settings change places of the same two steps
-WITHOUT_SETTINGS = {"improve", "take_back"}
+WITHOUT_SETTINGS = {"improve", "take_back", "keep_lod"}
+OF_FILES = {"import_scan"}  # test_files.py
 
 
 def operators():
@@ -106,7 +117,7 @@ def test_operators_that_change_the_scan_have_the_panel_of_the_last_operation():
 def test_each_operator_with_settings_there_is_tried():
     with_panel = {cls for cls in operators() if {"REGISTER", "UNDO"} <= set(getattr(cls, "bl_options", ()))}
     names = {cls.bl_idname.removeprefix("isimp.") for cls in with_panel}
-    assert names == {name for name, *_ in CHANGES} | WITHOUT_SETTINGS
+    assert names == {name for name, *_ in CHANGES} | WITHOUT_SETTINGS | OF_FILES
     for name in WITHOUT_SETTINGS:
         assert len(getattr(bpy.ops.isimp, name).get_rna_type().properties) == 1, "the type alone"
 
@@ -122,7 +133,7 @@ def seen():
         obj.data.polygons.foreach_get("select", chosen)
         found += [chosen.tolist(), scans.coordinates(obj.data).tolist()]
         found += [[list(polygon.vertices) for polygon in obj.data.polygons]]
-    found.append(scans.regions(scan).tolist())
+    found += [scans.regions(scan).tolist(), len(bpy.context.object.data.polygons)]
     found.append(sorted(tuple(image.size) for image in bpy.data.images if image.users))
     return found
 

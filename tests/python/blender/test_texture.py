@@ -8,7 +8,7 @@ import pytest
 import scans
 
 from isimp.blender import store, texture
-from isimp.blender.panel import main
+from isimp.blender.panel import result as result_panel
 from isimp.recipe import Mesh, Partition, Recipe, Texture
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -171,8 +171,8 @@ class Layout:
     def __init__(self):
         self.buttons = {}
 
-    def row(self, **_):
-        return self
+    def separator(self):
+        pass
 
     def operator(self, name, text, **_):
         assert name == "isimp.texture"
@@ -186,7 +186,7 @@ def test_the_buttons_of_the_panel_change_one_setting_each():
 
     def press(label):
         layout = Layout()
-        main._draw_texture(layout, scan, result)
+        result_panel.ISIMP_MT_texture.draw(types.SimpleNamespace(layout=layout), bpy.context)
         settings = {name: value for name, value in vars(layout.buttons[label]).items() if name != "bl_rna"}
         assert bpy.ops.isimp.texture(**settings) == {"FINISHED"}
         return steps_of(scan)[-1]

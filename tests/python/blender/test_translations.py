@@ -16,7 +16,7 @@ pytestmark = pytest.mark.usefixtures("scene")
 
 def test_each_text_has_an_entry_and_no_entry_is_stale():
     known, wanted = set(translations.read("de")), ui_strings.all_strings()
-    assert {"Even Out Borders", "Partition Anew", "Quick Start"} <= wanted
+    assert {"Even Out Borders", "Start Over", "Quick Start"} <= wanted
     assert sorted(wanted - known) == []
     assert sorted(known - wanted) == []
 
@@ -88,7 +88,7 @@ def german():
 
 
 def test_blender_shows_german(german):
-    assert said("Select Divided Regions") == "Geteilte Regionen auswählen"
+    assert said("Merge Flat") == "Ebenes verschmelzen"
     assert said("No object is active: click the scan first").startswith("Kein Objekt")
     found = bpy.app.translations.pgettext("Even Out Borders", translations.CONTEXT)
     assert found == "Grenzen begradigen"

@@ -78,7 +78,7 @@ USES = [
     ("grow a locked region", locked, lambda: OPS.grow(face=0), "locked: press L over it, or Unlock"),
     ("shrink a locked region", locked, lambda: OPS.grow(face=0, shrink=True), "locked: press L over it, or Unlock"),
     ("merge with itself", parted, lambda: OPS.merge(face=0, other=0), "one region: there is nothing to merge"),
-    ("merge far ones", parted, lambda: OPS.merge(face=12, other=62), "share no edge: only neighbours"),
+    ("merge far ones", parted, lambda: OPS.merge(face=12, other=62), "only neighbouring regions"),
     ("merge nothing", edited, lambda: OPS.merge(face=0), "Only one region is selected|No face is selected"),
     ("no such face", parted, lambda: OPS.add_proxy(face=10**6), "there is no face 1000000: the mesh has 300 faces"),
     ("no such face to delete", parted, lambda: OPS.delete_proxy(face=10**6), "there is no face 1000000"),

@@ -1,8 +1,11 @@
 """The add-on's operators."""
 
 from . import (
+    clean_up,
     compare,
     edits,
+    files,
+    finish,
     mesh,
     openings,
     partition,
@@ -22,8 +25,11 @@ _MODULES = (
     openings,
     proxies,
     edits,
+    clean_up,
     planes,
     mesh,
+    finish,
+    files,
     texture,
     problems,
     steps,

@@ -71,6 +71,7 @@ class ISIMP_OT_lock(_Edit, bpy.types.Operator):
 
     bl_idname = "isimp.lock"
     bl_label = "Lock Regions"
+    adjusted = ("unlock",)
 
     may_be_all = True
 
@@ -94,6 +95,7 @@ class ISIMP_OT_grow(_Edit, bpy.types.Operator):
 
     bl_idname = "isimp.grow"
     bl_label = "Grow Region"
+    adjusted = ("rings", "shrink")
 
     rings: IntProperty(
         name="Rings", description="Width of the change in faces", default=1, min=1, soft_max=20, options={"SKIP_SAVE"}
@@ -121,6 +123,7 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
 
     bl_idname = "isimp.paint_faces"
     bl_label = "Paint Faces"
+    adjusted = ("lock",)
 
     painted: StringProperty(
         name="Faces",
@@ -194,6 +197,8 @@ class _ByError(RecipeOperator):
 class _Times(_ByError):
     """Mixin of edits at the N best places."""
 
+    adjusted = ("times",)
+
     times: IntProperty(name="Times", description="Number of edits", default=1, min=1, soft_max=50)
 
     def wanted(self, context, scan):
@@ -239,6 +244,7 @@ class ISIMP_OT_even_borders(RecipeOperator, bpy.types.Operator):
 
     bl_idname = "isimp.even_borders"
     bl_label = "Even Out Borders"
+    adjusted = ("strength",)
 
     strength: FloatProperty(
         name="Strength",

@@ -7,12 +7,10 @@ from ..modal import RecipeOperator
 from ..show import show_polygons
 
 
-class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
-    """Turn the regions into polygons, as a new object at the same place. The scan is hidden"""
+class Meshing(RecipeOperator, settings.MeshSettings):
+    """Mixin of operators that turn the regions into polygons."""
 
-    bl_idname = "isimp.mesh"
-    bl_label = "Mesh"
-    does_all = True
+    adjusted = ("chord_tolerance", "planar", "regularise")
 
     keep_texture: bpy.props.BoolProperty(
         name="Keep Texture", description="Put the images of the scan's materials on the result", default=True
@@ -48,6 +46,14 @@ class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
 
     def warnings(self, context, scan, before):
         return list(self._notes)
+
+
+class ISIMP_OT_mesh(Meshing, bpy.types.Operator):
+    """Turn the regions into polygons, as a new object at the same place. The scan is hidden"""
+
+    bl_idname = "isimp.mesh"
+    bl_label = "Mesh"
+    does_all = True
 
 
 CLASSES = (ISIMP_OT_mesh,)

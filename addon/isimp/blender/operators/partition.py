@@ -7,9 +7,11 @@ from bpy.props import BoolProperty
 from ... import messages
 from ... import recipe as rcp
 from ...language import said
-from .. import mesh_io, pointed, settings, store, targets, text
+from .. import mesh_io, pointed, settings, store, targets, text, units
 from ..modal import RecipeOperator
 from ..show import show_regions
+
+_DETAIL = units.SHOWN[rcp.Partition]["detail_percent"]
 
 
 class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.Operator):
@@ -23,6 +25,13 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         description="Split the selected faces only; all others stay in their regions",
         options={"SKIP_SAVE"},
     )
+
+    detail_percent: _DETAIL
+
+    @property
+    def adjusted(self):
+        way = {"detail": "detail_percent"}.get(self.count_by, self.count_by)
+        return way, "adaptivity", "smooth"
 
     _is_pressed = False  # by a button in Object Mode
 

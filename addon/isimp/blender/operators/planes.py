@@ -35,6 +35,7 @@ class ISIMP_OT_regularise(_Planes, settings.RegulariseSettings, bpy.types.Operat
 
     bl_idname = "isimp.regularise"
     bl_label = "Regularise"
+    adjusted = ("angle", "length", "up")
     does_all = True
 
     @classmethod
@@ -53,6 +54,7 @@ class ISIMP_OT_align(_Planes, bpy.types.Operator):
 
     bl_idname = "isimp.align"
     bl_label = "Align Planes"
+    adjusted = ("to", "length")
 
     @property
     def may_be_all(self):

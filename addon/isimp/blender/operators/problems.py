@@ -3,7 +3,7 @@ import numpy as np
 
 from ... import messages
 from ...language import own, said
-from .. import display, mesh_io, show, store, targets
+from .. import display, mesh_io, overlay, show, store, targets, text
 
 
 class ISIMP_OT_show_problems(bpy.types.Operator):
@@ -25,11 +25,7 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
     @classmethod
     def description(cls, context, properties):
         if properties.kind == "DIVIDED":
-            what = said("Select the polygons of regions that became more than one polygon, in Edit Mode of the result")
-            scan, problem = targets.seen(context)
-            numbers = {} if problem else store.numbers(scan)
-            why = messages.why_more(numbers) if {"polygons", "regions"} <= numbers.keys() else ""
-            return f"{what}. {why}" if why else what
+            return said("Select the polygons of regions that became more than one polygon, in Edit Mode of the result")
         return said("Select the defective polygons in Edit Mode of the result")
 
     @classmethod
@@ -58,6 +54,34 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class ISIMP_OT_report(bpy.types.Operator):
+    """All of the report. A click selects the polygons of divided regions, or tells it in the Info editor"""
+
+    bl_idname = "isimp.report"
+    bl_label = "Report"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def description(cls, context, properties):
+        return "\n".join(_report(context)) or said(cls.__doc__)
+
+    def execute(self, context):
+        if bpy.ops.isimp.show_problems.poll():
+            return bpy.ops.isimp.show_problems(kind="DIVIDED")
+        self.report({"INFO"}, " · ".join(_report(context)))
+        return {"FINISHED"}
+
+
+def _report(context) -> list:
+    """All lines of the report of the scan, with its reasons."""
+    scan, problem = targets.seen(context)
+    numbers = {} if problem else store.numbers(scan)
+    if "regions" not in numbers:
+        return []
+    unit, made = context.scene.unit_settings, overlay.previewed(context, scan)
+    return [line for line, _ in text.report_lines(numbers, unit.system, unit.scale_length, made)]
+
+
 def _chosen(mesh, kind: str) -> np.ndarray:
     """(polygons,) bool"""
     if kind == "DEFECTIVE":
@@ -66,4 +90,4 @@ def _chosen(mesh, kind: str) -> np.ndarray:
     return np.bincount(np.maximum(region, 0))[np.maximum(region, 0)] > 1
 
 
-CLASSES = (ISIMP_OT_show_problems,)
+CLASSES = (ISIMP_OT_show_problems, ISIMP_OT_report)

@@ -19,6 +19,7 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
 
     bl_idname = "isimp.replay"
     bl_label = "Replay Recipe"
+    adjusted = ("strict",)
 
     recipe: StringProperty(name="Recipe", description="The steps as JSON text, as written by Copy or Export")
     strict: BoolProperty(
@@ -47,7 +48,7 @@ class ISIMP_OT_take_back(RecipeOperator, bpy.types.Operator):
     """Restore the kept steps, which another version could not read. They replace the present steps"""
 
     bl_idname = "isimp.take_back"
-    bl_label = "Take Kept Steps Back"
+    bl_label = "Restore Kept Steps"
     keeps_failed = names_steps = True
 
     @classmethod
@@ -121,7 +122,11 @@ class ISIMP_OT_recipe_paste(_TakesRecipe, bpy.types.Operator):
     bl_label = "Paste Recipe"
 
     def execute(self, context):
-        return self.replay(context.window_manager.clipboard)
+        text = context.window_manager.clipboard
+        if not text.lstrip().startswith("{"):
+            self.report({"ERROR"}, said("The clipboard holds no recipe: press Copy on another scan first."))
+            return {"CANCELLED"}
+        return self.replay(text)
 
 
 class ISIMP_OT_recipe_export(_HasRecipe, bpy.types.Operator):

@@ -12,6 +12,7 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
 
     bl_idname = "isimp.texture"
     bl_label = "Keep Texture"
+    adjusted = ("size", "tiles", "occlusion")
 
     size: bpy.props.IntProperty(
         name="Size",

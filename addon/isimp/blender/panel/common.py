@@ -6,15 +6,26 @@ from .. import targets, text
 _NARROW = 16  # letters in a line
 
 
-class Panel:
+class _Drawn:
     bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "iSimp"
 
     def prepare(self, context):
         self.layout.use_property_split = not is_narrow(context)
         self.layout.use_property_decorate = False
         return self.layout
+
+
+class Panel(_Drawn):
+    bl_region_type = "UI"
+    bl_category = "iSimp"
+
+
+class Popover(_Drawn):
+    """Settings that are needed rarely, behind one button."""
+
+    bl_region_type = "HEADER"
+    bl_options = {"INSTANCED"}
+    bl_ui_units_x = 13
 
 
 class SubPanel(Panel):
@@ -51,6 +62,11 @@ def is_narrow(context) -> bool:
     return letters(context) < _NARROW
 
 
-def side_by_side(context, layout):
-    """A place for two things: one below the other where the sidebar is narrow."""
-    return layout.column(align=True) if is_narrow(context) else layout.row(align=True)
+def side_by_side(context, layout, *names: str, icons: bool = True):
+    """A place for two buttons: one below the other where the sidebar is too narrow for their names.
+
+    names: in English; they are measured in the language of the interface.
+    """
+    room = (letters(context) - (8 if icons else 2)) // 2
+    fits = not is_narrow(context) and all(len(said(name)) <= room for name in names)
+    return layout.row(align=True) if fits else layout.column(align=True)

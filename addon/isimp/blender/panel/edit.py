@@ -1,4 +1,4 @@
-"""Edits of regions: at the selected faces, or at places chosen by the error."""
+"""Edits of regions: of all at once, at the selected faces, or at places chosen by the error."""
 
 import bpy
 
@@ -9,14 +9,27 @@ from .. import pointed, settings, store, targets
 from .common import SubPanel, side_by_side
 
 
+class ISIMP_PT_clean_up(SubPanel, bpy.types.Panel):
+    bl_label = "Clean Up"
+    bl_order = 0
+
+    def draw(self, context):
+        layout, panel = self.prepare(context), context.window_manager.isimp
+        column = layout.column(align=True)
+        column.operator("isimp.even_borders", text="Even Borders", icon="MOD_SMOOTH")
+        settings.give(rcp.Regularise, panel.regularise, column.operator("isimp.regularise", icon="SNAP_ON"))
+        column.operator("isimp.symmetrise", icon="MOD_MIRROR")
+        column.operator("isimp.merge_slivers", icon="AUTOMERGE_ON")
+
+
 class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
-    bl_label = "Edit Regions"
+    bl_label = "Regions"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 1
 
     def draw(self, context):
-        layout, panel = self.prepare(context), context.window_manager.isimp
-        layout.label(text=_chosen(targets.seen(context)[0]), icon="RESTRICT_SELECT_OFF")
+        layout, scan = self.prepare(context), targets.seen(context)[0]
+        layout.label(text=_chosen(scan), icon="RESTRICT_SELECT_OFF")
         column = layout.column(align=True)
         _row(context, column, ("isimp.add_proxy", "Add", "ADD"), ("isimp.delete_proxy", "Delete", "REMOVE"))
         _row(context, column, ("isimp.split", "Split", "MOD_BOOLEAN"), ("isimp.merge", "Merge", "AUTOMERGE_ON"))
@@ -24,20 +37,15 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
             context, column, ("isimp.grow", "Grow", "FULLSCREEN_ENTER"), ("isimp.grow", "Shrink", "FULLSCREEN_EXIT")
         )
         sizes[1].shrink = True
-        column.operator("isimp.paint_faces", text="From Selection", icon="BRUSH_DATA")
-        anew = column.operator("isimp.partition", text="Repartition", icon="MOD_EXPLODE")
-        settings.give(rcp.Partition, panel.partition, anew)
-        anew.part = True
-        column.operator("isimp.even_borders", icon="MOD_SMOOTH")
-        column.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
-        row = column.row(align=True)
-        for by, name in (("SIZE", "Small"), ("FLATNESS", "Bent"), ("DIRECTION", "Up")):
-            row.operator("isimp.select_by", text=name).by = by
-        column = layout.column(align=True)
-        locked = store.numbers(targets.seen(context)[0]).get("locked", 0)
-        column.label(text=messages.locked({"locked": locked}), icon="LOCKED" if locked else "UNLOCKED")
         locks = _row(context, column, ("isimp.lock", "Lock", "LOCKED"), ("isimp.lock", "Unlock", "UNLOCKED"))
         locks[1].unlock = True
+        column.operator("isimp.paint_faces", text="From Selection", icon="BRUSH_DATA")
+        row = side_by_side(context, layout, "Select", "By Error")
+        row.menu("ISIMP_MT_select", text="Select")
+        row.menu("ISIMP_MT_by_error", text="By Error")
+        locked = store.numbers(scan).get("locked", 0)
+        if locked:
+            layout.label(text=messages.locked({"locked": locked}), icon="LOCKED")
 
 
 def _chosen(scan) -> str:
@@ -48,23 +56,34 @@ def _chosen(scan) -> str:
     return said("Region {number}, clicked last", number=number) if number >= 0 else said("Alt-click a region (tool: T)")
 
 
-class ISIMP_PT_heuristics(SubPanel, bpy.types.Panel):
-    bl_label = "By Error"
-    bl_parent_id = "ISIMP_PT_regions"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context):
-        layout, panel = self.prepare(context), context.window_manager.isimp
-        layout.prop(panel, "times")
-        column = layout.column(align=True)
-        for name in ("add_worst", "delete_least", "merge_cheapest"):
-            column.operator(f"isimp.{name}").times = panel.times
-        column.operator("isimp.improve")
-
-
 def _row(context, column, *buttons) -> list:
-    row = side_by_side(context, column)
+    row = side_by_side(context, column, *(name for _, name, _ in buttons))
     return [row.operator(operator, text=name, icon=icon) for operator, name, icon in buttons]
 
 
-CLASSES = (ISIMP_PT_regions, ISIMP_PT_heuristics)
+class ISIMP_MT_select(bpy.types.Menu):
+    """Select regions by what they are like"""
+
+    bl_label = "Select"
+
+    def draw(self, context):
+        self.layout.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
+        for by, name in (("SIZE", "Select Small"), ("FLATNESS", "Select Bent"), ("DIRECTION", "Select Level")):
+            self.layout.operator("isimp.select_by", text=name).by = by
+
+
+class ISIMP_MT_by_error(bpy.types.Menu):
+    """Edits at places that the error chooses, and a new partition of the selected faces"""
+
+    bl_label = "By Error"
+
+    def draw(self, context):
+        for name in ("add_worst", "delete_least", "merge_cheapest", "improve"):
+            self.layout.operator(f"isimp.{name}")
+        self.layout.separator()
+        again = self.layout.operator("isimp.partition", text="Repartition", icon="MOD_EXPLODE")
+        settings.give(rcp.Partition, context.window_manager.isimp.partition, again)
+        again.part = True
+
+
+CLASSES = (ISIMP_PT_clean_up, ISIMP_PT_regions, ISIMP_MT_select, ISIMP_MT_by_error)

@@ -1,17 +1,16 @@
-"""The main panel: the scan, the settings of the count, Partition, Mesh and the report.
+"""The main panel: the scan, presets, how many regions, Partition, Mesh and the report.
 
 The rows above a button are drawn before and after the button is pressed, so that it does not move under the mouse. The
-report holds its room too, as buttons of edits stand below it.
+report holds its room too, as buttons of edits stand below it. Each group of the panel is one function: a setting that
+is new goes into the function of its group.
 """
-
-import dataclasses
 
 import bpy
 
 from ... import messages
 from ... import recipe as rcp
 from ...language import said
-from .. import clipping, overlay, presets, result, runtime, settings, store, targets, text, texture, translations
+from .. import clipping, overlay, presets, result, runtime, settings, store, targets, text, translations
 from .common import Panel, draw_lines, is_narrow, letters
 
 
@@ -26,8 +25,8 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
             return
         numbers, panel = store.numbers(scan), context.window_manager.isimp
         _draw_head(context, layout, scan, numbers)
-        presets.draw(context, layout)
-        _draw_count(context, layout, panel)
+        presets.draw(context, layout, is_narrow(context))
+        _draw_count(layout, panel.partition)
         _draw_partition(context, layout, scan, numbers, panel)
         _draw_mesh(context, layout, scan, numbers, panel)
         _draw_report(context, layout, scan, numbers)
@@ -44,16 +43,21 @@ def _draw_head(context, layout, scan, numbers) -> None:
         column.operator("isimp.show_all", text=clipping.told(context.space_data, scan), icon="ERROR")
 
 
-def _draw_count(context, layout, panel) -> None:
-    partition = panel.partition
-    ways = layout.grid_flow(row_major=True, columns=1 if is_narrow(context) else 2, align=True)
-    ways.use_property_split = False
-    items = partition.bl_rna.properties["count_by"].enum_items
-    for name in rcp.COUNTS:  # Blender translates some of the words otherwise
-        ways.prop_enum(partition, "count_by", name, text=items[name].name, text_ctxt=translations.CONTEXT)
-    row = layout.row(align=True)
-    settings.draw(row, rcp.Partition, partition, partition.count_by or "detail")  # which another version may not say
-    row.prop(panel, "live", text="", icon="PLAY")
+def _draw_count(layout, partition) -> None:
+    """Draws how many regions there will be, in as many rows whichever way is chosen."""
+    column = layout.column(align=True)
+    column.use_property_split = False
+    ways = column.row(align=True)
+    for way in partition.bl_rna.properties["way"].enum_items:
+        ways.prop_enum(partition, "way", way.identifier, text=way.name, text_ctxt=translations.CONTEXT)
+    if partition.count_by == "proxies":
+        column.prop(partition, "proxies")
+        for _ in range(2):
+            column.label(text="")
+        return
+    column.label(text="Distance at most:" if partition.count_by == "bound" else "Smallest feature:")
+    column.prop(partition, "feature", text="")
+    column.prop(partition, "coarseness", slider=True)
 
 
 def _draw_partition(context, layout, scan, numbers, panel) -> None:
@@ -67,7 +71,7 @@ def _draw_partition(context, layout, scan, numbers, panel) -> None:
     button.scale_y = 1.4
     operator = button.operator(
         "isimp.partition",
-        text="Partition Anew" if edits else "Partition",
+        text="Start Over" if edits else "Partition",
         icon="MOD_EXPLODE",
         depress="regions" not in numbers,  # what to do next has the accent
     )
@@ -93,16 +97,32 @@ def _draw_mesh(context, layout, scan, numbers, panel) -> None:
     operator = button.operator(
         "isimp.mesh", icon="MESH_ICOSPHERE", depress="regions" in numbers and "polygons" not in numbers
     )
+    give_mesh(panel, operator)
+    button.menu("ISIMP_MT_mesh", text="", icon="DOWNARROW_HLT")
+    if "regions" in numbers:
+        row = place.row(align=True)
+        row.operator("isimp.swap", text="Swap", icon="ARROW_LEFTRIGHT")
+        row.menu("ISIMP_MT_colour", text="", icon="COLOR")
+        place.operator("isimp.compare", text="Compare", icon="IMAGE_ALPHA")
+
+
+def give_mesh(panel, operator) -> None:
+    """Sets what the panel says on a button that makes polygons."""
     settings.give(rcp.Mesh, panel.mesh, operator)
     operator.keep_texture, operator.regularise = panel.keep_texture, panel.regularise_first
-    row = place.row(align=True)
-    row.use_property_split = False
-    row.operator("isimp.swap", text="Swap", icon="ARROW_LEFTRIGHT")
-    row.operator("isimp.compare", text="Compare", icon="IMAGE_ALPHA")
-    if texture.is_textured(scan):
-        row = place.row(align=True)
-        row.use_property_split = False
-        row.prop(panel, "keep_texture", icon="TEXTURE", toggle=True)
+
+
+class ISIMP_MT_mesh(bpy.types.Menu):
+    """What else becomes of the regions, of the result, and of flat faces"""
+
+    bl_label = "Mesh"
+
+    def draw(self, context):
+        layout, panel = self.layout, context.window_manager.isimp
+        give_mesh(panel, layout.operator("isimp.make_editable", icon="EDITMODE_HLT"))
+        layout.operator("isimp.keep_lod", icon="MOD_DECIM")
+        layout.separator()
+        layout.operator("isimp.merge_flat", icon="MESH_PLANE")
 
 
 def _draw_progress(place, running) -> None:
@@ -143,9 +163,6 @@ def _draw_report(context, layout, scan, numbers) -> None:
         draw_lines(context, layout, warning, icon="ERROR")
     if store.kept(scan) is not None:
         layout.operator("isimp.take_back", icon="LOOP_BACK")
-    made = targets.result_of(context.scene, scan) if texture.is_textured(scan) else None
-    if made is not None:
-        _draw_texture(layout.column(), scan, made)
 
 
 def _draw_counts(context, layout, scan, numbers) -> None:
@@ -160,92 +177,15 @@ def _draw_counts(context, layout, scan, numbers) -> None:
     column.active = is_new
     panel = context.window_manager.isimp
     snaps = panel.mesh.planar or panel.regularise_first
-    for line, icon, alert in text.report_rows(numbers, unit.system, unit.scale_length, made, width, snaps):
+    first, *rows = text.report_rows(numbers, unit.system, unit.scale_length, made, width, snaps)
+    # A button without a frame, as only buttons have a tooltip.
+    told = column.row(align=True)
+    told.alignment = "LEFT"
+    told.operator("isimp.report", text=first[0], icon=first[1], emboss=False)
+    for line, icon, alert in rows:
         row = column.row(align=True)
         row.alert = alert
         row.label(text=line, icon=icon)
-    place = column.row(align=True)
-    place.enabled = numbers.get("polygons", 0) > numbers["regions"]
-    divided = place.operator("isimp.show_problems", text="Select Divided Regions", icon="RESTRICT_SELECT_OFF")
-    divided.kind = "DIVIDED"
 
 
-def _draw_texture(layout, scan, shown_on) -> None:
-    """Draws the buttons that make the texture again: with the same settings, or with one changed."""
-    recipe = store.load(scan)
-    step = (recipe and recipe.texture()) or rcp.Texture()
-
-    def button(place, label: str, icon: str = "NONE", pressed: bool = False, **changed) -> None:
-        made = place.operator("isimp.texture", text=label, icon=icon, depress=pressed)
-        settings.give(rcp.Texture, dataclasses.replace(step, **changed), made)
-
-    def turned(place, label: str, name: str) -> None:
-        on = getattr(step, name)
-        button(place, label, "CHECKBOX_HLT" if on else "CHECKBOX_DEHLT", **{name: not on})
-
-    button(layout, "Make Texture Again", "TEXTURE")
-    width = texture.image_width(shown_on) if shown_on is not None else 0
-    if width:
-        row = layout.row(align=True)
-        smaller, larger = max(width // 2, 16), min(2 * width, 16384)
-        button(row, f"{smaller:,} px", size=smaller, tiles=0)
-        button(row, "Like the Scan", pressed=not step.size, size=0, tiles=0)
-        button(row, f"{larger:,} px", size=larger, tiles=0)
-    row = layout.row(align=True)
-    turned(row, "Ambient Occlusion", "occlusion")
-    turned(row, "Height Map", "height")
-    if len(scan.material_slots) > 1:
-        turned(layout, "Keep Materials Apart", "materials")
-
-
-class ISIMP_PT_options(Panel, bpy.types.Panel):
-    bl_label = "Partition Options"
-    bl_parent_id = "ISIMP_PT_main"
-    bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 2
-
-    @classmethod
-    def poll(cls, context):
-        return not targets.seen(context)[1]
-
-    def draw(self, context):
-        layout, partition = self.prepare(context), context.window_manager.isimp.partition
-        for name in ("adaptivity", "smooth"):
-            layout.prop(partition, name, slider=True)
-        layout.prop(partition, "symmetry")
-        settings.draw(layout, rcp.Partition, partition, "leave_out")
-        ticks = layout.column(align=True)
-        ticks.use_property_split = False  # their names need the whole width
-        ticks.prop(partition, "close_openings")
-        if partition.count_by != "proxies":
-            ticks.prop(partition, "snap")
-            ticks.prop(partition, "noise_automatic", text="Automatic Noise")
-            if not partition.noise_automatic:
-                layout.prop(partition, "noise_length")
-        layout.prop(partition, "weights", icon="GROUP_VERTEX")
-        if partition.weights:
-            layout.prop(partition, "influence", slider=True)
-        layout.prop(partition, "method")
-        if partition.method != "hierarchy":  # which starts from no faces
-            for name in ("seeding", "seed", "iterations"):
-                layout.prop(partition, name)
-
-
-class ISIMP_PT_borders(Panel, bpy.types.Panel):
-    bl_label = "Barriers"
-    bl_parent_id = "ISIMP_PT_options"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context):
-        layout, partition = self.prepare(context), context.window_manager.isimp.partition
-        column = layout.column(heading="Marked", align=True)
-        column.prop(partition, "seams")
-        column.prop(partition, "sharp")
-        column.prop(partition, "materials")
-        if bpy.app.version >= (3, 6, 0):  # before, nothing tells of them
-            column.prop(partition, "face_sets")
-        settings.draw(layout, rcp.Partition, partition, "angle")
-        layout.prop(partition, "borders", icon="SPREADSHEET")
-
-
-CLASSES = (ISIMP_PT_main, ISIMP_PT_options, ISIMP_PT_borders)
+CLASSES = (ISIMP_PT_main, ISIMP_MT_mesh)

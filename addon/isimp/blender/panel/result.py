@@ -1,51 +1,98 @@
-"""What is drawn over the scan, the settings of the polygons, and all numbers."""
+"""What is drawn over the scan, the texture of the result, and all numbers."""
+
+import dataclasses
 
 import bpy
 
 from ... import recipe as rcp
-from .. import display, settings, store, targets, text, translations
-from .common import SubPanel
+from .. import display, settings, store, targets, text, texture
+from .common import SubPanel, ready
 
 
-class ISIMP_PT_view(SubPanel, bpy.types.Panel):
-    bl_label = "Show"
-    bl_order = 0
+class ISIMP_MT_colour(bpy.types.Menu):
+    """What is drawn over the scan, and what its colours tell"""
+
+    bl_label = "Colour"
 
     def draw(self, context):
-        layout, panel = self.prepare(context), context.window_manager.isimp
-        layout.use_property_split = False
-        grid = layout.grid_flow(row_major=True, columns=2, align=True, even_columns=True)
+        layout, panel = self.layout, context.window_manager.isimp
         shown = display.is_shown(context)
-        grid.operator("isimp.show_regions", text="Regions", icon="HIDE_OFF" if shown else "HIDE_ON", depress=shown)
-        grid.prop(panel, "overlay", text="Lines", text_ctxt=translations.CONTEXT, icon="MESH_GRID", toggle=True)
-        grid.prop(panel, "outline", text="Polygons", icon="MESH_ICOSPHERE", toggle=True)
-        grid.prop(panel, "summary", text="Summary", text_ctxt=translations.CONTEXT, icon="INFO", toggle=True)
-        grid.prop(panel, "heat", text="Flatness", icon="COLOR", toggle=True)
-        grid.prop(panel, "away", text="Distance", icon="DRIVER_DISTANCE", toggle=True)
-        grid.prop(panel, "directions", text="Directions", icon="ORIENTATION_NORMAL", toggle=True)
+        layout.operator("isimp.show_regions", text="Colours", icon="HIDE_OFF" if shown else "HIDE_ON", depress=shown)
+        layout.prop(panel, "colour", expand=True)
+        layout.separator()
+        for name in ("overlay", "outline", "summary"):
+            layout.prop(panel, name)
 
 
-class ISIMP_PT_result(SubPanel, bpy.types.Panel):
-    bl_label = "Polygon Options"
+class ISIMP_PT_texture(SubPanel, bpy.types.Panel):
+    bl_label = "Texture"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 3
 
+    @classmethod
+    def poll(cls, context):
+        return ready(context) and texture.is_textured(targets.seen(context)[0])
+
     def draw(self, context):
-        layout, meshing = self.prepare(context), context.window_manager.isimp.mesh
-        for name in ("chord_tolerance", "join_junctions", "flatten"):
-            settings.draw(layout, rcp.Mesh, meshing, name)
-        ticks = layout.column(align=True)
-        ticks.use_property_split = False  # its name needs the whole width
-        ticks.prop(meshing, "planar")
-        most = layout.column()
-        most.active = meshing.planar
-        settings.draw(most, rcp.Mesh, meshing, "planar_most")
+        layout, panel = self.prepare(context), context.window_manager.isimp
+        scan, _ = targets.seen(context)
+        column = layout.column(align=True)
+        column.use_property_split = False
+        column.prop(panel, "keep_texture")
+        if targets.result_of(context.scene, scan) is not None:
+            column.menu("ISIMP_MT_texture", text="Make Texture Again", icon="TEXTURE")
+
+
+class ISIMP_MT_texture(bpy.types.Menu):
+    """Make the texture again: with the same settings, or with one changed"""
+
+    bl_label = "Make Texture Again"
+
+    def draw(self, context):
+        scan, problem = targets.seen(context)
+        made = None if problem else targets.result_of(context.scene, scan)
+        if made is None:
+            return
+        layout, recipe = self.layout, store.load(scan)
+        step = (recipe and recipe.texture()) or rcp.Texture()
+
+        def button(label: str, icon: str = "NONE", pressed: bool = False, **changed) -> None:
+            made = layout.operator("isimp.texture", text=label, icon=icon, depress=pressed)
+            settings.give(rcp.Texture, dataclasses.replace(step, **changed), made)
+
+        def turned(label: str, name: str) -> None:
+            on = getattr(step, name)
+            button(label, "CHECKBOX_HLT" if on else "CHECKBOX_DEHLT", **{name: not on})
+
+        button("Make Texture Again", "TEXTURE")
+        width = texture.image_width(made)
+        if width:
+            smaller, larger = max(width // 2, 16), min(2 * width, 16384)
+            button(f"{smaller:,} px", size=smaller, tiles=0)
+            button("Like the Scan", pressed=not step.size, size=0, tiles=0)
+            button(f"{larger:,} px", size=larger, tiles=0)
+        layout.separator()
+        turned("Ambient Occlusion", "occlusion")
+        turned("Height Map", "height")
+        if len(scan.material_slots) > 1:
+            turned("Keep Materials Apart", "materials")
+
+
+class ISIMP_PT_export(SubPanel, bpy.types.Panel):
+    bl_label = "Export"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 7
+
+    def draw(self, context):
+        column = self.prepare(context).column(align=True)
+        column.operator("isimp.export_building", icon="HOME")
+        column.operator("isimp.write_report", icon="TEXT")
 
 
 class ISIMP_PT_numbers(SubPanel, bpy.types.Panel):
     bl_label = "Numbers"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 5
+    bl_order = 8
 
     def draw(self, context):
         scan, _ = targets.seen(context)
@@ -57,4 +104,4 @@ class ISIMP_PT_numbers(SubPanel, bpy.types.Panel):
             row.label(text=value)
 
 
-CLASSES = (ISIMP_PT_view, ISIMP_PT_result, ISIMP_PT_numbers)
+CLASSES = (ISIMP_MT_colour, ISIMP_PT_texture, ISIMP_MT_texture, ISIMP_PT_export, ISIMP_PT_numbers)

@@ -5,14 +5,14 @@ import bpy
 from ... import messages
 from ...language import said
 from .. import settings, store, targets
-from .common import SubPanel, draw_lines, side_by_side
+from .common import SubPanel, draw_lines
 
 _ROWS = 16  # shown unless all are asked for
 
 
 class ISIMP_PT_steps(SubPanel, bpy.types.Panel):
     bl_label = "Steps"
-    bl_order = 4
+    bl_order = 6
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
@@ -36,12 +36,19 @@ class ISIMP_PT_steps(SubPanel, bpy.types.Panel):
                 draw_lines(context, column, numbers["reason"], icon="BLANK1", alert=True)
             if is_open:
                 _draw_settings(context, column.box(), index, step, recipe)
-        row = side_by_side(context, layout)
-        row.operator("isimp.recipe_copy", text="Copy", icon="COPYDOWN")
-        row.operator("isimp.recipe_paste", text="Paste", icon="PASTEDOWN")
-        row = side_by_side(context, layout)
-        row.operator("isimp.recipe_export", text="Export", icon="EXPORT")
-        row.operator("isimp.recipe_import", text="Import", icon="IMPORT")
+        layout.menu("ISIMP_MT_recipe", icon="FILE_TEXT")
+
+
+class ISIMP_MT_recipe(bpy.types.Menu):
+    """Carry the steps to other scans"""
+
+    bl_label = "Recipe"
+
+    def draw(self, context):
+        self.layout.operator("isimp.recipe_copy", text="Copy", icon="COPYDOWN")
+        self.layout.operator("isimp.recipe_paste", text="Paste", icon="PASTEDOWN")
+        self.layout.operator("isimp.recipe_export", text="Export Recipe", icon="EXPORT")
+        self.layout.operator("isimp.recipe_import", text="Import Recipe", icon="IMPORT")
 
 
 def _draw_row(column, index, step, is_open, past_failed, count) -> None:
@@ -76,4 +83,4 @@ def _draw_settings(context, box, index, step, recipe) -> None:
             settings.draw(box, type(step), group, name)
 
 
-CLASSES = (ISIMP_PT_steps,)
+CLASSES = (ISIMP_PT_steps, ISIMP_MT_recipe)

@@ -142,7 +142,7 @@ class Ground:
             return ""
         held = self._outcome.partition.region_held
         if len(held) and held[region] in (1, 2):
-            return said("plane held")
+            return said("plane fixed")
         normal, _, spread, area = runtime.get().session.region_fits(self.scan, self._outcome)
         if area[region] <= 0:
             return ""

@@ -1,4 +1,4 @@
-"""The buttons under Edit Regions and By Error, pressed in the sidebar in Edit Mode; undo and redo of each."""
+"""The buttons under Regions, pressed in the sidebar in Edit Mode; undo and redo of each."""
 
 import bmesh
 import bpy
@@ -9,12 +9,11 @@ from scenario_tools import labels, last, state, steps, undone_and_redone
 import isimp
 
 
-def show_heuristics():
-    """Opens the panel By Error from the beginning; before the add-on is switched on."""
+def show_regions():
+    """Opens the panel Regions from the beginning; before the add-on is switched on."""
     from isimp.blender.panel import edit
 
     edit.ISIMP_PT_regions.bl_options = set()
-    edit.ISIMP_PT_heuristics.bl_options = set()
 
 
 def select(faces):
@@ -55,6 +54,13 @@ def twins(hand, name, lesser):
     yield from hand.settle()
 
 
+def chosen(hand, name, **settings):
+    """What an entry of a menu does."""
+    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        getattr(bpy.ops.isimp, name.split(".")[1])("INVOKE_DEFAULT", True, **settings)
+    yield from hand.settle()
+
+
 def at_selected_faces(hand):
     count = regions()
     face, other = beside()
@@ -71,7 +77,7 @@ def at_selected_faces(hand):
     yield from pressed(hand, "isimp.merge", -1, "MergeRegions", count)
     label = labels()
     select([face])
-    yield from hand.press("isimp.select_region")
+    yield from chosen(hand, "isimp.select_region")
     same("a whole region is selected", scan().data.total_face_sel, int(np.count_nonzero(label == label[face])))
     yield from hand.undo()
     same("no longer", scan().data.total_face_sel, 1)
@@ -109,18 +115,19 @@ def locked():
 
 def by_error(hand):
     count = regions()
-    bpy.context.window_manager.isimp.times = 2
     for name, wanted, kind in (("add_worst", 2, "AddWorst"), ("delete_least", -2, "DeleteLeast")):
-        yield from pressed(hand, f"isimp.{name}", wanted, kind, count)
-    yield from pressed(hand, "isimp.merge_cheapest", -2, "MergeCheapest", count)
-    yield from hand.press("isimp.improve")
+        yield from chosen(hand, f"isimp.{name}", times=2)
+        same(name, (regions() - count, last()), (wanted, kind))
+        yield from undone_and_redone(hand, name, state)
+        yield from hand.undo()
+    yield from chosen(hand, "isimp.improve")
     same("Improve", (regions(), last()), (count, "Improve"))
     yield from hand.undo()
     same("undone", (regions(), len(steps()), last()), (count, 3, "UnlockRegions"))
 
 
 def run(hand):
-    show_heuristics()
+    show_regions()
     isimp.register()
     make_scan()
     yield 0.5

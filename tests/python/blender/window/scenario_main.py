@@ -27,7 +27,7 @@ def show_steps():
 
 
 def show_edits():
-    """Opens the panel Edit Regions from the beginning; before the add-on is switched on."""
+    """Opens the panel Regions from the beginning; before the add-on is switched on."""
     from isimp.blender.panel import edit
 
     edit.ISIMP_PT_regions.bl_options = set()

@@ -1,4 +1,4 @@
-"""The panel Regularity: Regularise, its settings, Level and Upright; colours by direction, and hover texts."""
+"""The panel Planes: Regularise, its settings, Level and Upright; colours by direction, and hover texts."""
 
 import bpy
 import numpy as np
@@ -27,11 +27,11 @@ def house():
     bpy.ops.ed.undo_push(message="scan")
 
 
-def open_regularity():
+def open_planes():
     """Opens the panel from the beginning; before the add-on is switched on."""
-    from isimp.blender.panel import regularity
+    from isimp.blender.panel import planes
 
-    regularity.ISIMP_PT_regularity.bl_options = set()
+    planes.ISIMP_PT_planes.bl_options = set()
 
 
 def numbers():
@@ -66,7 +66,7 @@ def colours():
 
 
 def run(hand):
-    open_regularity()
+    open_planes()
     yield from begin(hand, house, proxies=6)
     settings().directions = True
     yield from sketched()
@@ -114,7 +114,7 @@ def run(hand):
         yield from hand.move(hand.at[0] + 3, hand.at[1])
         yield 0.2
     print(runtime.get().hover.text, flush=True)
-    same("the hover text tells of the plane", any(w in runtime.get().hover.text for w in ("held", "off")), True)
+    same("the hover text tells of the plane", any(w in runtime.get().hover.text for w in ("fixed", "off")), True)
     yield from sketched()
     yield from hand.shot("planes-2-by-hand")
     yield from hand.press("isimp.mesh")

@@ -1,0 +1,144 @@
+"""What is done with a result: kept as a level of detail, or opened for editing; and coplanar faces merged."""
+
+import re
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, FloatProperty
+
+from ... import messages
+from ... import recipe as rcp
+from ...engine import engine
+from ...language import own, said
+from .. import mesh_io, runtime, settings, show, store, targets
+from .clean_up import without_slivers
+from .mesh import Meshing
+
+
+class ISIMP_OT_make_editable(Meshing, bpy.types.Operator):
+    """Mesh, with slivers merged, and go on in Edit Mode with faces to select"""
+
+    bl_idname = "isimp.make_editable"
+    bl_label = "Make Editable"
+    adjusted = ("slivers", "chord_tolerance", "planar")
+
+    slivers: BoolProperty(name="Merge Slivers", description="Merge small regions with a neighbour first", default=True)
+
+    def wanted(self, context, scan):
+        recipe = super().wanted(context, scan)
+        if not self.slivers:
+            return recipe
+        last = [step for step in recipe.steps if isinstance(step, (rcp.Mesh, rcp.Texture))]
+        made = without_slivers(context, scan, recipe.without_mesh(), 0.1)[0]
+        for step in last:
+            made = made.then(step)
+        return made
+
+    def show(self, context, scan, work, outcome):
+        kept = super().show(context, scan, work, outcome)
+        if context.view_layer.objects.active.visible_get():
+            bpy.ops.object.mode_set(mode="EDIT")
+            context.tool_settings.mesh_select_mode = (False, False, True)
+        return kept
+
+
+class ISIMP_OT_keep_lod(bpy.types.Operator):
+    """Keep the result as a level of detail. The next Partition makes a third of its regions"""
+
+    bl_idname = "isimp.keep_lod"
+    bl_label = "Keep as LOD"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return targets.allows_with_result(cls, context)
+
+    def execute(self, context):
+        scan, result, _ = targets.find_result(context)
+        taken = [re.fullmatch(rf"{re.escape(scan.name)}_LOD(\d+)", obj.name) for obj in bpy.data.objects]
+        level = max((int(found[1]) for found in taken if found), default=-1) + 1
+        result.name = f"{scan.name}_LOD{level}"  # a result of another name is kept
+        result.data.name = result.name
+        show.bring_to_front(context, scan, result)
+        regions = store.numbers(scan).get("regions", 0)
+        if regions:
+            group = settings.group(context, rcp.Partition)
+            with runtime.get().live.quiet():
+                group.count_by, group.proxies = "proxies", max(4, regions // 3)
+        self.report({"INFO"}, said("Kept as '{name}', hidden", name=result.name))
+        return {"FINISHED"}
+
+
+class ISIMP_OT_merge_flat(bpy.types.Operator):
+    """Merge coplanar faces of any mesh into polygons, exactly, as a new object. Materials stay apart"""
+
+    bl_idname = "isimp.merge_flat"
+    bl_label = "Merge Flat"
+    bl_options = {"REGISTER", "UNDO"}
+
+    angle: FloatProperty(
+        name="Angle",
+        description="Largest angle between the planes of faces that are merged",
+        default=np.radians(0.01),
+        min=0.0,
+        max=np.radians(90.0),
+        precision=3,
+        subtype="ANGLE",
+    )
+
+    @classmethod
+    def poll(cls, context):
+        obj = context.view_layer.objects.active
+        problem = ""
+        if obj is None or obj.type != "MESH" or not len(obj.data.polygons):
+            problem = own("No mesh is active: click one first")
+        elif context.mode != "OBJECT":
+            problem = own("Leave Edit Mode first (Tab)")
+        elif engine is None:
+            problem = own("The iSimp engine does not load")
+        if problem:
+            cls.poll_message_set(said(problem))
+        return not problem
+
+    def execute(self, context):
+        source = context.view_layer.objects.active
+        try:
+            made, before = _merged(context, source, float(np.degrees(self.angle)))
+        except (ValueError, mesh_io.Unusable) as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
+        show.bring_to_front(context, made, source)
+        numbers = messages.count(before, "face"), messages.count(len(made.data.polygons), "polygon")
+        self.report(
+            {"INFO"}, said("{faces} -> {polygons}, nothing else changed", faces=numbers[0], polygons=numbers[1])
+        )
+        return {"FINISHED"}
+
+
+def _merged(context, source, angle: float):
+    """(the new object, number of faces before)."""
+    mesh = source.data
+    points = mesh_io.points(mesh).reshape(-1, 3).astype(np.float64)
+    triangles, face = mesh_io.loop_triangles(mesh, "vertices")
+    clean = engine.clean(points, triangles.reshape(-1, 3))
+    material = np.zeros(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("material_index", material)
+    group = np.where(clean.source_face >= 0, material[face[np.maximum(clean.source_face, 0)]], 0)
+    poly, region = engine.merge_flat(clean, angle, group)
+    name = f"{source.name.encode()[:56].decode(errors='ignore')}.flat"
+    made = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    for collection in source.users_collection or (context.scene.collection,):
+        collection.objects.link(made)
+    mesh_io.fill_polygons(made.data, np.asarray(poly.vertices), np.array(poly.loops), np.array(poly.loop_start), {})
+    made.parent, made.matrix_parent_inverse = source.parent, source.matrix_parent_inverse
+    made.matrix_basis = source.matrix_basis
+    for slot in source.material_slots:
+        made.data.materials.append(slot.material)
+    of_region = np.zeros(int(region.max()) + 1, np.int32)
+    of_region[region] = group
+    made.data.polygons.foreach_set("material_index", of_region[np.asarray(poly.polygon_region)])
+    made.data.update()
+    return made, len(mesh.polygons)
+
+
+CLASSES = (ISIMP_OT_make_editable, ISIMP_OT_keep_lod, ISIMP_OT_merge_flat)

@@ -1,0 +1,116 @@
+"""All further settings of Partition and Mesh, closed at first. Each group is one function or one panel."""
+
+import bpy
+
+from ... import recipe as rcp
+from .. import preferences, presets, settings, targets
+from .common import Panel, Popover
+
+
+class ISIMP_PT_options(Panel, bpy.types.Panel):
+    bl_label = "More Settings"
+    bl_parent_id = "ISIMP_PT_main"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 5
+
+    @classmethod
+    def poll(cls, context):
+        return not targets.seen(context)[1]
+
+    def draw(self, context):
+        layout, panel = self.prepare(context), context.window_manager.isimp
+        presets.draw_own(context, layout)
+        _draw_regions(context, layout, panel)
+        _draw_polygons(layout, panel.mesh)
+
+
+def _draw_regions(context, layout, panel) -> None:
+    """Draws what the regions are like. Round parts and other kinds of regions belong here."""
+    partition = panel.partition
+    layout.prop(partition, "count_by")
+    for name in ("adaptivity", "smooth"):
+        layout.prop(partition, name, slider=True)
+    layout.prop(partition, "weights", icon="GROUP_VERTEX")
+    if partition.weights:
+        layout.prop(partition, "influence", slider=True)
+    row = layout.row(align=True)
+    row.use_property_split = False
+    row.popover("ISIMP_PT_scan", text="Scan", icon="MESH_DATA")
+    row.popover("ISIMP_PT_borders", text="Barriers", icon="MOD_EDGESPLIT")
+    ticks = layout.column(align=True)
+    ticks.use_property_split = False  # their names need the whole width
+    ticks.prop(panel, "live")
+    if preferences.get(context).experimental:
+        layout.prop(partition, "method")
+        if partition.method != "hierarchy":  # which starts from no faces
+            for name in ("seeding", "seed", "iterations"):
+                layout.prop(partition, name)
+
+
+def _draw_polygons(layout, meshing) -> None:
+    """Draws what the polygons are like."""
+    ticks = layout.column(align=True)
+    ticks.use_property_split = False
+    ticks.prop(meshing, "planar")
+    ticks.popover("ISIMP_PT_polygons", text="Polygons", icon="MESH_ICOSPHERE")
+
+
+class ISIMP_PT_scan(Popover, bpy.types.Panel):
+    """What is known of the scan, what is mended before it is split, and what counts as noise"""
+
+    bl_label = "Scan"
+
+    def draw(self, context):
+        layout, partition = self.prepare(context), context.window_manager.isimp.partition
+        layout.prop(partition, "symmetry")
+        settings.draw(layout, rcp.Partition, partition, "leave_out")
+        _draw_mended(layout, partition)
+        if partition.count_by == "proxies":
+            return
+        ticks = layout.column(align=True)
+        ticks.use_property_split = False
+        ticks.prop(partition, "snap")
+        ticks.prop(partition, "noise_automatic", text="Automatic Noise")
+        if not partition.noise_automatic:
+            layout.prop(partition, "noise_length")
+
+
+def _draw_mended(layout, partition) -> None:
+    """Draws what is mended of the scan. Stitching, straight rims and sharp edges belong here."""
+    ticks = layout.column(align=True)
+    ticks.use_property_split = False
+    ticks.prop(partition, "close_openings")
+
+
+class ISIMP_PT_borders(Popover, bpy.types.Panel):
+    """Edges that no region crosses"""
+
+    bl_label = "Barriers"
+
+    def draw(self, context):
+        layout, partition = self.prepare(context), context.window_manager.isimp.partition
+        column = layout.column(heading="Marked", align=True)
+        column.prop(partition, "seams")
+        column.prop(partition, "sharp")
+        column.prop(partition, "materials")
+        if bpy.app.version >= (3, 6, 0):  # before, nothing tells of them
+            column.prop(partition, "face_sets")
+        settings.draw(layout, rcp.Partition, partition, "angle")
+        layout.prop(partition, "borders", icon="SPREADSHEET")
+
+
+class ISIMP_PT_polygons(Popover, bpy.types.Panel):
+    """How corners are made, joined and moved"""
+
+    bl_label = "Polygons"
+
+    def draw(self, context):
+        layout, meshing = self.prepare(context), context.window_manager.isimp.mesh
+        for name in ("chord_tolerance", "join_junctions", "flatten"):
+            settings.draw(layout, rcp.Mesh, meshing, name)
+        most = layout.column()
+        most.active = meshing.planar
+        settings.draw(most, rcp.Mesh, meshing, "planar_most")
+
+
+CLASSES = (ISIMP_PT_options, ISIMP_PT_scan, ISIMP_PT_borders, ISIMP_PT_polygons)

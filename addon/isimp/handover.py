@@ -1,0 +1,91 @@
+"""Models on their way to files: their polygons as the engine's exporters take them, and reports. Numpy only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .engine import engine
+from .outcome import Outcome
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """Polygons of any mesh with the attributes that exporters read of the engine's PolygonMesh."""
+
+    vertices: np.ndarray  #: (V, 3) float64
+    loops: np.ndarray  #: (L,) int32
+    loop_start: np.ndarray  #: (Q,) int32
+    planarity: np.ndarray = field(init=False)  #: (Q,) largest distance of a corner from the plane of its polygon
+    report: dict[str, Any] = field(init=False)
+
+    def __post_init__(self) -> None:
+        closed, manifold = _topology(self.loops, self.loop_start)
+        zero = dict.fromkeys(("crossing", "intersecting", "excused"), 0)
+        object.__setattr__(self, "planarity", _planarity(self.vertices, self.loops, self.loop_start))
+        object.__setattr__(self, "report", {"closed": closed, "manifold": manifold} | zero)
+
+
+def _topology(loops: np.ndarray, start: np.ndarray) -> tuple[bool, bool]:
+    """(whether every edge has two polygons, whether none has more and those of two run along it both ways)."""
+    after = np.roll(loops, -1)
+    after[np.append(start[1:], len(loops)) - 1] = loops[start]
+    ends = np.stack([loops, after], axis=1)
+    _, once = np.unique(ends, axis=0, return_counts=True)
+    _, count = np.unique(np.sort(ends, axis=1), axis=0, return_counts=True)
+    return bool((count == 2).all()), bool((count <= 2).all() and (once == 1).all())
+
+
+def _planarity(vertices: np.ndarray, loops: np.ndarray, start: np.ndarray) -> np.ndarray:
+    of = np.repeat(np.arange(len(start)), np.diff(start, append=len(loops)))
+    places = vertices[loops]
+    after = np.roll(places, -1, axis=0)
+    last = np.append(start[1:], len(loops)) - 1
+    after[last] = places[start]
+    count = np.bincount(of, minlength=len(start))[:, None]
+    middle = np.stack([np.bincount(of, places[:, k], len(start)) for k in range(3)], axis=1) / count
+    crossed = np.cross(places - middle[of], after - middle[of])
+    normal = np.stack([np.bincount(of, crossed[:, k], len(start)) for k in range(3)], axis=1)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    away = np.abs(np.einsum("ij,ij->i", places - middle[of], normal[of]))
+    found = np.zeros(len(start))
+    np.maximum.at(found, of, away)
+    return found
+
+
+def export(path: Path, model: Model, crs: int | None) -> None:
+    """Writes a building; see `isimp_engine.exporting`. Raises ValueError, which names what is missing."""
+    engine.exporting.write(path, model, crs=crs)
+
+
+def far_origin(vertices: np.ndarray) -> np.ndarray:
+    """(3,) whole numbers to subtract from coordinates so that float32 keeps their detail; zero along near axes."""
+    known = vertices[np.isfinite(vertices).all(axis=1)]
+    if not len(known):
+        return np.zeros(3)
+    low, high = known.min(axis=0), known.max(axis=0)
+    middle = (low + high) / 2
+    return np.where(np.abs(middle) > 2 * np.linalg.norm(high - low), np.rint(middle), 0.0)
+
+
+def report_texts(mesh: Any, outcome: Outcome, place: np.ndarray, name: str, crs: int | None) -> dict[str, str]:
+    """The files of a report by their names; see `isimp_engine.reports`. place: (4, 4) from the mesh to the world."""
+    from importlib import import_module
+
+    reports = import_module(f"{engine.__name__}.reports")
+    picture = import_module(f"{engine.__name__}.batch.picture")
+    part, poly = outcome.partition, outcome.polygons
+    table = reports.plane_table(mesh, part, poly, place=place)
+    turned = np.asarray(mesh.vertices) @ place[:3, :3].T, np.asarray(poly.vertices) @ place[:3, :3].T
+    seen = picture.beside(
+        (turned[0], np.asarray(mesh.triangles)), (turned[1], poly.loops, poly.loop_start, poly.polygon_region), 420
+    )
+    numbers = reports.numbers_of(mesh, part, poly.report, table)
+    return {
+        "planes.csv": reports.write_csv(table.rows),
+        "planes.geojson": reports.write_geojson(table, crs),
+        "report.html": reports.write_page(name, numbers, table, seen),
+    }

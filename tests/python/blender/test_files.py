@@ -1,0 +1,143 @@
+"""Scans in and models out: exact import with map coordinates, buildings, reports."""
+
+import csv
+import json
+
+import bpy
+import numpy as np
+import pytest
+import scans
+
+from isimp.blender import places, store, targets
+from isimp.engine import engine
+
+pytestmark = pytest.mark.usefixtures("scene")
+
+FAR = np.array([4_600_123.25, 530_456.5, 120.0])
+OPS = bpy.ops.isimp
+
+
+@pytest.fixture
+def file(tmp_path):
+    """A cube of 2 m in map coordinates, as OFF with all digits."""
+    scan = scans.cube(cells=4)
+    vertices = scans.coordinates(scan.data).astype(np.float64) + FAR
+    faces = [list(polygon.vertices) for polygon in scan.data.polygons]
+    lines = ["OFF", f"{len(vertices)} {len(faces)} 0"]
+    lines += [" ".join(map(repr, v)) for v in vertices.tolist()]
+    lines += [" ".join(map(str, [len(face), *face])) for face in faces]
+    path = tmp_path / "tower.off"
+    path.write_text("\n".join(lines) + "\n")
+    bpy.data.objects.remove(scan)
+    return path
+
+
+def imported(file, **more):
+    assert OPS.import_scan(filepath=str(file), **more) == {"FINISHED"}
+    return bpy.context.object
+
+
+def test_map_coordinates_are_kept_to_the_last_digit(file):
+    scan = imported(file, epsg=25832)
+    assert scan.name == "tower"
+    assert scan.select_get()
+    assert places.epsg(scan) == 25832
+    wanted, _ = engine.read(file)
+    found = scans.coordinates(scan.data).astype(np.float64) + places.origin(scan)
+    assert np.array_equal(found, wanted)
+    assert np.abs(scans.coordinates(scan.data)).max() < 10
+
+
+def test_a_scan_near_zero_has_no_place(tmp_path):
+    (tmp_path / "tri.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    scan = imported(tmp_path / "tri.off", y_up=True)
+    assert places.ORIGIN not in scan
+    assert not places.origin(scan).any()
+    assert np.array(scan.matrix_world)[:3, :3] @ (0, 1, 0) == pytest.approx((0, 0, 1), abs=1e-6)
+
+
+def test_several_files_come_at_once_and_a_bad_one_is_named(tmp_path, file):
+    (tmp_path / "bad.off").write_text("OFF\n3 1 0\n0 0 0\n")
+    names = [{"name": file.name}, {"name": "bad.off"}]
+    with pytest.raises(RuntimeError, match=r"bad\.off"):
+        OPS.import_scan(directory=str(tmp_path), files=names)
+    assert "tower" in bpy.data.objects
+    assert "bad" not in bpy.data.objects
+
+
+def test_a_damaged_place_counts_as_none():
+    scan = scans.cube()
+    for value in ("here", [1.0, 2.0], [float("nan")] * 3, 7):
+        scan[places.ORIGIN] = value
+        assert not places.origin(scan).any()
+    scan[places.EPSG] = "EPSG"
+    assert places.epsg(scan) == 0
+
+
+def meshed(file):
+    scan = imported(file, epsg=25832)
+    OPS.partition(proxies=6)
+    OPS.mesh()
+    return scan
+
+
+def test_a_building_is_written_where_it_stands(file, tmp_path):
+    meshed(file)
+    path = tmp_path / "tower.city.json"
+    assert OPS.export_building(filepath=str(path), epsg=25832) == {"FINISHED"}
+    city = json.loads(path.read_text())
+    assert city["metadata"]["referenceSystem"].endswith("/25832")
+    extent = np.array(city["metadata"]["geographicalExtent"])
+    assert extent == pytest.approx(np.concatenate([FAR - 1, FAR + 1]), abs=1e-6)
+    (building,) = city["CityObjects"].values()
+    assert building["geometry"][0]["type"] == "Solid"
+    kinds = building["geometry"][0]["semantics"]["surfaces"]
+    assert {kind["type"] for kind in kinds} == {"WallSurface", "RoofSurface", "GroundSurface"}
+
+
+def test_a_moved_and_mirrored_result_is_written_as_it_is_seen(file, tmp_path):
+    scan = meshed(file)
+    result = targets.result_of(bpy.context.scene, scan)
+    result.scale, result.location = (-1, 1, 2), (5, 0, 0)
+    bpy.context.view_layer.update()
+    path = tmp_path / "tower.city.json"
+    OPS.export_building(filepath=str(path))
+    city = json.loads(path.read_text())
+    assert np.ptp(np.array(city["metadata"]["geographicalExtent"]).reshape(2, 3), axis=0) == pytest.approx((2, 2, 4))
+    assert next(iter(city["CityObjects"].values()))["geometry"][0]["type"] == "Solid", "it faces outwards"
+
+
+def test_other_names_and_missing_packages_are_refused(file, tmp_path, monkeypatch):
+    meshed(file)
+    with pytest.raises(RuntimeError, match="must end in"):
+        OPS.export_building(filepath=str(tmp_path / "tower.txt"))
+    monkeypatch.setattr(engine.exporting.writing.importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(RuntimeError, match="pip install 'isimp\\[ifc\\]'"):
+        OPS.export_building(filepath=str(tmp_path / "tower.ifc"))
+    assert not (tmp_path / "tower.ifc").exists()
+
+
+def test_dxf_is_read_by_another_library(file, tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    meshed(file)
+    path = tmp_path / "tower.dxf"
+    assert OPS.export_building(filepath=str(path)) == {"FINISHED"}
+    meshes = list(ezdxf.readfile(path).modelspace().query("MESH"))
+    assert sum(len(mesh.faces) for mesh in meshes) == 6
+
+
+def test_a_report_has_map_coordinates_and_the_scene_up(file, tmp_path):
+    scan = meshed(file)
+    scan.rotation_euler = (0, 0, np.pi / 2)
+    bpy.context.view_layer.update()
+    assert OPS.write_report(directory=str(tmp_path / "report")) == {"FINISHED"}
+    rows = list(csv.DictReader((tmp_path / "report" / "planes.csv").read_text().splitlines()))
+    assert len(rows) == 6
+    assert sorted(round(float(row["tilt"])) for row in rows) == [0, 90, 90, 90, 90, 180]
+    assert {row["area"][:4] for row in rows} <= {"4.0", "3.99", "4.00"}
+    places_ = np.array([[float(row[f"centre_{axis}"]) for axis in "xyz"] for row in rows])
+    assert np.abs(places_ - places.origin(scan)).max() < 3
+    found = json.loads((tmp_path / "report" / "planes.geojson").read_text())
+    assert found["crs"]["properties"]["name"].endswith("25832")
+    assert "<svg" in (tmp_path / "report" / "report.html").read_text()
+    assert store.load(scan) is not None

@@ -1,0 +1,126 @@
+"""What is done with a result, what cleans regions up, and flat faces merged."""
+
+import bpy
+import numpy as np
+import pytest
+import scans
+
+from isimp import recipe as rcp
+from isimp.blender import settings, store, targets
+
+pytestmark = pytest.mark.usefixtures("scene")
+OPS = bpy.ops.isimp
+
+
+def parted(proxies=6):
+    scan = scans.cube(cells=6)
+    OPS.partition(proxies=proxies)
+    return scan
+
+
+def test_make_editable_ends_in_edit_mode_with_faces_to_select():
+    scan = parted()
+    OPS.paint_faces(painted="-1:0")
+    assert store.numbers(scan)["regions"] == 7
+    assert OPS.make_editable() == {"FINISHED"}
+    assert bpy.context.mode == "EDIT_MESH"
+    assert tuple(bpy.context.tool_settings.mesh_select_mode) == (False, False, True)
+    assert store.numbers(scan)["regions"] == 6, "the sliver is merged"
+    scans.mode("OBJECT")
+    assert len(bpy.context.object.data.polygons) == 6
+    assert isinstance(store.load(scan).steps[-1], rcp.Mesh)
+
+
+def test_levels_of_detail_are_kept_under_names_of_their_own():
+    scan = parted(60)
+    for level, count in enumerate((60, 20, 6)):
+        scans.activate(scan)
+        scan.hide_set(False)
+        group = settings.group(bpy.context, rcp.Partition)
+        if level:
+            assert (group.count_by, group.proxies) == ("proxies", count)
+        OPS.partition(proxies=group.proxies if level else 60)
+        OPS.mesh()
+        assert OPS.keep_lod() == {"FINISHED"}
+        assert bpy.context.object == scan
+    kept = [bpy.data.objects[f"Scan_LOD{level}"] for level in range(3)]
+    sizes = [len(obj.data.polygons) for obj in kept]
+    assert sizes == sorted(sizes, reverse=True)
+    assert len(set(sizes)) == 3
+    OPS.mesh()
+    assert [len(obj.data.polygons) for obj in kept] == sizes, "Mesh leaves them alone"
+
+
+def test_slivers_are_merged_by_steps_of_the_recipe():
+    scan = parted()
+    OPS.paint_faces(painted="-1:0")
+    OPS.paint_faces(painted="-1:200")
+    assert OPS.merge_slivers() == {"FINISHED"}
+    assert store.numbers(scan)["regions"] == 6
+    assert [type(step) for step in store.load(scan).steps[-2:]] == [rcp.MergeRegions] * 2
+    with pytest.raises(RuntimeError, match="No region is that small"):
+        OPS.merge_slivers()
+
+
+def test_locked_slivers_stay():
+    scan = parted()
+    OPS.paint_faces(painted="-1:0")
+    OPS.lock(face=0)
+    with pytest.raises(RuntimeError, match="No region is that small"):
+        OPS.merge_slivers()
+    assert store.numbers(scan)["regions"] == 7
+
+
+def test_symmetrise_changes_the_partition_and_does_edits_again():
+    scan = parted(12)
+    assert OPS.symmetrise() == {"FINISHED"}
+    assert store.load(scan).steps[0].symmetry == "x"
+    assert store.numbers(scan)["mirrored_regions"] == store.numbers(scan)["regions"]
+    OPS.add_proxy(face=3)
+    OPS.symmetrise(axis="y")
+    assert [type(step) for step in store.load(scan).steps] == [rcp.Partition, rcp.AddProxy]
+    OPS.symmetrise(axis="none")
+    assert store.load(scan).steps[0].symmetry == "none"
+
+
+def test_merge_flat_keeps_materials_and_places():
+    source = scans.cube(cells=5)
+    for name in ("Stone", "Glass"):
+        source.data.materials.append(bpy.data.materials.new(name))
+    normals = np.array([polygon.normal for polygon in source.data.polygons])
+    centers = np.array([polygon.center for polygon in source.data.polygons])
+    glass = (normals[:, 2] > 0.9) & (centers[:, 0] > 0.2)
+    source.data.polygons.foreach_set("material_index", glass.astype(np.int32))
+    source.location, source.rotation_euler = (1, 2, 3), (0.1, 0.2, 0.3)
+    bpy.context.view_layer.update()
+    before = scans.geometry(source.data)
+    assert OPS.merge_flat() == {"FINISHED"}
+    made = bpy.context.object
+    bpy.context.view_layer.update()
+    assert made.name == "Scan.flat"
+    assert len(made.data.polygons) == 7
+    used = np.array([polygon.material_index for polygon in made.data.polygons])
+    assert np.bincount(used).tolist() == [6, 1]
+    assert [slot.material.name for slot in made.material_slots] == ["Stone", "Glass"]
+    corners = {tuple(v) for v in scans.coordinates(source.data).tolist()}
+    assert {tuple(v) for v in scans.coordinates(made.data).tolist()} <= corners
+    assert np.array(made.matrix_world) == pytest.approx(np.array(source.matrix_world), abs=1e-6)
+    assert scans.geometry(source.data) == before
+    assert source.hide_get()
+
+
+def test_merge_flat_works_on_a_drawn_mesh_without_regions():
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.object.modifier_add(type="SUBSURF")
+    assert OPS.merge_flat() == {"FINISHED"}
+    assert len(bpy.context.object.data.polygons) == 6
+    bpy.ops.object.empty_add()
+    assert not OPS.merge_flat.poll()
+
+
+def test_the_clipboard_without_a_recipe_is_said():
+    scans.cube()
+    bpy.context.window_manager.clipboard = "hello"
+    with pytest.raises(RuntimeError, match="The clipboard holds no recipe"):
+        OPS.recipe_paste()
+    assert targets.result_of(bpy.context.scene, bpy.context.object) is None
