@@ -25,7 +25,11 @@ constexpr double kLeastGain = 1e-7;     // share of the whole area: less is roun
 /// Faces of all regions that were split, as a multiple of the surface's faces: the last round begins below it.
 /// Otherwise few regions that share the walls of thousands of holes would exchange these one by one.
 constexpr std::int64_t kMoves = 24;
-constexpr int kVain = 3;  // neighbours in a row without gain that end the tries for a region
+/// From so many regions on both limits shrink with the number of regions, down to this share of the surface's faces: the
+/// error can fall but little by each of many regions.
+constexpr double kFewRegions = 30, kLeastWork = 0.5;
+constexpr double kLeastFallOfMany = 1e-3;  // as kLeastFall, where there are more regions than these
+constexpr int kVain = 3;                   // neighbours in a row without gain that end the tries for a region
 
 }  // namespace
 
@@ -301,14 +305,19 @@ int Teleport::renew(int tries, double least_ratio, Job& job) {
 
 int Teleport::run(int tries, double least_ratio, Job& job) {
   int moves = 0, rounds = 0;
-  renewal_work_ = kRenewals * graph_.size();
-  move_work_ = kMoves * graph_.size();
+  const double few = std::min(1.0, kFewRegions / regions_.count());
+  const auto work = [&](std::int64_t times) {
+    return static_cast<std::int64_t>(std::max(kLeastWork, few * static_cast<double>(times)) * graph_.size());
+  };
+  renewal_work_ = work(kRenewals);
+  move_work_ = work(kMoves);
+  const double least_fall = few < 1 ? kLeastFallOfMany : kLeastFall;
   for (;;) {
     const Regions before = regions_;
     int made = round(tries, least_ratio, job);
     if (made == 0) made = renew(tries, least_ratio, job);
     if (made == 0) return moves;
-    if (regions_.error() > (1 - kLeastFall) * before.error()) {  // the relaxation also weighs the borders' length
+    if (regions_.error() > (1 - least_fall) * before.error()) {  // the relaxation also weighs the borders' length
       if (regions_.error() > before.error()) {
         std::copy(before.label.begin(), before.label.end(), regions_.label.begin());
         regions_.sum = before.sum;
