@@ -42,6 +42,19 @@ def test_two_runs_give_the_same_bits():
         assert getattr(first, name).tobytes() == getattr(second, name).tobytes()
 
 
+@pytest.mark.parametrize(
+    "name", ["building/frankfurt_tile_49k.ply", "building/fandisk_13k.ply", "nasty/ogre_124k_44comp.ply"]
+)
+def test_topology_of_real_meshes_stays(data, name):
+    """The slivers of the tile, which lose all between their ends, must not double an edge."""
+    mesh = engine.clean(*engine.read(data / name))
+    for angle in (0.01, 5.0):
+        poly, _ = engine.merge_flat(mesh, angle)
+        assert poly.report["manifold"]
+        assert poly.report["euler"] == mesh.report["euler"]
+        assert len(poly.loop_start) < len(mesh.triangles)
+
+
 def test_the_command_merges_and_reports(tmp_path):
     source, out, report, labels = (tmp_path / name for name in ("in.ply", "out.ply", "r.json", "labels.npy"))
     meshfiles.ply_binary(source, *(part.tolist() if k else part for k, part in enumerate(shapes.cube(5))))

@@ -126,6 +126,14 @@ def test_dxf_is_read_by_another_library(file, tmp_path):
     assert sum(len(mesh.faces) for mesh in meshes) == 6
 
 
+def test_a_report_needs_a_folder(file, tmp_path, monkeypatch):
+    meshed(file)
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(RuntimeError, match="No folder is named"):
+        OPS.write_report()
+    assert [path.name for path in tmp_path.iterdir()] == [file.name]
+
+
 def test_a_report_has_map_coordinates_and_the_scene_up(file, tmp_path):
     scan = meshed(file)
     scan.rotation_euler = (0, 0, np.pi / 2)

@@ -124,6 +124,9 @@ class ISIMP_OT_write_report(_Model, bpy.types.Operator):
 
     def execute(self, context):
         scan, _, _ = targets.find_result(context)
+        if not self.directory:
+            self.report({"ERROR"}, said("No folder is named: choose one for the report."))
+            return {"CANCELLED"}
         recipe = store.load(scan)
         meshed = [step for _, step in recipe.active() if isinstance(step, rcp.Mesh)] if recipe else []
         folder = Path(bpy.path.abspath(self.directory))

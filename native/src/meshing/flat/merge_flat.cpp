@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 
@@ -21,6 +22,44 @@ std::vector<Loop> with_corners(std::vector<Loop> loops, const std::vector<char>&
   return loops;
 }
 
+/// Marks the regions round edges that more than two polygons have, or two in the same direction: slivers that have lost
+/// all between their ends. \return whether there is one that is not marked yet
+bool mark_doubled(const std::vector<std::vector<Loop>>& polygons, std::vector<char>& as_it_is) {
+  std::vector<std::array<std::int32_t, 4>> edges;  // both ends, the direction, the region
+  for (std::size_t r = 0; r < polygons.size(); ++r) {
+    for (const Loop& loop : polygons[r]) {
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const std::int32_t a = loop[i], b = loop[i + 1 < loop.size() ? i + 1 : 0];
+        edges.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : 0, static_cast<std::int32_t>(r)});
+      }
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  bool found = false;
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && edges[end][0] == edges[i][0] && edges[end][1] == edges[i][1]) ++end;
+    if (end - i > 2 || (end - i == 2 && edges[i][2] == edges[i + 1][2])) {
+      for (; i < end; ++i) {
+        found = found || as_it_is[edges[i][3]] == 0;
+        as_it_is[edges[i][3]] = 1;
+      }
+    }
+    i = end;
+  }
+  return found;
+}
+
+/// The region as its own faces, merged as far as they stay polygons.
+std::vector<Loop> own_faces(const Mesh& mesh, std::span<const std::int32_t> faces) {
+  std::vector<Loop> made;
+  for (const std::int32_t f : faces) {
+    const Triangle& t = mesh.triangles()[f];
+    made.push_back({t[0], t[1], t[2]});
+  }
+  return meshing::flat::joined(mesh, std::move(made));
+}
+
 /// The polygons of each region. One that can't be cut keeps its vertices, and so do its neighbours along it.
 std::vector<std::vector<Loop>> polygons_of(const Mesh& mesh, const Regions& regions, const Job& job) {
   const auto loops = meshing::flat::find_loops(mesh, regions);
@@ -32,17 +71,14 @@ std::vector<std::vector<Loop>> polygons_of(const Mesh& mesh, const Regions& regi
     meshing::flat::mark_corners(mesh, regions, loops, as_it_is, is_corner);
     for (std::int32_t r = 0; r < regions.count(); ++r) {
       if (r % 1024 == 0) job.poll();
-      if (as_it_is[r] != 0) continue;
-      made[r] = meshing::flat::cut(mesh, regions.plane[r], with_corners(loops[r], is_corner));
-      if (!made[r].empty()) continue;
-      as_it_is[r] = 1;
-      again = true;
-      for (const std::int32_t f : regions.faces(r)) {
-        const Triangle& t = mesh.triangles()[f];
-        made[r].push_back({t[0], t[1], t[2]});
+      if (as_it_is[r] == 0) made[r] = meshing::flat::cut(mesh, regions.plane[r], with_corners(loops[r], is_corner));
+      if (as_it_is[r] == 0 && made[r].empty()) {
+        as_it_is[r] = 1;
+        again = true;
       }
-      made[r] = meshing::flat::joined(mesh, std::move(made[r]));
+      if (as_it_is[r] != 0) made[r] = own_faces(mesh, regions.faces(r));
     }
+    again = mark_doubled(made, as_it_is) || again;
   }
   return made;
 }

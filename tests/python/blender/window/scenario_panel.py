@@ -1,4 +1,4 @@
-"""The panel with all sections open, in English and in German: pictures, and the slider that sets the smallest feature."""
+"""The panel with all sections open, in English and in German: pictures, and the slider of the smallest feature."""
 
 import bpy
 from scenario_main import make_scan, regions, same
