@@ -105,7 +105,7 @@ def _set_way(self, number: int) -> None:
 
 
 def _way(self) -> int:
-    return int(self.count_by == "proxies")
+    return int(self.count_by in ("proxies", "triangles"))
 
 
 def _set_sharpens(self, value: bool) -> None:
