@@ -185,7 +185,7 @@ RimReport rims_of(const State& state) {
       const Vec3 along = (b - a).normalized(), inward = state.planes[l].normal.cross(along);
       const std::vector<Vec3> border = border_along(state, l, i);
       for (std::size_t k = 0; k + 1 < border.size(); ++k) {
-        const double width = std::abs(along.dot(border[k + 1] - border[k]));
+        const double width = along.dot(border[k + 1] - border[k]);  // below 0 where the border turns back
         const double y = inward.dot(border[k] - a), z = inward.dot(border[k + 1] - a);
         // Of a trapezium with ends y and z the parts above and below the chord.
         const double up = std::max(y, 0.0) + std::max(z, 0.0), down = std::max(-y, 0.0) + std::max(-z, 0.0);
