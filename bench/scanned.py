@@ -5,14 +5,14 @@ import numpy as np
 CELLS = 96  # along the longest side
 
 
-def _box(p: np.ndarray, low: tuple, high: tuple) -> np.ndarray:
+def box(p: np.ndarray, low: tuple, high: tuple) -> np.ndarray:
     """Signed distance of points from a box, negative inside."""
     low, high = np.array(low, float), np.array(high, float)
     q = np.abs(p - (low + high) / 2) - (high - low) / 2
     return np.linalg.norm(np.maximum(q, 0), axis=-1) + np.minimum(q.max(-1), 0)
 
 
-def _prism(p: np.ndarray, low: tuple, high: tuple, along: int, rise: float) -> np.ndarray:
+def prism(p: np.ndarray, low: tuple, high: tuple, along: int, rise: float) -> np.ndarray:
     """A gable roof over a rectangle at the height low[2]: its ridge runs along an axis."""
     across = 1 - along
     middle, half = (low[across] + high[across]) / 2, (high[across] - low[across]) / 2
@@ -35,40 +35,40 @@ def _bay(p: np.ndarray, x: float, y: float, radius: float, low: float, high: flo
 def _solid(p: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Signed distance of a house with a wing, dormers, chimneys, bays, pipes and windows, in metres."""
     long, deep, eave, rise = rng.uniform(12, 16), rng.uniform(8, 10), rng.uniform(5.5, 7), rng.uniform(2.5, 4)
-    body = _box(p, (0, 0, -1), (long, deep, eave))
+    body = box(p, (0, 0, -1), (long, deep, eave))
     over = 0.4
-    parts = [body, _prism(p, (-over, -over, eave - 0.2), (long + over, deep + over, 0), 0, rise)]
+    parts = [body, prism(p, (-over, -over, eave - 0.2), (long + over, deep + over, 0), 0, rise)]
     wing = rng.uniform(4, 6)
     at = rng.uniform(1, long - wing - 1)
     low_eave = eave - rng.uniform(0.5, 2)
     parts += [
-        _box(p, (at, -4, -1), (at + wing, deep / 2, low_eave)),
-        _prism(p, (at - over, -4 - over, low_eave - 0.2), (at + wing + over, deep / 2, 0), 1, rise * 0.7),
+        box(p, (at, -4, -1), (at + wing, deep / 2, low_eave)),
+        prism(p, (at - over, -4 - over, low_eave - 0.2), (at + wing + over, deep / 2, 0), 1, rise * 0.7),
     ]
     for x in np.linspace(2, long - 3, 3):  # dormers at the back
         y = deep - 0.25 * deep
         foot, head = eave + 0.2, eave + 0.2 + 0.45 * rise
-        parts.append(_box(p, (x, deep / 2, foot), (x + 1.6, y + 1.2, head)))
-        parts.append(_prism(p, (x - 0.2, deep / 2, head - 0.1), (x + 1.8, y + 1.4, 0), 1, 0.8))
+        parts.append(box(p, (x, deep / 2, foot), (x + 1.6, y + 1.2, head)))
+        parts.append(prism(p, (x - 0.2, deep / 2, head - 0.1), (x + 1.8, y + 1.4, 0), 1, 0.8))
     for x in (0.2 * long, 0.75 * long):
-        parts.append(_box(p, (x, deep * 0.4, eave), (x + 0.9, deep * 0.4 + 0.7, eave + rise + 1)))
+        parts.append(box(p, (x, deep * 0.4, eave), (x + 0.9, deep * 0.4 + 0.7, eave + rise + 1)))
     parts.append(_bay(p, long, deep * 0.5, 1.4, 0.6, eave - 0.8))
     parts.append(_bay(p, long * 0.8, deep, 1.2, 0.4, 3))
     for x, y in ((-0.15, 0.3), (long + 0.1, deep - 0.3)):
         parts.append(_rod(p, x, y, 0.18, -1, eave))
-    parts.append(_box(p, (0.6, deep, 3.0), (4.4, deep + 1.2, 3.25)))  # a balcony
+    parts.append(box(p, (0.6, deep, 3.0), (4.4, deep + 1.2, 3.25)))  # a balcony
     solid = np.minimum.reduce(parts)
     for z in (1.0, 3.8):
         for x in np.arange(1.0, long - 1.6, 2.4):
             for y in (0.0, deep):
-                solid = np.maximum(solid, -_box(p, (x, y - 0.3, z), (x + 1.1, y + 0.3, z + 1.5)))
+                solid = np.maximum(solid, -box(p, (x, y - 0.3, z), (x + 1.1, y + 0.3, z + 1.5)))
         for y in np.arange(1.2, deep - 1.6, 2.2):
-            solid = np.maximum(solid, -_box(p, (-0.3, y, z), (0.3, y + 1.0, z + 1.5)))
+            solid = np.maximum(solid, -box(p, (-0.3, y, z), (0.3, y + 1.0, z + 1.5)))
     ground = p[..., 2] - 0.25 * np.sin(0.35 * p[..., 0]) * np.cos(0.3 * p[..., 1])
     return np.minimum(solid, ground)
 
 
-def _blurred(a: np.ndarray, sigma: float) -> np.ndarray:
+def blurred(a: np.ndarray, sigma: float) -> np.ndarray:
     reach = int(np.ceil(3 * sigma))
     kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
     kernel /= kernel.sum()
@@ -78,7 +78,7 @@ def _blurred(a: np.ndarray, sigma: float) -> np.ndarray:
     return a
 
 
-def _surface(field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def surface(field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The zero level of a field by surface nets: a vertex in each cell, a square about each edge of the grid."""
     inside = field < 0
     total, count = np.zeros((*(n - 1 for n in field.shape), 3)), np.zeros(tuple(n - 1 for n in field.shape))
@@ -139,10 +139,10 @@ def make(seed: int, noise: float = 0.002, rounding: float = 0.8, holes: int = 6)
     about = grid - middle
     # the house is turned against the grid, as a scan's grid has no relation to walls
     turned = np.stack([c * about[..., 0] - s * about[..., 1], s * about[..., 0] + c * about[..., 1], about[..., 2]], -1)
-    field = _blurred(np.clip(_solid(turned + middle, rng), -3 * cell, 3 * cell), rounding)
-    points, faces = _surface(field)
+    field = blurred(np.clip(_solid(turned + middle, rng), -3 * cell, 3 * cell), rounding)
+    points, faces = surface(field)
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-    waves = np.stack([_blurred(rng.standard_normal(field.shape), 2.0) for _ in range(3)], -1)
+    waves = np.stack([blurred(rng.standard_normal(field.shape), 2.0) for _ in range(3)], -1)
     waves /= waves.std()
     near = np.clip(np.rint(points).astype(int), 0, np.array(field.shape) - 1)
     off = 0.8 * waves[tuple(near.T)] + 0.6 * rng.standard_normal(points.shape)

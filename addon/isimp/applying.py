@@ -300,7 +300,9 @@ _EDITS = {
 def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int) -> Outcome:
     """If the polygons violate the bound, repartitions with a smaller one, unless the partition was edited."""
     before = _needs_regions(before)
-    options = engine.MeshingOptions(**rcp.engine_options(step, MESHING), threads=threads)
+    own = rcp.engine_options(step, MESHING)
+    own["straight_rims"] = None if step.straight_rims < 0 else step.straight_rims
+    options = engine.MeshingOptions(**own, threads=threads)
 
     def job(of: float, to: float):
         share = 0.9 * (end - begin)

@@ -31,6 +31,12 @@ MESHING: dict[str, Option] = {
         least=0.0,
         most=1.0,
     ),
+    "straight_rims": Option(
+        kind="float",
+        default=None,
+        words="a finite length, at least 0",
+        least=0.0,
+    ),
     "flatten": Option(
         kind="int",
         default=30,
@@ -89,6 +95,12 @@ PARTITION: dict[str, Option] = {
         words="at least 1",
         least=1.0,
     ),
+    "triangles": Option(
+        kind="int",
+        default=None,
+        words="at least 2",
+        least=2.0,
+    ),
     "detail": Option(
         kind="float",
         default=None,
@@ -120,6 +132,12 @@ PARTITION: dict[str, Option] = {
     "snap": Option(
         kind="bool",
         default=True,
+    ),
+    "sharp_edges": Option(
+        kind="float",
+        default=None,
+        words="a finite length, at least 0",
+        least=0.0,
     ),
     "adaptivity": Option(
         kind="float",

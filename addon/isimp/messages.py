@@ -315,6 +315,8 @@ def _partition_line(step: rcp.Partition) -> str:
         what = said("Partition {faces}", faces=count(len(step.faces), "face"))
     if step.count_by == "proxies":
         return said("{what} into {number}", what=what, number=f"{step.proxies:,}")
+    if step.count_by == "triangles":
+        return said("{what}, at most {number} triangles", what=what, number=f"{step.triangles:,}")
     if step.count_by == "detail":
         return said("{what}, detail {number} %", what=what, number=f"{100 * (step.detail or 0):.3g}")
     text = own("{what}, tolerance {number}") if step.count_by == "tolerance" else own("{what}, bound {number}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -17,11 +17,18 @@ from .spare import blocks
 
 @dataclass(frozen=True)
 class Closing:
-    """Which openings of a scan are closed before it is partitioned."""
+    """How a scan is repaired before it is partitioned, and which of its openings are closed."""
 
     handles: float = 0.0  #: scene units; handles up to this length are cut,
     holes: float = 0.0  #: and holes up to this length filled,
     kept: tuple = ()  #: but for those at these places
+    stitch: float | None = None  #: how far borders may be apart that become one; None: it is found
+    grid: float | None = None  #: cell of the grid whose steps are smoothed; None: it is found
+
+    @property
+    def opened(self) -> Closing:
+        """The same repair with no opening closed."""
+        return replace(self, handles=0.0, holes=0.0, kept=())
 
 
 NONE_CLOSED = Closing()

@@ -39,7 +39,7 @@ PRESETS = (
         "building",
         "Building",
         "One building or room: large planes with straight edges and noise; planes become regular",
-        rcp.Partition(count_by="detail", detail=0.0025, adaptivity=0.0),
+        rcp.Partition(count_by="detail", detail=0.0025, adaptivity=0.0, sharp_edges=0.0),
         rcp.Mesh(flatten=60, planar=True, planar_most=0.1),
         rcp.Regularise(),
     ),

@@ -102,7 +102,8 @@ class Session:
         key = (scan.digest, closing)
         prepared = self._meshes.get(key)
         if prepared is None:
-            plain = None if closing == NONE_CLOSED else self.prepare(scan, watch, begin, begin).mesh
+            opened = closing.opened
+            plain = None if closing == opened else self.prepare(scan, watch, begin, begin, opened).mesh
             prepared = _prepare(scan, plain, closing, watch or Watch(), begin, end)
             # Adjacency, normals and other data of the engine: about 300 bytes a face.
             self._meshes.put(key, prepared, 300 * len(scan.triangles))
@@ -221,7 +222,8 @@ class Session:
         return replace(outcome, numbers=numbers)
 
     def _partition(self, step: rcp.Partition, prepared, before, watch, begin, end) -> Outcome:
-        own = rcp.engine_options(step, PARTITION) | {"noise": None if step.noise < 0 else step.noise}
+        own = rcp.engine_options(step, PARTITION)
+        own |= {name: found(getattr(step, name)) for name in ("noise", "sharp_edges")}
         own = {name: value for name, value in own.items() if name not in rcp.COUNTS or name == step.count_by}
         options = engine.PartitionOptions(**own, backend=self.backend, threads=self.threads)
         locked = before is not None and before.partition.region_locked.any()
@@ -230,8 +232,11 @@ class Session:
         while not is_right:
             lengths = engine.openings.Lengths()
             if may_close:
-                lengths = self._lengths(step, prepared.scan, options, count, watch, begin, begin + 0.3 * (end - begin))
-                closing = Closing(lengths.handles, lengths.holes, step.keep_openings) if lengths else NONE_CLOSED
+                opened = Closing(stitch=found(step.stitch), grid=found(step.grid))
+                args = (step, prepared.scan, opened, options, count, watch, begin, begin + 0.3 * (end - begin))
+                lengths = self._lengths(*args)
+                closed = {"handles": lengths.handles, "holes": lengths.holes, "kept": step.keep_openings}
+                closing = replace(opened, **closed) if lengths else opened
                 prepared = replace(self.prepare(prepared.scan, watch, begin, end, closing), layers=prepared.layers)
             guides = _guides(step, prepared, before)
             made = engine.within.Made(options, guides, self._part(prepared, guides, options))
@@ -260,9 +265,9 @@ class Session:
         except engine.InvalidInput:
             return {}
 
-    def _lengths(self, step: rcp.Partition, scan: Scan, options, count: int | None, watch, begin, end):
+    def _lengths(self, step: rcp.Partition, scan: Scan, opened, options, count: int | None, watch, begin, end):
         """Up to which length openings are closed, since the regions of the step can't show them. count: of regions."""
-        plain = self.prepare(scan, watch, begin, begin).mesh
+        plain = self.prepare(scan, watch, begin, begin, opened).mesh
         if not step.close_openings or step.count_by == "bound":
             return engine.openings.Lengths()
 
@@ -292,7 +297,9 @@ def _prepare(scan: Scan, plain, closing: Closing, watch: Watch, begin: float, en
     if len(scan.triangles) == 0:
         raise ValueError(said("The mesh has no faces: there is nothing to simplify"))
     middle = begin + 0.4 * (end - begin)
-    options = engine.CleanOptions(cut_handles=closing.handles, fill_holes=closing.holes)
+    options = engine.CleanOptions(
+        cut_handles=closing.handles, fill_holes=closing.holes, stitch=closing.stitch, grid=closing.grid
+    )
     if plain is None:
         args = (engine.clean, scan.vertices, scan.triangles, options)
     else:
@@ -301,6 +308,11 @@ def _prepare(scan: Scan, plain, closing: Closing, watch: Watch, begin: float, en
     mesh = engine_call(watch, begin, middle, "reading the mesh", *args)
     with watch.part("reading the mesh", middle, end):
         return replace(prepared_of(scan, mesh), closing=closing)
+
+
+def found(length: float) -> float | None:
+    """A setting of a step as the engine has it: None where it is below 0, and the engine finds it."""
+    return None if length < 0 else length
 
 
 def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:

@@ -20,7 +20,7 @@ from .step import KINDS, Step, count_faces, engine_options
 
 METHODS = PARTITION["method"].choices
 #: settings that give the number of regions, and their defaults
-COUNTS = {"detail": 0.005, "tolerance": 1.0, "bound": 1.0, "proxies": 200}
+COUNTS = {"detail": 0.005, "tolerance": 1.0, "bound": 1.0, "proxies": 200, "triangles": 1000}
 #: settings of a Partition for barriers, and the layer of the scan (`Scan.layers`) that has them
 MARKS = {"seams": ".seam", "sharp": ".sharp", "materials": ".material", "face_sets": ".face_set"}
 SEEDINGS = PARTITION["seeding"].choices
@@ -40,6 +40,7 @@ class Partition(Step):
 
     count_by: str = ""  #: empty: the one that is given, "detail" if none is
     proxies: int | None = None
+    triangles: int | None = None  #: that the polygons make at most
     detail: float | None = None  #: smallest visible shape, as a share of the size
     tolerance: float | None = None  #: the same in scene units
     bound: float | None = None  #: largest distance of a vertex from its region's plane, scene units
@@ -48,6 +49,11 @@ class Partition(Step):
     symmetry: str = PARTITION["symmetry"].default  #: regions mirror across x, y or z, or in a plane that is found
     noise: float = -1.0  #: standard deviation of the scan's noise, scene units; below 0: estimated
     snap: bool = PARTITION["snap"].default  #: take the number of planes if the scan clearly consists of planes
+    sharp_edges: float = (
+        -1.0
+    )  #: width of strips at edges that go to the planes beside; 0: three edges; below 0: none go
+    stitch: float = -1.0  #: how far borders of chunks may be apart that become one; 0: none do; below 0: it is found
+    grid: float = -1.0  #: cell of the grid whose steps are smoothed; 0: steps stay; below 0: it is found
     seed: int = PARTITION["seed"].default
     iterations: int = PARTITION["iterations"].default
     method: str = PARTITION["method"].default
@@ -69,7 +75,9 @@ class Partition(Step):
         self._settle_count()
         check_choice(self.count_by not in COUNTS, "count_by", ", ".join(COUNTS), self.count_by)
         options = engine_options(self, PARTITION)
-        must(math.isfinite(options.pop("noise")), "noise", own("a length, or below 0"), self.noise)
+        options.pop("noise"), options.pop("sharp_edges")
+        for name in ("noise", "sharp_edges", "stitch", "grid"):
+            must(math.isfinite(getattr(self, name)), name, own("a length, or below 0"), getattr(self, name))
         check_options(options, PARTITION)
         must(0 <= self.influence <= 2, "influence", "in [0, 2]", self.influence)
         must(0 <= self.angle <= 180, "angle", own("in [0, 180] degrees"), self.angle)
@@ -115,6 +123,8 @@ class Partition(Step):
         what = f"Partition {count_faces(self.faces)}" if self.faces else "Partition"
         if self.count_by == "proxies":
             return f"{what} into {self.proxies}"
+        if self.count_by == "triangles":
+            return f"{what} for {self.triangles} triangles"
         return f"{what} at {self.count_by} {getattr(self, self.count_by):.6g}"
 
 
@@ -342,9 +352,13 @@ class Mesh(Step):
     flatten: int = MESHING["flatten"].default
     planar: bool = MESHING["planar"].default
     planar_most: float = MESHING["planar_most"].default
+    straight_rims: float = -1.0  #: how far rims may leave a ragged border; 0: they follow it; below 0: it is found
 
     def __post_init__(self) -> None:
-        check_options(engine_options(self, MESHING), MESHING)
+        options = engine_options(self, MESHING)
+        options.pop("straight_rims")
+        check_options(options, MESHING)
+        must(math.isfinite(self.straight_rims), "straight_rims", own("a length, or below 0"), self.straight_rims)
         must(self.chord_tolerance > 0, "chord_tolerance", own("above 0"), self.chord_tolerance)
 
     def describe(self) -> str:
@@ -402,8 +416,11 @@ KINDS |= {  # of all steps
 #: What steps saved by earlier versions lack, and the values that mean what they meant. A saved step has all settings
 #: of its version, so one that has the first of these but not the second is one; people write fewer.
 _EARLIER: dict[str, tuple[set[str], dict[str, Any]]] = {
-    "partition": ({"seed", "leave_out"}, {"smooth": 0.0, "close_openings": False}),
-    "mesh": ({"chord_tolerance", "flatten"}, {"join_junctions": 0.0}),
+    "partition": (
+        {"seed", "leave_out"},
+        {"smooth": 0.0, "close_openings": False, "stitch": 0.0, "grid": 0.0},
+    ),
+    "mesh": ({"chord_tolerance", "flatten"}, {"join_junctions": 0.0, "straight_rims": 0.0}),
 }
 _TYPES: dict[str, type[Step]] = {kind: cls for cls, kind in KINDS.items()}
 _ACCEPTS: dict[str, type | tuple[type, ...]] = {

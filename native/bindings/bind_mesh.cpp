@@ -151,7 +151,9 @@ The repairs in their order. The mesh's report has the count and first places of 
  subdivided_edges      halved: two edges with the same ends remained
  turned_edges          edge flips: the longest edge of a zero-area face, so that it and its neighbour have an area
  unused_vertices       dropped: no kept face uses them
- filled_holes          covered by new faces, if the cover intersects nothing and is at most half of its component
+ stitched_vertices     border vertices that became one with another border, or were put into its edge
+ smoothed_vertices     moved within half a cell of the grid of occupied cells that the mesh was cut on
+ filled_holes          covered by new faces that intersect nothing where there are such, at most half of the component
  cut_handles           the ring of faces around a handle removed, both ends covered
 Zero-area faces that no flip mends are kept. Faces and vertices keep the caller's order; copies and covers come last.
 vertices: (V, 3) float32 or float64, any values. triangles: (F, 3) integers in [0, V).

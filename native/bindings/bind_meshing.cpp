@@ -60,7 +60,9 @@ py::dict report_of(const MeshingReport& r) {
       "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area, "diagonals"_a = r.diagonals,
       "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
       "work"_a = py::dict("faces"_a = r.work.faces, "corners"_a = r.work.corners, "polygons"_a = r.work.polygons),
-      "imperfect"_a = imperfections(r), "planes_let_go"_a = r.planes_let_go, "planar"_a = r.planar.planar);
+      "imperfect"_a = imperfections(r), "planes_let_go"_a = r.planes_let_go, "planar"_a = r.planar.planar,
+      "rims"_a = py::dict("reach"_a = r.rims.reach, "edges"_a = r.rims.edges, "area_added"_a = r.rims.area_added,
+                          "area_lost"_a = r.rims.area_lost));
   if (!r.planar.asked) return report;
   report["whole"] = r.planar.whole;
   report["left_off"] = r.planar.left_off;
@@ -113,7 +115,8 @@ planar: whether every polygon is planar to a millionth of the diagonal. With opt
 polygons that were not cut; left_off: whether more would have been cut than options.planar_most allows, so that no polygon
 was made planar; faces_added by cutting off corners, and faces_added_for, the causes: apart (planes do not meet
 within reach), crossing, flipped, meeting (the polygon would have this defect). planes_let_go: the number of regions whose
-snapped planes were released.
+snapped planes were released. rims: of straight rims the reach (0: rims follow the border), the edges at the rim, and the
+area between them and the border of the scan: area_added and area_lost.
 imperfect is a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or
 "excused") and, for the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan
 without area).)")

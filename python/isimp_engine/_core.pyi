@@ -52,6 +52,8 @@ class CleanOptions:
     weld: float
     fill_holes: float
     cut_handles: float
+    stitch: float | None
+    grid: float | None
     threads: int
     def __init__(
         self,
@@ -59,6 +61,8 @@ class CleanOptions:
         weld: float = ...,
         fill_holes: float = ...,
         cut_handles: float = ...,
+        stitch: float | None = ...,
+        grid: float | None = ...,
         threads: int = ...,
     ) -> None: ...
     @staticmethod
@@ -83,11 +87,13 @@ def close_openings(
 
 class PartitionOptions:
     proxies: int | None
+    triangles: int | None
     detail: float | None
     tolerance: float | None
     bound: float | None
     noise: float | None
     snap: bool
+    sharp_edges: float | None
     adaptivity: float
     smooth: float
     symmetry: Literal["none", "x", "y", "z", "found"]
@@ -106,11 +112,13 @@ class PartitionOptions:
         self,
         *,
         proxies: int | None = ...,
+        triangles: int | None = ...,
         detail: float | None = ...,
         tolerance: float | None = ...,
         bound: float | None = ...,
         noise: float | None = ...,
         snap: bool = ...,
+        sharp_edges: float | None = ...,
         adaptivity: float = ...,
         smooth: float = ...,
         symmetry: Literal["none", "x", "y", "z", "found"] = ...,
@@ -252,6 +260,7 @@ class MeshingOptions:
     chord_area: float
     join_junctions: float
     reach: float
+    straight_rims: float | None
     flatten: int
     flatness_from: int
     flatness: float
@@ -267,6 +276,7 @@ class MeshingOptions:
         chord_area: float = ...,
         join_junctions: float = ...,
         reach: float = ...,
+        straight_rims: float | None = ...,
         flatten: int = ...,
         flatness_from: int = ...,
         flatness: float = ...,

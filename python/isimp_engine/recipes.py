@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ._core import (
+    CleanOptions,
     Job,
     Mesh,
     MeshingOptions,
@@ -31,14 +32,17 @@ from ._core import (
 
 _MOST_TIMES = 1 << 31  # that an edit may be made
 VERSION = 1  #: version of recipes, as the add-on writes them
-COUNTS = ("detail", "tolerance", "bound", "proxies")  #: at most one of them gives the number of regions
+COUNTS = ("detail", "tolerance", "bound", "proxies", "triangles")  #: at most one of them gives the number of regions
 
 _EDITS = {"add_worst": add_worst, "delete_least": delete_least, "merge_cheapest": merge_cheapest}
 _OF_BLENDER = {"weights": "", "borders": "", "seams": False, "sharp": False, "materials": False, "face_sets": False}
 #: Settings that steps saved by earlier versions lack, as in the add-on: a saved step has all settings of its version.
 _EARLIER: dict[str, tuple[set[str], dict[str, Any]]] = {
-    "partition": ({"seed", "leave_out"}, {"smooth": 0.0, "close_openings": False}),
-    "mesh": ({"chord_tolerance", "flatten"}, {"join_junctions": 0.0}),
+    "partition": (
+        {"seed", "leave_out"},
+        {"smooth": 0.0, "close_openings": False, "stitch": 0.0, "grid": 0.0},
+    ),
+    "mesh": ({"chord_tolerance", "flatten"}, {"join_junctions": 0.0, "straight_rims": 0.0}),
 }
 
 
@@ -66,6 +70,7 @@ class Recipe:
     #: steps after the partition, with their times or strength, or how planes are snapped
     edits: tuple[tuple[str, float | Regularise], ...]
     meshing: dict[str, Any]  #: options of MeshingOptions
+    repair: dict[str, Any]  #: of CleanOptions
     texture: int | None = None  #: keep the texture in an image of this size; 0: as dense as the scan's; None: do not
     ao: float | None = None  #: with ambient occlusion by faces up to this distance; 0: by all; None: without
     height: bool = False  #: with a height map
@@ -117,6 +122,7 @@ def parsed(values: Any) -> Recipe:
     angle, edits, closing = None, list[tuple[str, float | Regularise]](), True
     textured: dict[str, Any] = {}
     keep: tuple[tuple[float, float, float], ...] = ()
+    repair: dict[str, Any] = {}
     for number, step in enumerate(values["steps"], 1):
         try:
             kind, settings = _settings(step)
@@ -125,9 +131,11 @@ def parsed(values: Any) -> Recipe:
             meshed = kind == "mesh" or (meshed and kind == "texture")
             if kind == "partition":
                 closing, keep = _flag(settings, "close_openings"), _places(settings, "keep_openings")
+                repair = {name: settings.pop(name) for name in ("stitch", "grid") if name in settings}
+                repair = _checked(CleanOptions, repair | _found(repair, "stitch", "grid"))
                 partition, angle, edits = *_partition(settings), []
             elif kind == "mesh":
-                meshing = _checked(MeshingOptions, settings)
+                meshing = _checked(MeshingOptions, settings | _found(settings, "straight_rims"))
             elif kind == "texture":
                 textured = _texture(settings, meshed)
             else:
@@ -138,7 +146,7 @@ def parsed(values: Any) -> Recipe:
         raise RecipeError("the recipe has no partition step")
     if not meshed:
         textured = {}
-    return Recipe(values, partition, closing, keep, angle, tuple(edits), meshing, **textured)
+    return Recipe(values, partition, closing, keep, angle, tuple(edits), meshing, repair, **textured)
 
 
 def _settings(step: Any) -> tuple[str, dict[str, Any]]:
@@ -157,6 +165,11 @@ def _flag(settings: dict[str, Any], name: str) -> bool:
     if not isinstance(value, bool):
         raise RecipeError(f"{name} must be true or false, got {value!r}")
     return value
+
+
+def _found(settings: dict[str, Any], *names: str) -> dict[str, Any]:
+    """Those of some settings that are below 0: the engine finds them."""
+    return {name: None for name in names if isinstance(settings.get(name), (int, float)) and settings[name] < 0}
 
 
 def _places(settings: dict[str, Any], name: str) -> tuple[tuple[float, float, float], ...]:
@@ -191,8 +204,7 @@ def _partition(settings: dict[str, Any]) -> tuple[dict[str, Any], float | None]:
         raise RecipeError(f"count_by must be one of {', '.join(COUNTS)}, got {by!r}")
     by = by or (given[0] if given else "detail")
     settings = {name: value for name, value in settings.items() if name not in COUNTS or name == by}
-    if isinstance(settings.get("noise"), (int, float)) and settings["noise"] < 0:
-        settings["noise"] = None  # estimated
+    settings |= _found(settings, "noise", "sharp_edges")
     return _checked(PartitionOptions, settings), angle if angle < 180 else None
 
 
@@ -287,7 +299,8 @@ def _whole(settings: dict[str, Any], name: str) -> int:
 
 
 def _checked(
-    kind: type[PartitionOptions] | type[MeshingOptions] | type[RegulariseOptions], settings: dict[str, Any]
+    kind: type[CleanOptions] | type[PartitionOptions] | type[MeshingOptions] | type[RegulariseOptions],
+    settings: dict[str, Any],
 ) -> dict[str, Any]:
     """The settings, if they are options of the engine and in their ranges."""
     known = {field["name"] for field in kind.fields()}

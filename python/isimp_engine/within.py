@@ -25,6 +25,9 @@ from ._core import (
 from .guided import Guides, Part, partition_guided
 
 SLACK = 1.5  #: the polygons may be this many times further from the scan than its regions' planes
+_NEAR = 0.97  #: of the triangles asked for: with more of them the search ends
+_AIM = 0.985  #: of the same: what the next try is to have
+_MOST_TRIES = 8
 _CHUNK = 1 << 10  # vertices that a thread measures at a time
 
 Points = NDArray[np.float64]
@@ -62,8 +65,58 @@ class Made:
     def again(self, mesh: Mesh, share: float, job: Job | None) -> Partition:
         """The partition with a share of the bound."""
         options = self.options.as_dict()
-        options["bound"] *= share
+        return self._with(mesh, job, options | {"bound": share * options["bound"]})
+
+    def with_count(self, mesh: Mesh, proxies: int, job: Job | None) -> Partition:
+        """The partition with another number of regions, in place of one that a number of triangles gives."""
+        return self._with(mesh, job, self.options.as_dict() | {"proxies": proxies, "triangles": None})
+
+    def _with(self, mesh: Mesh, job: Job | None, options: dict[str, Any]) -> Partition:
         return partition_guided(mesh, PartitionOptions(**options), job, self.guides, self.part)
+
+
+def triangles_of(polygons: PolygonMesh) -> int:
+    """How many triangles polygons make."""
+    return len(polygons.loops) - 2 * len(polygons.loop_start)
+
+
+class TriangleSearch:
+    """The largest number of regions whose polygons make at most `most` triangles: which number to try next."""
+
+    def __init__(self, most: int, faces: int) -> None:
+        self.most = most
+        self._faces = faces
+        self._fits: tuple[int, int] | None = None  #: regions and triangles: the most that is not too many
+        self._over: tuple[int, int] | None = None  #: the fewest that are too many
+        self._best: tuple[bool, int] | None = None
+        self.tries = 0
+
+    def take(self, regions: int, triangles: int) -> bool:
+        """To be told of each try. Returns whether it is the best so far."""
+        self.tries += 1
+        fits, known = triangles <= self.most, self._fits if triangles <= self.most else self._over
+        if known is None or (regions > known[0] if fits else regions < known[0]):
+            found = regions, triangles
+            self._fits, self._over = (found, self._over) if fits else (self._fits, found)
+        rank = fits, triangles if fits else -triangles
+        if self._best is not None and rank <= self._best:
+            return False
+        self._best = rank
+        return True
+
+    def next(self) -> int | None:
+        """The number of regions to try; None: the last is near enough, or no other is left to try."""
+        fits, over = self._fits, self._over
+        if self.tries >= _MOST_TRIES or (fits is not None and fits[1] >= _NEAR * self.most):
+            return None
+        if fits is None or over is None or over[0] <= fits[0]:
+            regions, triangles = fits or over or (1, 1)
+            wanted = round(regions * _AIM * self.most / max(triangles, 1))
+            limits = (regions + 1, self._faces) if fits else (1, regions - 1)
+        else:
+            share = (_AIM * self.most - fits[1]) / (over[1] - fits[1])
+            wanted, limits = round(fits[0] + share * (over[0] - fits[0])), (fits[0] + 1, over[0] - 1)
+        return None if limits[0] > limits[1] else min(max(wanted, limits[0]), limits[1])
 
 
 def scan_distances(
@@ -89,10 +142,13 @@ def polygonize_within(
 
     Borders may leave their chords, polygons bend and corners move by half the bound, and by less where that is not
     enough. If that is not enough either, and `made` is given, another partition is made with a lower bound.
-    Without a bound it is `polygonize`.
+    With a number of triangles, and `made`, other partitions are made with other numbers of regions, until the polygons
+    make nearly as many triangles and not more. Else it is `polygonize`.
     jobs: in place of `job`: makes a job for each part of the work, to show its progress.
     """
     jobs, meshing = jobs or _stretches(job), meshing or MeshingOptions()
+    if made is not None and made.options.triangles is not None:
+        return _within_triangles(mesh, part, meshing, made, jobs)
     if part.bound is None:
         with jobs(0.0, 1.0) as own:
             return Within(part, polygonize(mesh, part, meshing, own), None, None, 1)
@@ -111,6 +167,24 @@ def polygonize_within(
             best = part, polygons, distance
     assert best is not None  # the first try always sets it
     return Within(*best, allowed, search.tries)
+
+
+def _within_triangles(mesh: Mesh, part: Partition, meshing: MeshingOptions, made: Made, jobs: Jobs) -> Within:
+    search = TriangleSearch(made.options.triangles or 0, len(mesh.triangles))
+    best, done, proxies = None, 0.0, None
+    while True:
+        end = (1 + done) / 2
+        with jobs(done, end) as own:
+            if proxies is not None:
+                part = made.with_count(mesh, proxies, own)
+            polygons = polygonize(mesh, part, meshing, own)
+        done, tried = end, proxies or part.region_count
+        if search.take(tried, triangles_of(polygons)):
+            best = part, polygons
+        if (proxies := search.next()) is None:
+            break
+    assert best is not None  # the first try always sets it
+    return Within(*best, None, None, search.tries)
 
 
 def partition_within(

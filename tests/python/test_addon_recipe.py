@@ -189,7 +189,7 @@ def test_a_partition_of_a_part_follows_what_there_is_and_replaces_itself():
 def test_what_is_given_says_how_many():
     assert (Partition().count_by, Partition().adaptivity) == ("detail", 0.25)
     for name in rcp.COUNTS:
-        assert Partition(**{name: 2 if name == "proxies" else 0.5}).count_by == name
+        assert Partition(**{name: 2 if name in ("proxies", "triangles") else 0.5}).count_by == name
     assert Partition(count_by="bound", proxies=3).count_by == "bound"
     assert rcp.step_from_dict({"step": "partition", "proxies": 6}) == Partition(proxies=6)
     with pytest.raises(

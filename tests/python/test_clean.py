@@ -18,6 +18,8 @@ KEYS = {
     "subdivided_edges",
     "turned_edges",
     "unused_vertices",
+    "stitched_vertices",
+    "smoothed_vertices",
     "filled_holes",
     "cut_handles",
 }

@@ -48,6 +48,7 @@ class PartitionSettings:
                 "The number follows from a length: smaller shapes are ignored, below .2 m on a building, say",
             ),
             ("bound", "Bound", "The number follows from the largest distance of a vertex from its region's plane"),
+            ("triangles", "Triangles", "As many regions as the polygons can have that make this number of triangles"),
         ),
         default=_PARTITION.count_by,
     )
@@ -129,6 +130,40 @@ class PartitionSettings:
         default=_PARTITION.proxies,
         soft_max=5000,
         **_range(PARTITION["proxies"]),
+    )
+    triangles: IntProperty(
+        name="Triangles",
+        description="The polygons of Mesh make at most this many triangles, as a game counts them",
+        default=_PARTITION.triangles,
+        soft_max=100000,
+        **_range(PARTITION["triangles"]),
+    )
+    sharp_edges: FloatProperty(
+        name="Edge Width",
+        description="Regions at edges that are narrower than this go to the planes beside them, in the scan's units. "
+        "0: three mean edges. Below 0: such regions stay",
+        default=_PARTITION.sharp_edges,
+        min=-1.0,
+        soft_max=0.1,
+        precision=5,
+    )
+    stitch: FloatProperty(
+        name="Stitch",
+        description="Largest gap between borders of chunks of a scan that become one, in the scan's units. 0: none do. "
+        "Below 0: two mean edges, where a tenth of the border has another border that near",
+        default=_PARTITION.stitch,
+        min=-1.0,
+        soft_max=1.0,
+        precision=5,
+    )
+    grid: FloatProperty(
+        name="Grid Cell",
+        description="Cell of the grid of occupied cells that the mesh was cut on, whose steps are smoothed, in the "
+        "scan's units. 0: steps stay. Below 0: it is found",
+        default=_PARTITION.grid,
+        min=-1.0,
+        soft_max=1.0,
+        precision=5,
     )
     method: EnumProperty(
         name="Method",
@@ -235,6 +270,15 @@ class PartitionSettings:
 
 
 class MeshSettings:
+    straight_rims: FloatProperty(
+        name="Straight Rims",
+        description="How far straight rims may leave the ragged border of an open scan, in the scan's units. 0: rims "
+        "follow the border. Below 0: twice the raggedness, where the border is ragged",
+        default=_MESH.straight_rims,
+        min=-1.0,
+        soft_max=1.0,
+        precision=5,
+    )
     chord_tolerance: FloatProperty(
         name="Corner Tolerance",
         description="Distance of a border from a straight line at which it gets another corner, as a share of a "

@@ -67,6 +67,8 @@ _FAULTS = {
     "split_vertices": noun("non-manifold vertex"),
     "subdivided_edges": noun("double edge"),
     "turned_edges": noun("zero-area face"),
+    "stitched_vertices": noun("stitched vertex"),
+    "smoothed_vertices": noun("smoothed vertex"),
 }  # vertices that no face uses are none
 _OPENINGS = {"filled_holes": noun("hole"), "cut_handles": noun("tunnel")}
 

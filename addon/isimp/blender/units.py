@@ -105,7 +105,11 @@ def _set_way(self, number: int) -> None:
 
 
 def _way(self) -> int:
-    return int(self.count_by == "proxies")
+    return int(self.count_by in ("proxies", "triangles"))
+
+
+def _set_sharpens(self, value: bool) -> None:
+    self.sharp_edges = max(0.0, self.sharp_edges) if value else -1.0
 
 
 SHOWN = {
@@ -140,6 +144,12 @@ SHOWN = {
             precision=0,
             get=_coarseness,
             set=_set_coarseness,
+        ),
+        "sharpens": BoolProperty(
+            name="Sharpen Edges",
+            description="Rounded and dented edges become sharp: narrow regions at edges go to the planes beside them",
+            get=lambda self: self.sharp_edges >= 0,
+            set=_set_sharpens,
         ),
         "detail_percent": _percent(PartitionSettings, "detail", 1.0, 0.05, 2),
         "leave_out_percent": _percent(PartitionSettings, "leave_out", 0.99, 0.05, 2, "Ignore Parts Below"),

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <utility>
 
 #include "close.h"
+#include "grid.h"
 #include "isimp/core/errors.h"
 #include "isimp/mesh/found_opening.h"
 #include "soup.h"
+#include "stitch.h"
 
 namespace isimp {
 namespace detail {
@@ -68,8 +71,8 @@ MeshArrays take_apart(Soup& soup, double tolerance, bool welded, Job& job) {
   return separate(soup, job);
 }
 
-Cleaning make_sound(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
-                    const Threads& threads, Job& job) {
+Cleaning make_manifold(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
+                       const Threads& threads, Job& job) {
   check(vertices.size(), triangles, options, threads);
   Soup soup;
   soup.vertices = std::move(vertices);
@@ -103,6 +106,44 @@ Cleaning make_sound(std::vector<Vec3> vertices, std::vector<Triangle> triangles,
   if (!topology.flaw.empty()) throw Error("cleaning left " + topology.flaw);
   flip_degenerate_edges(arrays, topology, soup.log, threads, job);
   return {std::move(arrays), std::move(topology), std::move(soup.log)};
+}
+
+/// The borders of chunks joined, in two passes: joining makes faces that are not manifold, and these are repaired.
+void stitch_chunks(Cleaning& sound, const CleanOptions& options, const Threads& threads, Job& job) {
+  constexpr int kPasses = 2;
+  std::optional<double> distance = options.stitch;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    std::optional<Stitched> joined = stitch(sound.arrays, sound.topology, distance, sound.log, job);
+    if (!joined) return;
+    Cleaning next = make_manifold(std::move(joined->vertices), std::move(joined->triangles),
+                                  {.threads = options.threads}, threads, job);
+    const auto through = [](Array<std::int32_t>& names, const auto& before, std::size_t count) {
+      if (before.empty()) return;
+      if (names.empty()) {
+        names.resize(count);
+        std::iota(names.begin(), names.end(), 0);
+      }
+      for (std::int32_t& name : names)
+        if (name != kNone) name = before[name];
+    };
+    std::vector<std::int32_t> face = std::move(joined->source_face);
+    if (!sound.arrays.source_face.empty())
+      for (std::int32_t& f : face) f = sound.arrays.source_face[f];
+    through(next.arrays.source_face, face, next.arrays.triangles.size());
+    through(next.arrays.source_vertex, sound.arrays.source_vertex, next.arrays.vertices.size());
+    sound.log.add_orientation(next.log, face);
+    sound.arrays = std::move(next.arrays);
+    sound.topology = std::move(next.topology);
+    if (!distance) distance = joined->distance;
+  }
+}
+
+Cleaning make_sound(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
+                    const Threads& threads, Job& job) {
+  Cleaning sound = make_manifold(std::move(vertices), std::move(triangles), options, threads, job);
+  stitch_chunks(sound, options, threads, job);
+  smooth_steps(sound.arrays, sound.topology, options.grid, sound.log, threads, job);
+  return sound;
 }
 
 /// The arrays of a mesh, so that its openings can be closed.

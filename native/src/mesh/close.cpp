@@ -53,7 +53,7 @@ std::vector<Opening> find_holes(const MeshArrays& arrays, const Topology& topolo
   return holes;
 }
 
-/// Covers openings with patches that meet nothing else.
+/// Covers openings with patches: with one that meets nothing else where there is one.
 class Closer {
  public:
   Closer(MeshArrays& arrays, const Topology& topology, const Components* components, const Threads& threads, Job& job)
@@ -61,14 +61,15 @@ class Closer {
 
   /// Adds patches for those that can be closed, and returns these; the faces to be removed are still there. May be called
   /// again for openings apart from those.
-  std::vector<Opening> close(std::vector<Opening> openings) {
+  /// \param meeting  whether a patch may meet other faces where no patch of any plan meets none
+  std::vector<Opening> close(std::vector<Opening> openings, bool meeting) {
     if (openings.empty()) return {};
     const std::size_t before = closed_.size();
     find_faces_near(openings);
-    for (int plan = 0; plan < kPlans; ++plan) {
+    for (int round = 0; round < (meeting ? 2 * kPlans : kPlans); ++round) {
       std::vector<Opening> covered, left;
-      for (Opening& o : openings) (find_patches(o, plan) ? covered : left).push_back(std::move(o));
-      for (bool all = false; !all;) {  // those that drop out keep their faces, which others may now meet
+      for (Opening& o : openings) (find_patches(o, round % kPlans) ? covered : left).push_back(std::move(o));
+      for (bool all = round >= kPlans; !all;) {  // those that drop out keep their faces, which others may now meet
         std::vector<Opening> dropped = drop_crossed(covered);
         all = dropped.empty();
         std::move(dropped.begin(), dropped.end(), std::back_inserter(left));
@@ -322,7 +323,7 @@ std::vector<FoundOpening> close_small(MeshArrays& arrays, Topology& topology, co
         std::stable_partition(holes.begin(), holes.end(), [&](const Opening& o) { return !is_kept(arrays, o, keep); });
     tell({end, holes.end()}, true);
     holes.erase(end, holes.end());
-    const std::vector<Opening> closed = closer.close(std::move(holes));
+    const std::vector<Opening> closed = closer.close(std::move(holes), true);
     tell(closed, false);
     for (const Opening& o : closed) log.add(o.kind, arrays.source_face[topology.vertex_halfedge[o.loops[0][0]] / 3]);
     if (!closed.empty()) topology = topology_of(arrays, threads, job);
@@ -333,7 +334,8 @@ std::vector<FoundOpening> close_small(MeshArrays& arrays, Topology& topology, co
     Closer closer(arrays, topology, nullptr, threads, job);
     const Handles handles = close_handles(
         arrays, topology, options.cut_handles, pass == 0 ? nullptr : &search, keep,
-        [&](std::vector<Opening> openings) { return closer.close(std::move(openings)); }, threads, job);
+        [&](std::vector<Opening> openings, bool meeting) { return closer.close(std::move(openings), meeting); },
+        threads, job);
     if (pass == 0) tell(handles.kept, true);  // further passes find the same again
     tell(handles.closed, false);
     for (const Opening& o : handles.closed) log.add(o.kind, arrays.source_face[o.removed[0]]);

@@ -78,15 +78,16 @@ struct HandleSearch {
   std::set<std::vector<std::int32_t>> failed;  ///< loops to leave alone, each as rising vertices
 };
 /// Finds handles with a loop round them or through them of at most `longest`, no two of them near each other, and closes
-/// them. Where one loop of a handle can't be closed, the next one is tried.
+/// them. Where one loop of a handle can't be closed, the next one is tried; at last patches may meet other faces.
 /// \param search  null: everywhere
 /// \param keep  places whose handles are not closed
-/// \param close  closes openings, and returns those that could be
+/// \param close  closes openings, with patches that meet other faces if its second argument is true, and returns those
+///               that could be
 /// Cost: that of `find_loops`, and of the patches.
 Handles close_handles(const MeshArrays& arrays, const Topology& topology, double longest, const HandleSearch* search,
                       const std::vector<Vec3>& keep,
-                      const std::function<std::vector<Opening>(std::vector<Opening>)>& close, const Threads& threads,
-                      Job& job);
+                      const std::function<std::vector<Opening>(std::vector<Opening>, bool)>& close,
+                      const Threads& threads, Job& job);
 
 // close.cpp
 /// Fills holes and cuts handles as the options say. `arrays` are sound, and `topology` is theirs, before and after.

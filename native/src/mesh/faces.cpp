@@ -11,9 +11,9 @@ namespace {
 
 // The report's keys: an interface, so renamed kinds keep their older names here.
 constexpr std::array kKeys{
-    "non_finite_faces", "repeated_index_faces", "duplicate_faces", "welded_vertices",  "flipped_faces",
-    "cut_edges",        "split_edges",          "split_vertices",  "subdivided_edges", "turned_edges",
-    "unused_vertices",  "filled_holes",         "cut_handles"};
+    "non_finite_faces", "repeated_index_faces", "duplicate_faces",   "welded_vertices",  "flipped_faces",
+    "cut_edges",        "split_edges",          "split_vertices",    "subdivided_edges", "turned_edges",
+    "unused_vertices",  "stitched_vertices",    "smoothed_vertices", "filled_holes",     "cut_handles"};
 constexpr std::size_t kKeptPlaces = 16;
 constexpr double kFarthest = 1e30;  // areas, their squares and sums of them stay finite
 
@@ -32,6 +32,16 @@ RepairLog::RepairLog(const RepairReport& before) : RepairLog() {
 void RepairLog::add(RepairKind what, std::int32_t where) {
   Repair& repair = repairs_[static_cast<std::size_t>(what)];
   if (static_cast<std::size_t>(repair.count++) < kKeptPlaces) repair.where.push_back(where);
+}
+
+void RepairLog::add_orientation(const RepairLog& other, const std::vector<std::int32_t>& face) {
+  for (const RepairKind what : {RepairKind::reversed_faces, RepairKind::cut_edges, RepairKind::split_edges}) {
+    Repair& repair = repairs_[static_cast<std::size_t>(what)];
+    const Repair& more = other.repairs_[static_cast<std::size_t>(what)];
+    repair.count += more.count;
+    for (const std::int32_t f : more.where)
+      if (repair.where.size() < kKeptPlaces) repair.where.push_back(face[f]);
+  }
 }
 
 void Soup::drop(const std::vector<char>& marked) {

@@ -188,8 +188,8 @@ class Rings {
 
 Handles close_handles(const MeshArrays& arrays, const Topology& topology, double longest, const HandleSearch* search,
                       const std::vector<Vec3>& keep,
-                      const std::function<std::vector<Opening>(std::vector<Opening>)>& close, const Threads& threads,
-                      Job& job) {
+                      const std::function<std::vector<Opening>(std::vector<Opening>, bool)>& close,
+                      const Threads& threads, Job& job) {
   Handles handles;
   std::vector<Loop> loops = find_loops(arrays, topology, longest, search, threads, job);
   Rings rings(arrays, topology);
@@ -197,28 +197,32 @@ Handles close_handles(const MeshArrays& arrays, const Topology& topology, double
     if (keep.empty()) break;
     if (Opening o = rings.hold(loop, keep); !o.loops.empty()) handles.kept.push_back(std::move(o));
   }
-  std::set<std::vector<std::int32_t>> failed;
-  if (search) failed = search->failed;
   for (const Loop& loop : loops) handles.loops.push_back(loop.vertices);
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    if (!failed.empty()) std::erase_if(loops, [&](const Loop& loop) { return failed.contains(rising(loop.vertices)); });
+  using Failed = std::set<std::vector<std::int32_t>>;
+  // Closes as many as it can, and returns whether another attempt may close more.
+  const auto attempt = [&](bool meeting, Failed& failed) {
     std::vector<Opening> some;
-    for (const Loop& loop : loops)
+    for (const Loop& loop : loops) {
+      if (failed.contains(rising(loop.vertices))) continue;
       if (Opening o = rings.take(loop); !o.loops.empty()) some.push_back(std::move(o));
-    if (some.empty()) break;
-    std::vector<Opening> closed = close(some);
+    }
+    if (some.empty()) return false;
+    std::vector<Opening> closed = close(some, meeting);
     std::set<std::vector<std::int32_t>> done;
     for (const Opening& o : closed) done.insert(o.round);
-    const bool all = closed.size() == some.size();
     std::move(closed.begin(), closed.end(), std::back_inserter(handles.closed));
-    if (all) break;
     for (const Opening& o : some) {
       if (done.contains(o.round)) continue;
       rings.release(o);
       failed.insert(rising(o.round));
-      handles.failed.push_back(o.round);
+      if (meeting) handles.failed.push_back(o.round);
     }
-  }
+    return done.size() < some.size();
+  };
+  const Failed before = search ? search->failed : Failed{};
+  Failed failed = before, failed_at_last = before;
+  for (int i = 0; i < kAttempts && attempt(false, failed);) ++i;
+  attempt(true, failed_at_last);
   return handles;
 }
 

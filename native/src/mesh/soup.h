@@ -27,6 +27,8 @@ enum class RepairKind {
   subdivided_edges,
   flipped_edges,
   unused_vertices,
+  stitched_vertices,
+  smoothed_vertices,
   filled_holes,
   cut_handles,
 };
@@ -38,6 +40,9 @@ class RepairLog {
   /// \param before  earlier repairs; empty: none
   explicit RepairLog(const RepairReport& before);
   void add(RepairKind what, std::int32_t where);
+  /// What another log has of faces that were reversed, and edges that were cut and split.
+  /// \param face  the caller's face of each of its faces
+  void add_orientation(const RepairLog& other, const std::vector<std::int32_t>& face);
   [[nodiscard]] std::int64_t count(RepairKind what) const { return repairs_[static_cast<std::size_t>(what)].count; }
   [[nodiscard]] RepairReport take() { return std::move(repairs_); }
 

@@ -29,6 +29,7 @@ void check_count(const Surface& surface, const PartitionOptions& options) {
     if (is) given += (given.empty() ? "" : " and ") + std::string(name);
   };
   note(options.proxies.has_value(), "proxies");
+  note(options.triangles.has_value(), "triangles");
   note(options.detail.has_value(), "detail");
   note(options.tolerance.has_value(), "tolerance");
   note(options.bound.has_value(), "bound");

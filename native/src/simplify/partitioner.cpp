@@ -1,6 +1,7 @@
 #include "isimp/simplify/partitioner.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "isimp/thesis/thesis.h"
 #include "make_partition.h"
 #include "methods.h"
+#include "sharp_edges.h"
 #include "symmetric.h"
 
 namespace isimp {
@@ -52,6 +54,11 @@ Partitioner::Partitioner(const Mesh& mesh, Keep keep)
 
 Partitioner::~Partitioner() = default;
 
+std::int32_t proxies_for(std::int32_t triangles, std::int32_t faces) {
+  constexpr double kTriangles = 3.5;  // of a polygon
+  return std::clamp(static_cast<std::int32_t>(std::lround(triangles / kTriangles)), 1, faces);
+}
+
 /// The kept data, if it was made under the same guides and adaptivity; else only these, and the data that does not
 /// depend on them.
 Partitioner::Kept Partitioner::recall(Guides guides, double adaptivity) const {
@@ -82,8 +89,22 @@ Partitioner::Prepared Partitioner::prepare(Guides guides, double adaptivity, Job
 }
 
 Partition Partitioner::run(const PartitionOptions& options, const Constraints& constraints, Job& job) const {
+  if (options.triangles) {
+    check(*mesh_, options);
+    PartitionOptions counted = options;
+    counted.triangles.reset();
+    counted.proxies = proxies_for(*options.triangles, mesh_->face_count());
+    return run(counted, constraints, job);
+  }
   const bool plain = options.symmetry == Symmetry::none;
   Partition result = plain ? without_symmetry(options, constraints, job) : with_symmetry(options, constraints, job);
+  const bool whole = constraints.before == nullptr && !constraints.faces;
+  if (options.sharp_edges && plain && whole && !options.bound)
+    if (const auto labels = without_strips(*mesh_, result, *options.sharp_edges, job)) {
+      Partition sharp = inherited(partition_from(Surface(*mesh_, result.guided), *labels, job), result);
+      sharp.proxies_asked = std::min(sharp.proxies_asked, sharp.region_count());
+      result = std::move(sharp);
+    }
   ISIMP_ASSERT(broken_promise(Surface(*mesh_, result.guided), result).empty(), "a partition keeps its promises");
   return result;
 }

@@ -10,6 +10,8 @@ from . import texturing
 from .errors import UsageError
 from .files import STDOUT
 
+_COUNTS = ("proxies", "triangles", "detail", "tolerance", "bound")
+
 
 def counts(text: str) -> list[int]:
     """An argument that gives the regions of each level: `1000,300,100`."""
@@ -25,7 +27,7 @@ def counts(text: str) -> list[int]:
 
 def check(arguments: argparse.Namespace) -> None:
     """Refuse what contradicts levels."""
-    given = [flag for flag in ("proxies", "detail", "tolerance", "bound") if getattr(arguments, flag) is not None]
+    given = [flag for flag in _COUNTS if getattr(arguments, flag) is not None]
     if given:
         raise UsageError(f"--lods says how many regions each level has: leave out --{given[0]}")
 
@@ -41,7 +43,8 @@ def levels(arguments: argparse.Namespace) -> list[argparse.Namespace]:
 def _level(arguments: argparse.Namespace, number: int, regions: int) -> argparse.Namespace:
     level = copy.copy(arguments)
     level.options = copy.copy(arguments.options)
-    level.options.detail = level.options.tolerance = level.options.bound = None  # of the recipe
+    for name in _COUNTS:  # of the recipe
+        setattr(level.options, name, None)
     level.options.proxies = regions
     level.output = named(arguments.output, number)
     if isinstance(arguments.labels, Path):

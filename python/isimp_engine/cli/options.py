@@ -11,7 +11,9 @@ from . import closing, guiding, texturing
 from .errors import UsageError
 
 Options = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions] | type[RegulariseOptions]
-_COUNTS = ("proxies", "detail", "tolerance", "bound")  # at most one of them
+_COUNTS = ("proxies", "triangles", "detail", "tolerance", "bound")  # at most one of them
+# Lengths that may be left out of their flags, and what the flag alone means.
+_BARE: dict[str, float | None] = {"sharp_edges": 0.0, "stitch": None, "straight_rims": None}
 _SHARED = ("threads",)  # one flag for all steps
 _OF_RECIPE = ("angle", "texture", "ao", "height", "tiles", "materials")  # taken from the recipe where not given
 _NEEDS = {
@@ -43,7 +45,7 @@ def simplify_options() -> argparse.ArgumentParser:
         help="keep the hole or handle at this place open; the report lists the places (may be given several times)",
     )
     guiding.add_angle(command)
-    add_fields(command, MeshingOptions, ("planar",))
+    add_fields(command, MeshingOptions, ("planar", "straight_rims"))
     turned = "snap planes: level, upright, parallel, coplanar; each turns by at most ANGLE degrees. Default: %(const)s"
     angle = RegulariseOptions().angle
     command.add_argument("--regularise", type=float, nargs="?", const=angle, metavar="ANGLE", help=turned)
@@ -118,8 +120,18 @@ def add_fields(command: Any, options: Options, wanted: Sequence[str]) -> None:
             continue
         about += "" if default is None else f" Default: {default}."
         metavar = "L" if field.get("unit") == "length" else {"int": "N", "float": "X", "str": "NAME"}[kind]
-        parse = {"int": int, "float": float, "str": str}[kind]
-        command.add_argument("--" + flag, dest=name, type=parse, metavar=metavar, help=about)
+        parse = _grid if name == "grid" else {"int": int, "float": float, "str": str}[kind]
+        metavar = "auto|off|L" if name == "grid" else metavar
+        bare = {"nargs": "?", "const": _BARE[name]} if name in _BARE else {}
+        command.add_argument("--" + flag, dest=name, type=parse, metavar=metavar, help=about, **bare)
+
+
+def _grid(text: str) -> float | None:
+    """auto, off, or the length of a cell."""
+    return None if text == "auto" else 0.0 if text == "off" else float(text)
+
+
+_grid.__name__ = "grid: auto, off or a length"  # in argparse's message
 
 
 def options_of(arguments: argparse.Namespace, kind: Options) -> Any:
@@ -153,6 +165,9 @@ def settle(arguments: argparse.Namespace) -> None:
         except recipes.RecipeError as error:
             raise UsageError(str(error)) from None
     if arguments.recipe is not None:
+        for name, value in arguments.recipe.repair.items():
+            if getattr(arguments, name) is None:
+                setattr(arguments.clean, name, value)
         for name in _OF_RECIPE:
             if getattr(arguments, name) is None:
                 setattr(arguments, name, getattr(arguments.recipe, name))

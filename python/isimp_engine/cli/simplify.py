@@ -109,6 +109,11 @@ def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cle
     options, recipe = arguments.options, arguments.recipe
     meshing = MeshingOptions(**(recipe.meshing if recipe else {}) | {"threads": options.threads})
     meshing.planar = meshing.planar or bool(arguments.planar)
+    if arguments.straight_rims is not None:
+        try:
+            meshing.straight_rims = arguments.straight_rims
+        except InvalidInput as error:
+            raise UsageError(str(error).replace("MeshingOptions.straight_rims", "--straight-rims")) from None
     regular = None
     if arguments.regularise is not None:
         regular = RegulariseOptions(
@@ -302,6 +307,8 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     yield words.flat(out, mesh["diagonal"], sum(report["seconds"].values()))
     if more := words.more_than_regions(out):
         yield f"  {more}"
+    if straight := words.rims(out, mesh["area"]):
+        yield f"  {straight}"
     if report["texture"] is not None:
         yield from texturing.summary(report["texture"])
     if out.get("scan_distance") is not None:

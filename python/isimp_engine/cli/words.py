@@ -15,10 +15,22 @@ _REPAIRS = {
     "subdivided_edges": "halved: another edge had the same ends",
     "turned_edges": "flipped to give zero-area faces an area",
     "unused_vertices": "dropped: not used by any face",
+    "stitched_vertices": "stitched to the border of another chunk",
+    "smoothed_vertices": "moved within half a cell: the mesh was cut on a grid of occupied cells",
     "filled_holes": "covered",
     "cut_handles": "cut",
 }
 _THINGS = {"vertices": "vertex", "edges": "edge", "holes": "hole", "handles": "handle"}
+
+
+def rims(out: dict[str, Any], area: float) -> str:
+    """`12 straight edges at the rim, within 0.21 of the border: 0.4 % of the area added, 0.3 % lost`; else empty."""
+    found = out["rims"]
+    if not found["edges"] or not found["reach"]:
+        return ""
+    added, lost = (100 * found[name] / area for name in ("area_added", "area_lost"))
+    where = f"{count(found['edges'], 'straight edge')} at the rim, within {found['reach']:.4g} of the border"
+    return f"{where}: {added:.2g} % of the area added, {lost:.2g} % lost"
 
 
 def count(number: int, thing: str) -> str:

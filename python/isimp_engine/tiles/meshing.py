@@ -25,7 +25,7 @@ class Surface(NamedTuple):
 
 def thinned(parts: list[Path], threads: int) -> Surface:
     """Join the thinned meshes of some folders, and thin the result again over the former borders."""
-    options = CleanOptions(threads=threads)
+    options = CleanOptions(stitch=0, grid=0, threads=threads)  # its borders are those between parts
 
     def joined(name: str) -> NDArray[Any]:
         return np.concatenate([load(part, name) for part in parts])

@@ -352,7 +352,8 @@ class _Run:
     def _last(self, present: list[int]) -> dict[str, Any]:
         options, name = self._plan.options, f"result{self._plan.output.suffix.lower()}"
         thinned = {k: values_of(of_tile(self._plan.work, "thin", k))["faces"] for k in present}
-        meshing = {"planar": options.get("planar", False), "threads": 0}
+        # Rims follow the border: how ragged it is, no group of tiles knows of the whole.
+        meshing = {"planar": options.get("planar", False), "straight_rims": 0, "threads": 0}
         task = {"present": present, "output": name, "meshing": meshing, "threads": 0}
         return self._one("mesh", task, 3 * sum(thinned.values()))
 

@@ -50,8 +50,8 @@ def _draw_count(layout, partition) -> None:
     ways = column.row(align=True)
     for way in partition.bl_rna.properties["way"].enum_items:
         ways.prop_enum(partition, "way", way.identifier, text=way.name, text_ctxt=translations.CONTEXT)
-    if partition.count_by == "proxies":
-        column.prop(partition, "proxies")
+    if partition.count_by in ("proxies", "triangles"):
+        column.prop(partition, partition.count_by)
         for _ in range(2):
             column.label(text="")
         return

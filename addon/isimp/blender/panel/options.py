@@ -65,7 +65,7 @@ class ISIMP_PT_scan(Popover, bpy.types.Panel):
         layout.prop(partition, "symmetry")
         settings.draw(layout, rcp.Partition, partition, "leave_out")
         _draw_mended(layout, partition)
-        if partition.count_by == "proxies":
+        if partition.count_by in ("proxies", "triangles"):
             return
         ticks = layout.column(align=True)
         ticks.use_property_split = False
@@ -76,10 +76,13 @@ class ISIMP_PT_scan(Popover, bpy.types.Panel):
 
 
 def _draw_mended(layout, partition) -> None:
-    """Draws what is mended of the scan. Stitching, straight rims and sharp edges belong here."""
+    """Draws what is mended of the scan."""
     ticks = layout.column(align=True)
     ticks.use_property_split = False
     ticks.prop(partition, "close_openings")
+    ticks.prop(partition, "sharpens")
+    for name in ("stitch", "grid"):
+        layout.prop(partition, name)
 
 
 class ISIMP_PT_borders(Popover, bpy.types.Panel):
@@ -106,7 +109,7 @@ class ISIMP_PT_polygons(Popover, bpy.types.Panel):
 
     def draw(self, context):
         layout, meshing = self.prepare(context), context.window_manager.isimp.mesh
-        for name in ("chord_tolerance", "join_junctions", "flatten"):
+        for name in ("chord_tolerance", "join_junctions", "flatten", "straight_rims"):
             settings.draw(layout, rcp.Mesh, meshing, name)
         most = layout.column()
         most.active = meshing.planar

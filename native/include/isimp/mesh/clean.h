@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct CleanOptions {
   double weld = 0.0;
   double fill_holes = 0.0;
   double cut_handles = 0.0;
+  std::optional<double> stitch = std::nullopt;
+  std::optional<double> grid = std::nullopt;
   std::int32_t threads = 0;
 };
 
@@ -28,6 +31,14 @@ constexpr auto fields(const CleanOptions*) {
             "Largest length of a border that is closed, in scene units. 0: none."),
       field("cut_handles", &O::cut_handles, at_least_or_infinite(0), Unit::length,
             "Largest length of a loop around a handle or tunnel that is removed, in scene units. 0: none."),
+      field("stitch", &O::stitch, at_least(0), Unit::length,
+            "Largest distance at which the borders of two chunks of a scan become one although their vertices do not "
+            "match, in scene units. None: two mean edges, where a tenth of the border has another border that near. 0: "
+            "borders stay apart."),
+      field(
+          "grid", &O::grid, at_least(0), Unit::length,
+          "Cell of the grid of occupied and empty cells that the mesh was cut on: its stair steps are smoothed within "
+          "half a cell, in scene units. None: found, where the mesh is such a grid's. 0: steps stay."),
       threads_field(&O::threads),
   };
 }
@@ -49,8 +60,10 @@ constexpr auto fields(const CleanOptions*) {
 ///  - `turned_edges`          edge flips: the longest edge of a degenerate face (thinner than rounding), flipped
 ///                            so that it and its neighbour have an area each
 ///  - `unused_vertices`       dropped: no kept face uses them
-///  - `filled_holes`          covered by new faces. A hole stays open if every cover tried intersects the surface or
-///                            is more than half of its component (then it is the outline, not a hole)
+///  - `stitched_vertices`     border vertices that became one with a vertex of another border, or were put into its edge
+///  - `smoothed_vertices`     moved within half a cell of the grid that the mesh was cut on
+///  - `filled_holes`          covered by new faces, which intersect nothing where there are such. A hole stays open if
+///                            its cover is more than half of its component (then it is the outline, not a hole)
 ///  - `cut_handles`           handles whose ring of faces was removed and whose two ends were covered
 /// `where` holds the caller's vertices for the keys that end in `vertices`, else the caller's faces.
 /// Zero-area faces that no edge flip mends (at a border, for example) are kept, since dropping them would open holes;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <tuple>
 
 #include "isimp/core/options.h"
@@ -13,6 +14,7 @@ struct MeshingOptions {
   double chord_area = 0.53;
   double join_junctions = 0.8;
   double reach = 0.01;
+  std::optional<double> straight_rims = std::nullopt;
   std::int32_t flatten = 30;
   std::int32_t flatness_from = 100;
   double flatness = 0.005;
@@ -37,6 +39,9 @@ constexpr auto fields(const MeshingOptions*) {
             "sqrt(area / regions), if the polygons round them get better by it. 0: none do."),
       field("reach", &O::reach, between(0, 1), Unit::none,
             "Largest distance of a corner from its vertex of the scan, as a share of the diagonal."),
+      field("straight_rims", &O::straight_rims, at_least(0), Unit::length,
+            "How far a straight rim may leave the ragged border of an open scan, in scene units. None: twice the "
+            "raggedness, where that is more than a mean edge of the border. 0: rims follow the border."),
       field("flatten", &O::flatten, between(0, 10000), Unit::none,
             "Rounds of fitting planes and moving corners. 0 keeps the first positions."),
       field("flatness_from", &O::flatness_from, any(), Unit::none,

@@ -51,6 +51,14 @@ struct PlanarReport {
   bool operator==(const PlanarReport&) const = default;
 };
 
+/// What straight rims came to; see MeshingOptions::straight_rims.
+struct RimReport {
+  double reach = 0;                      ///< how far rims may leave the border, scene units; 0: they follow it
+  std::int32_t edges = 0;                ///< of polygons at the rim
+  double area_added = 0, area_lost = 0;  ///< between the border and the rims, scene units squared
+  bool operator==(const RimReport&) const = default;
+};
+
 /// What came out, and by how much it is not perfect.
 struct MeshingReport {
   std::int32_t polygons = 0, corners = 0, vertices = 0;
@@ -79,6 +87,7 @@ struct MeshingReport {
   MeshingWork work;
   bool repair_capped = false;  ///< something is left that takes more splits than repair_budget allows
   PlanarReport planar;
+  RimReport rims;
   std::int32_t planes_let_go = 0;  ///< size of PolygonMesh::planes_let_go
   bool operator==(const MeshingReport&) const = default;
 };

@@ -45,14 +45,16 @@ enum class Symmetry {
 
 /// How to split a surface into regions. The table `fields` below describes each field.
 ///
-/// At most one of `proxies`, `detail`, `tolerance` and `bound` is given; none: `detail` at kDefaultDetail.
+/// At most one of `proxies`, `triangles`, `detail`, `tolerance` and `bound` is given; none: `detail` at kDefaultDetail.
 struct PartitionOptions {
   std::optional<std::int32_t> proxies = std::nullopt;
+  std::optional<std::int32_t> triangles = std::nullopt;
   std::optional<double> detail = std::nullopt;
   std::optional<double> tolerance = std::nullopt;
   std::optional<double> bound = std::nullopt;
   std::optional<double> noise = std::nullopt;
   bool snap = true;
+  std::optional<double> sharp_edges = std::nullopt;
   double adaptivity = 0.0;
   double smooth = 0.5;
   Symmetry symmetry = Symmetry::none;
@@ -78,11 +80,14 @@ constexpr auto fields(const PartitionOptions*) {
   using O = PartitionOptions;
   return std::tuple{
       field("proxies", &O::proxies, at_least(1), Unit::none,
-            "Number of regions, at most the number of faces. Give at most one of proxies, detail, tolerance and "
-            "bound."),
+            "Number of regions, at most the number of faces. Give at most one of proxies, triangles, detail, tolerance "
+            "and bound."),
+      field("triangles", &O::triangles, at_least(2), Unit::none,
+            "As many regions as the polygons can have that make at most this many triangles. `partition` alone takes "
+            "one region for each 3.5; `polygonize_within` and all that uses it try several numbers."),
       field("detail", &O::detail, above_to(0, 1), Unit::none,
             "Chooses the number of regions: smallest visible detail, as a share of the surface's size. 0.02, 0.01, "
-            "0.005, 0.0025 and 0.00125 go from very coarse to very fine. 0.005 if none of the four is given."),
+            "0.005, 0.0025 and 0.00125 go from very coarse to very fine. 0.005 if none of the five is given."),
       field("tolerance", &O::tolerance, above(0), Unit::length,
             "As detail, but in scene units: about the mean distance of the surface from the planes of its regions."),
       field("bound", &O::bound, above(0), Unit::length,
@@ -94,6 +99,10 @@ constexpr auto fields(const PartitionOptions*) {
       field("snap", &O::snap,
             "If the surface clearly consists of a certain number of planes, use that number. For detail and "
             "tolerance."),
+      field("sharp_edges", &O::sharp_edges, at_least(0), Unit::length,
+            "Rounded and dented edges become sharp: regions at edges that are narrower than this go to the planes "
+            "beside them, in scene units. 0: three mean edges of the scan. None: such regions stay. Not for a bound, "
+            "a symmetry or a part of a partition."),
       field("adaptivity", &O::adaptivity, between(0, 1), Unit::none,
             "Smaller regions where the surface is rough. 0.25 suits figures, 0 suits buildings and drawn models."),
       field("smooth", &O::smooth, between(0, 1), Unit::none,

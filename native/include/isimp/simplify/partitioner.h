@@ -100,6 +100,9 @@ class Partitioner {
   std::unique_ptr<Thesis> thesis_;
 };
 
+/// The number of regions whose polygons make about so many triangles, on a mesh of so many faces.
+std::int32_t proxies_for(std::int32_t triangles, std::int32_t faces);
+
 /// One partition of a surface, with nothing kept: as Partitioner::run, with the guides in the surface.
 Partition partition(const Surface& surface, const PartitionOptions& options, Job& job);
 

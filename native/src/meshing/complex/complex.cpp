@@ -186,8 +186,11 @@ void Complex::subdivide_chords(std::int32_t piece, std::span<const std::int32_t>
     if (!labels_.owns(h) && std::binary_search(pieces.begin(), pieces.end(), labels_.across(h))) continue;
     collect_line(loop, at, line_);
     take_out_zigzag(line_);
-    const double reach = labels_.across(h) == kNone ? tolerance.most_on_border : tolerance.most / sine_at(h);
-    for (const std::size_t i : simplify(line_, reach)) add_corner(loop, at + i);
+    const bool on_border = labels_.across(h) == kNone;
+    const double reach = on_border ? tolerance.most_on_border : tolerance.most / sine_at(h);
+    const bool ragged = on_border && tolerance.rim > 0;
+    for (const std::size_t i : ragged ? simplify_ragged(line_, std::max(reach, tolerance.rim)) : simplify(line_, reach))
+      add_corner(loop, at + i);
   }
 }
 

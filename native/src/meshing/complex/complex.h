@@ -18,6 +18,7 @@ namespace isimp::meshing {
 struct ChordTolerance {
   double most = 0;            ///< between two pieces
   double most_on_border = 0;  ///< on the border of the mesh
+  double rim = 0;             ///< the same for nine tenths of a ragged border; 0: the border is not ragged
   double of_area = 0;         ///< the chords of a piece may leave out or add this share of its area
   double least_sine = 0;      ///< distances count the less, the flatter the two pieces meet, but at least this much
 };

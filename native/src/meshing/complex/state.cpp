@@ -5,20 +5,26 @@
 #include <utility>
 
 #include "complex/coplanar.h"
+#include "complex/raggedness.h"
 #include "isimp/core/check.h"
 #include "isimp/core/sorted.h"
 
 namespace isimp::meshing {
 namespace {
 
-ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, std::int32_t regions,
-                               const MeshingOptions& options) {
+constexpr double kRimWindow = 0.5;  ///< of sqrt(area / regions): over which raggedness is measured
+
+/// \param whole  whether the mesh is a whole scan, whose border is its own
+ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, const Partition& partition,
+                               const MeshingOptions& options, bool whole) {
   double area = 0;
   for (const Plane& p : planes) area += p.area;
-  const double tolerance = options.chord_tolerance * std::sqrt(area / std::max(regions, 1));
+  const double side = std::sqrt(area / std::max(partition.region_count(), 1)),
+               tolerance = options.chord_tolerance * side;
   ChordTolerance t;
   t.most = std::min(tolerance, 0.03 * mesh.diagonal());
   t.most_on_border = std::min(tolerance, 0.01 * mesh.diagonal());
+  if (whole) t.rim = rim_reach(mesh, partition, options, kRimWindow * side);
   t.of_area = options.chord_area;
   t.least_sine = 0.15;
   return t;
@@ -82,7 +88,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   job.report(0.07);
   planes_.assign(planes_of(labels, threads, job));
   for (std::size_t l = 0; l < planes.size(); ++l) hold_by_hand(planes_.edit(l), partition, labels.pieces[l].region);
-  complex_.tolerance = chord_tolerance(mesh, planes, regions, options);
+  complex_.tolerance = chord_tolerance(mesh, planes, partition, options, fixed.empty());
   job.report(0.08);
   complex_.refresh(numbers_below(labels.piece_count()), std::move(loops), job);
   job.report(0.1);

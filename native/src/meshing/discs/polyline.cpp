@@ -65,6 +65,28 @@ void slide(std::span<const Vec3> line, double reach, std::vector<std::size_t>& k
   }
 }
 
+constexpr double kWithin = 0.9;  // share of a ragged line that is within reach of its chord
+
+/// The distance from its chord within which most of a line's length is.
+double most_within(std::span<const Vec3> line, std::size_t first, std::size_t last) {
+  struct Part {
+    double distance, length;
+  };
+  std::vector<Part> parts;
+  double all = 0;
+  for (std::size_t i = first; i < last; ++i) {
+    const double length = (line[i + 1] - line[i]).norm();
+    const Vec3 middle = (line[i] + line[i + 1]) / 2;
+    parts.push_back({squared_distance(middle, line[first], line[last]), length});
+    all += length;
+  }
+  std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.distance < b.distance; });
+  double sum = 0;
+  for (const Part& p : parts)
+    if ((sum += p.length) >= kWithin * all) return std::sqrt(p.distance);
+  return parts.empty() ? 0.0 : std::sqrt(parts.back().distance);
+}
+
 }  // namespace
 
 Farthest farthest(std::span<const Vec3> line) {
@@ -114,6 +136,25 @@ std::vector<std::size_t> simplify(std::span<const Vec3> line, double reach) {
   split(line, 0, reach, closed, kept);
   if (!closed) drop_needless(line, reach, kept);
   slide(line, reach, kept);
+  return kept;
+}
+
+std::vector<std::size_t> simplify_ragged(std::span<const Vec3> line, double reach) {
+  std::vector<std::size_t> kept = simplify(line, reach / 2);
+  const std::size_t least = line.front() == line.back() ? 1 : 0, last = line.size() - 1;
+  std::vector<double> without(kept.size());
+  const auto measure = [&](std::size_t i) {
+    without[i] = most_within(line, i > 0 ? kept[i - 1] : 0, i + 1 < kept.size() ? kept[i + 1] : last);
+  };
+  for (std::size_t i = 0; i < kept.size(); ++i) measure(i);
+  while (kept.size() > least) {
+    const auto i = static_cast<std::size_t>(std::min_element(without.begin(), without.end()) - without.begin());
+    if (without[i] > reach) break;
+    kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(i));
+    without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
+    if (i > 0) measure(i - 1);
+    if (i < kept.size()) measure(i);
+  }
   return kept;
 }
 

@@ -32,4 +32,9 @@ Vec3 area_left_out(std::span<const Vec3> line);
 /// Source: Douglas, Peucker 1973; then points that became needless go, and the others slide to where they fit best.
 std::vector<std::size_t> simplify(std::span<const Vec3> line, double reach);
 
+/// The points of a ragged line to keep beside its ends, so that nine tenths of the line between two of them are within
+/// `reach` of their chord; at least one if the ends are the same point.
+/// \return indices in rising order
+std::vector<std::size_t> simplify_ragged(std::span<const Vec3> line, double reach);
+
 }  // namespace isimp::meshing

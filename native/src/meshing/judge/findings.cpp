@@ -253,6 +253,20 @@ void Findings::find_excuses(std::span<Hit> hits) {
   for (Hit& h : hits) h.excused = excuses_.at(regions_of(h));
 }
 
+bool Findings::meet_in_scan(const Hit& h) const {
+  const auto source = s_.mesh.source_face();
+  if (std::find(source.begin(), source.end(), kNone) == source.end()) return true;
+  std::array<ScanPart, 2> parts;
+  const std::array<std::int32_t, 2> regions = regions_of(h);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    std::vector<std::int32_t> faces;
+    for (std::int32_t f = 0; f < s_.mesh.face_count(); ++f)
+      if (s_.partition.face_region[f] == regions[i] && source[f] != kNone) faces.push_back(f);
+    parts[i] = ScanPart(s_.mesh, faces);
+  }
+  return scan_intersects(s_.mesh, parts[0], parts[1]);
+}
+
 GivenHits Findings::given_hits(std::size_t most, std::int64_t most_counted) const {
   std::vector<const FacetSet*> facets;
   facets.reserve(found_.size());

@@ -55,6 +55,10 @@ class Findings {
   [[nodiscard]] PolygonVerdict verdict(std::int32_t piece, std::int32_t part) const;
   /// Whether polygons of two pieces meet with their corners where they are now.
   [[nodiscard]] bool meet_now(std::int32_t a, std::int32_t b) const;
+  /// Whether the regions of two polygons that meet do so in the scan itself, without the patches that cover its openings.
+  /// The repair spares those that meet in patches too: no polygon of a region that meets another can be put right.
+  /// Cost: O(F) where the mesh has patches.
+  [[nodiscard]] bool meet_in_scan(const Hit& h) const;
   /// All faults of a piece's polygons together.
   [[nodiscard]] std::uint8_t faults(std::int32_t piece) const { return faults_[piece]; }
   /// Pairs of polygons that meet, in rising order; but for those of two faces of the scan at their places.

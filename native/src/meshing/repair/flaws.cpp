@@ -18,16 +18,16 @@ void list_flaws(const State& state, const Findings& findings, RepairOutcome& out
       outcome.without_area += (faults & kGiven) != 0;
       if (faults & kGiven) list.push_back({q, Flaw::excused, kNone});
     }
-  const auto add = [&](const Hit& h) {
-    list.push_back({state.polygons.first_of(h.a) + h.part_a, h.excused ? Flaw::excused : Flaw::intersecting,
-                    state.polygons.first_of(h.b) + h.part_b});
+  const auto add = [&](const Hit& h, Flaw flaw) {
+    list.push_back({state.polygons.first_of(h.a) + h.part_a, flaw, state.polygons.first_of(h.b) + h.part_b});
   };
   for (const Hit& h : findings.hits()) {
-    ++(h.excused ? outcome.excused : outcome.intersecting);
-    add(h);
+    const bool excused = h.excused && findings.meet_in_scan(h);
+    ++(excused ? outcome.excused : outcome.intersecting);
+    add(h, excused ? Flaw::excused : Flaw::intersecting);
   }
   const GivenHits given = findings.given_hits(kMostListed, kMostCounted);
-  for (const Hit& h : given.first) add(h);
+  for (const Hit& h : given.first) add(h, Flaw::excused);
   outcome.excused += given.count;
   outcome.excused_at_least = !given.is_all;
   outcome.work = {state.labels.walked.load(), state.placed, findings.judged()};

@@ -15,6 +15,7 @@
 #include "judge/findings.h"
 #include "place/improve.h"
 #include "place/keep_planes.h"
+#include "place/rims.h"
 #include "place/slide.h"
 #include "place/symmetry.h"
 #include "planar/planar.h"
@@ -68,6 +69,7 @@ class Repairer {
       fall_back();
     }
     slide_corners(s_, findings_, job_);
+    straighten_rims(s_, findings_, job_);
     if (!s_.options.planar) outcome_.let_go = keep_to_planes(s_, findings_, job_);
     mirror_corners(s_, findings_, job_);
     if (s_.options.planar) {
@@ -76,6 +78,7 @@ class Repairer {
       outcome_.planar.planar = planar::is_planar(s_);
     }
     outcome_.mirrored = mirrored_corners(s_);
+    outcome_.rims = rims_of(s_);
     list_flaws(s_, findings_, outcome_);
     return outcome_;
   }

@@ -19,6 +19,7 @@ struct RepairOutcome {
   MeshingWork work;
   bool capped = false;  ///< something is left, and more splits were wanted than allowed
   PlanarReport planar;
+  RimReport rims;
   std::vector<std::int32_t> let_go;  ///< as PolygonMesh::planes_let_go
   /// As in MeshingReport, but polygons are numbered as in State and a pair is listed once.
   std::vector<Imperfection> imperfect;

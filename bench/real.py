@@ -1,0 +1,188 @@
+#!/usr/bin/env python3
+"""What people scan: cartons, open buildings, rooms, chunks, grids and drawn houses, by the command as it comes.
+
+    PYTHONPATH=build-dev/python bench/real.py [--only carton,room] [--data DIR] [--json OUT] [--against OLD] [-- FLAGS]
+
+A row a scan. Twins of each family are made by real_scans.py; scans of DIR/real follow if the folder is there. FLAGS
+go to `isimp simplify`. With --against, the row of an earlier run stands above each.
+
+Columns:
+  P         regions asked for; - where the number is found
+  regions   that came out, beside the true number of planes where it is known
+  polys     polygons; tris: triangles that they make; corners: mean of a polygon
+  rim       corners of polygons at the rim that are on it, mean
+  mean 99%  distance of the scan's vertices from the polygons, % of the diagonal
+  flaws     polygons that cross themselves, are flipped or bent, and pairs that meet where the scan does not
+  cpu       seconds of processor, of the command in all
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import real_scans
+
+import isimp_engine as engine
+from isimp_engine._core import _distances_to_triangles
+
+ROOT = Path(__file__).resolve().parents[1]
+COLUMNS = ("P", "regions", "true", "polys", "tris", "corners", "rim", "mean", "99%", "flaws", "cpu")
+POINTS = 500  # vertices of a scan whose distance is measured
+
+
+def scans(data: Path | None) -> Iterator[tuple[str, np.ndarray, np.ndarray, int | None, int | None, list[str]]]:
+    """Name, vertices, triangles, true number of planes, regions to ask for, options."""
+    for seed in (1, 2):
+        yield f"carton-{seed}", *real_scans.carton(seed), 6, None, []
+    yield "carton-sharp", *real_scans.carton(1), 6, None, ["--detail", "0.0025"]
+    for seed in (1, 2):
+        yield f"building-{seed}", *real_scans.open_building(seed), None, 12, []
+    for seed in (1, 2, 3):
+        yield f"room-{seed}", *real_scans.room(seed), None, 100, []
+    for seed in (1, 2):
+        yield f"chunks-{seed}", *real_scans.chunks(seed), 6, None, []
+    for seed in (1, 2, 3, 4, 8, 10):
+        for turn in (0.0, 31.0):
+            yield f"grid-{seed}-{turn:.0f}", *real_scans.grid_house(seed, turn=turn)[:2], None, None, []
+            distances = real_scans.grid_house(seed, binary=False, turn=turn)
+            yield f"sdf-{seed}-{turn:.0f}", *distances[:2], None, None, []
+    for noise in (0.001, 0.003):
+        for seed in range(1, 31):
+            yield f"house-{noise:.1%}-{seed}", *_rest(real_scans.drawn_house(seed, noise))
+    if data is not None:
+        for path in sorted((data / "real").glob("*.ply")):
+            vertices, triangles = engine.read(str(path))
+            wanted = 100 if "office" in path.name else None
+            yield path.stem, vertices, triangles, None, wanted, []
+
+
+def _rest(made: tuple) -> tuple:
+    vertices, faces, planes = made
+    return vertices, faces, planes, None, []
+
+
+def write_ply(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> None:
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\n"
+    head += "".join(f"property double {axis}\n" for axis in "xyz")
+    head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+    rows = np.empty(len(triangles), [("n", "u1"), ("i", "<i4", 3)])
+    rows["n"], rows["i"] = 3, triangles
+    path.write_bytes(head.encode() + np.asarray(vertices, "<f8").tobytes() + rows.tobytes())
+
+
+def distances(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Of points from the nearest of triangles (T, 3, 3)."""
+    middle = corners.mean(1)
+    reach = np.linalg.norm(corners - middle[:, None], axis=2).max(1)
+    best = np.full(len(points), np.inf)
+    for i, p in enumerate(points):
+        far = np.linalg.norm(middle - p, axis=1)
+        near = np.flatnonzero(far - reach <= (far + reach).min())
+        best[i] = _distances_to_triangles(np.repeat(p[None], len(near), 0), corners[near].reshape(-1, 3)).min()
+    return best
+
+
+def rim_corners(loops: list[np.ndarray]) -> float:
+    """Of the polygons at the rim: corners on it, mean."""
+    ends = [np.stack([q, np.roll(q, -1)], 1) for q in loops]
+    edges = np.sort(np.concatenate(ends), 1)
+    _, index, used = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    lone = used[index.ravel()] == 1
+    start = np.cumsum([0, *(len(q) for q in loops)])
+    on = [np.unique(ends[k][lone[start[k] : start[k + 1]]]) for k in range(len(loops))]
+    count = [len(q) for q in on if len(q)]
+    return float(np.mean(count)) if count else 0.0
+
+
+def row(vertices: np.ndarray, triangles: np.ndarray, true: int | None, wanted: int | None, options: list[str]) -> dict:
+    with tempfile.TemporaryDirectory() as folder:
+        scan, out, report = (Path(folder) / name for name in ("scan.ply", "out.ply", "report.json"))
+        write_ply(scan, vertices, triangles)
+        how = ["--proxies", str(wanted)] if wanted and "--triangles" not in options else []
+        command = [sys.executable, "-m", "isimp_engine", "simplify", str(scan), str(out), "--report", str(report)]
+        start = time.process_time(), _children()
+        subprocess.run([*command, "--quiet", "--threads", "1", *how, *options], check=True)
+        cpu = _children() - start[1]
+        told = json.loads(report.read_text())
+        points, loops, starts = engine.read_polygons(str(out))
+        flat, _ = engine.triangulate(points, loops, starts)
+    rng = np.random.default_rng(0)
+    used = np.unique(triangles)
+    some = vertices[rng.choice(used, min(POINTS, len(used)), replace=False)]
+    away = 100 * distances(some, points[flat]) / np.linalg.norm(np.ptp(vertices[used], axis=0))
+    polygons = np.split(loops, starts[1:])
+    result = told["output"]
+    return {
+        "P": wanted,
+        "regions": told["regions"],
+        "true": true,
+        "polys": len(starts),
+        "tris": len(loops) - 2 * len(starts),
+        "corners": len(loops) / len(starts),
+        "rim": rim_corners(polygons),
+        "mean": float(away.mean()),
+        "99%": float(np.quantile(away, 0.99)),
+        "flaws": sum(result[key] for key in ("crossing", "flipped", "bent", "intersecting")),
+        "cpu": cpu,
+    }
+
+
+def _children() -> float:
+    import resource
+
+    of = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return of.ru_utime + of.ru_stime
+
+
+def line(name: str, values: dict) -> str:
+    def text(column: str) -> str:
+        value = values.get(column)
+        return "-" if value is None else f"{value:.2f}" if isinstance(value, float) else str(value)
+
+    return f"{name:18}" + "".join(f"{text(column):>9}" for column in COLUMNS)
+
+
+def totals(rows: dict[str, dict]) -> Iterator[str]:
+    """By family with a true number: how many are right, and within two."""
+    families: dict[str, list[int]] = {}
+    for name, values in rows.items():
+        if values["true"] is not None:
+            families.setdefault(
+                name.rsplit("-", 1)[0].split("-")[0] + name[6:10] * name.startswith("house"), []
+            ).append(abs(values["regions"] - values["true"]))
+    for family, off in families.items():
+        yield f"{family}: {off.count(0)} of {len(off)} right, {sum(k <= 2 for k in off)} within two"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", help="beginnings of names, separated by commas")
+    parser.add_argument("--data", type=Path, default=ROOT / "../shared/data", help="folder with real/*.ply")
+    parser.add_argument("--json", type=Path)
+    parser.add_argument("--against", type=Path)
+    parser.add_argument("options", nargs="*")
+    arguments = parser.parse_args()
+    before = json.loads(arguments.against.read_text()) if arguments.against else {}
+    rows = {}
+    print(line("", {column: column for column in COLUMNS}))
+    for name, vertices, triangles, true, wanted, options in scans(arguments.data if arguments.data.is_dir() else None):
+        if arguments.only and not name.startswith(tuple(arguments.only.split(","))):
+            continue
+        rows[name] = row(vertices, triangles, true, wanted, [*options, *arguments.options])
+        if name in before:
+            print(line("  before", before[name]))
+        print(line(name, rows[name]), flush=True)
+    for text in totals(rows):
+        print(text)
+    if arguments.json:
+        arguments.json.write_text(json.dumps(rows, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,329 @@
+#include "sharp_edges.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <queue>
+#include <set>
+#include <span>
+#include <tuple>
+
+#include "density/noise.h"
+
+namespace isimp {
+namespace {
+
+constexpr double kEdges = 3.0;        // mean edges: the width where none is given
+constexpr double kZigzag = 1.3;       // a border along faces is that much longer than the line that it follows
+constexpr double kOfRim = 0.2;        // of its perimeter that a strip may have on the border
+constexpr double kBeside = 0.7;       // of its perimeter that is beside wider regions
+constexpr double kWider = 1.5;        // times a strip's width, from which a region is wider
+constexpr double kLeastAngle = 25.0;  // degrees between the planes that meet at a strip
+constexpr double kSpareAngle = 20.0;  // degrees that the angles to both may be more than that
+constexpr double kOfNormal = 0.25;    // of the squared difference of normals, beside that of widths
+constexpr double kOff = 0.5;          // of the width: how far a strip's faces may be from their planes
+constexpr double kMostOff = 0.9;      // share of the faces that are
+constexpr int kRounds = 3, kFits = 12;
+constexpr std::size_t kBesideLooked = 3;
+
+double degrees_between(const Vec3& a, const Vec3& b) {
+  return std::acos(std::clamp(a.dot(b), -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+struct Region {
+  Vec3 normal = Vec3::Zero();
+  double area = 0, rim = 0, perimeter = 0, width = 0;
+  std::map<std::int32_t, double> beside;  // length of the border to each neighbour
+};
+
+struct Plane {
+  Vec3 normal;
+  double offset;
+};
+
+class Sharpener {
+ public:
+  Sharpener(const Mesh& mesh, std::vector<std::int32_t> labels, double width, Job& job)
+      : mesh_(mesh), width_(width), job_(job), label_(std::move(labels)) {
+    const auto count = static_cast<std::size_t>(mesh.face_count());
+    centre_.reserve(count);
+    vector_.reserve(count);
+    for (const Triangle& t : mesh.triangles()) {
+      const Vec3 &a = mesh.vertices()[t[0]], &b = mesh.vertices()[t[1]], &c = mesh.vertices()[t[2]];
+      centre_.push_back((a + b + c) / 3);
+      vector_.push_back((b - a).cross(c - a) / 2);
+    }
+  }
+
+  /// \return whether any strip went
+  bool run() {
+    bool any = false;
+    std::set<std::int32_t> stay;
+    for (int round = 0; round < kRounds; ++round) {
+      measure();
+      std::vector<std::int32_t> strips = find_strips();
+      std::erase_if(strips, [&](std::int32_t r) { return stay.contains(r); });
+      if (strips.empty()) break;
+      const std::vector<std::int32_t> before = label_;
+      flood(strips);
+      const std::size_t back = take_back(strips, before, stay);
+      join_pieces();
+      any = any || back < strips.size();
+      if (back == strips.size()) break;
+    }
+    return any;
+  }
+  std::vector<std::int32_t> take_labels() && { return std::move(label_); }
+
+ private:
+  void measure() {
+    const std::int32_t count = *std::max_element(label_.begin(), label_.end()) + 1;
+    regions_.assign(static_cast<std::size_t>(count), {});
+    for (std::size_t h = 0; h < 3 * label_.size(); ++h) {
+      const std::int32_t r = label_[h / 3];
+      if (r == kNone) continue;
+      Region& region = regions_[r];
+      if (h % 3 == 0) {
+        region.normal += vector_[h / 3];
+        region.area += vector_[h / 3].norm();
+      }
+      const auto g = static_cast<std::int32_t>(h);
+      const std::int32_t other = mesh_.opposite(g) == kNone ? kNone : label_[mesh_.opposite(g) / 3];
+      if (other == r) continue;
+      const double length = (mesh_.vertices()[mesh_.to(g)] - mesh_.vertices()[mesh_.from(g)]).norm();
+      region.perimeter += length;
+      (other == kNone ? region.rim : region.beside[other]) += length;
+    }
+    for (Region& r : regions_) {
+      if (r.normal.norm() > 0) r.normal.normalize();
+      r.width = r.perimeter > 0 ? 2 * r.area / (r.perimeter / kZigzag) : 0;
+    }
+  }
+
+  /// From the narrowest on, so that strips beside strips are seen.
+  [[nodiscard]] std::vector<std::int32_t> find_strips() const {
+    std::vector<std::int32_t> order, strips;
+    for (std::size_t r = 0; r < regions_.size(); ++r)
+      if (!regions_[r].beside.empty() && regions_[r].width <= width_) order.push_back(static_cast<std::int32_t>(r));
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::int32_t a, std::int32_t b) { return regions_[a].width < regions_[b].width; });
+    std::vector<bool> is_strip(regions_.size(), false);
+    for (const std::int32_t r : order) {
+      is_strip[r] = is_strip_of_edge(regions_[r], is_strip);
+      if (is_strip[r]) strips.push_back(r);
+    }
+    return strips;
+  }
+
+  [[nodiscard]] bool is_strip_of_edge(const Region& r, const std::vector<bool>& is_strip) const {
+    if (r.rim > kOfRim * r.perimeter) return false;
+    double beside = 0;
+    std::vector<std::pair<double, std::int32_t>> wider;
+    for (const auto& [other, length] : r.beside) {
+      if (!is_strip[other] && regions_[other].width <= kWider * r.width) continue;
+      beside += length;
+      if (!is_strip[other]) wider.emplace_back(-length, other);
+    }
+    if (beside < kBeside * r.perimeter) return false;
+    std::sort(wider.begin(), wider.end());
+    wider.resize(std::min(wider.size(), kBesideLooked));
+    for (std::size_t i = 0; i < wider.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const Vec3 &a = regions_[wider[i].second].normal, &b = regions_[wider[j].second].normal;
+        const double both = degrees_between(a, b), to_a = degrees_between(r.normal, a),
+                     to_b = degrees_between(r.normal, b);
+        if (both > kLeastAngle && to_a + to_b < both + kSpareAngle && to_a < both && to_b < both) return true;
+      }
+    return false;
+  }
+
+  /// By least squares, reweighted: what lies further off than two deviations counts little.
+  [[nodiscard]] Plane robust_plane(std::span<const std::int32_t> faces, const Vec3& facing) const {
+    std::vector<double> area, weight;
+    for (const std::int32_t f : faces) area.push_back(vector_[f].norm());
+    weight = area;
+    Plane plane{facing, 0};
+    std::vector<std::pair<double, double>> off(faces.size());
+    for (int fit = 0; fit < kFits; ++fit) {
+      double all = 0;
+      Vec3 mean = Vec3::Zero();
+      for (std::size_t i = 0; i < faces.size(); ++i) {
+        mean += weight[i] * centre_[faces[i]];
+        all += weight[i];
+      }
+      if (!(all > 0)) break;
+      mean /= all;
+      Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+      for (std::size_t i = 0; i < faces.size(); ++i) {
+        const Vec3 d = centre_[faces[i]] - mean;
+        spread += weight[i] * d * d.transpose();
+      }
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+      solver.computeDirect(spread);
+      plane.normal = solver.eigenvectors().col(0);
+      if (plane.normal.dot(facing) < 0) plane.normal = -plane.normal;
+      plane.offset = plane.normal.dot(mean);
+      double whole = 0, half = 0;
+      for (std::size_t i = 0; i < faces.size(); ++i) {
+        off[i] = {std::abs(plane.normal.dot(centre_[faces[i]]) - plane.offset), area[i]};
+        whole += area[i];
+      }
+      std::vector<std::pair<double, double>> sorted = off;
+      std::sort(sorted.begin(), sorted.end());
+      double deviation = 0;
+      for (const auto& [distance, a] : sorted) {
+        deviation = 1.48 * distance;
+        if ((half += a) >= whole / 2) break;
+      }
+      if (!(deviation > 0)) break;
+      for (std::size_t i = 0; i < faces.size(); ++i) {
+        const double x = off[i].first / (2 * deviation);
+        weight[i] = area[i] / ((1 + x * x) * (1 + x * x));
+      }
+    }
+    return plane;
+  }
+
+  [[nodiscard]] double off_plane(std::int32_t f, std::int32_t r) const {
+    return std::abs(planes_.at(r).normal.dot(centre_[f]) - planes_.at(r).offset);
+  }
+
+  [[nodiscard]] double cost(std::int32_t f, std::int32_t r) const {
+    const double area = vector_[f].norm(), off = off_plane(f, r) / width_;
+    const double turned = area > 0 ? (vector_[f] / area - planes_.at(r).normal).squaredNorm() : 0.0;
+    return kOfNormal * turned + off * off;
+  }
+
+  /// Gives the faces of strips to the regions round them, the cheapest first.
+  void flood(std::span<const std::int32_t> strips) {
+    std::vector<bool> free(regions_.size(), false);
+    for (const std::int32_t r : strips) free[r] = true;
+    std::map<std::int32_t, std::vector<std::int32_t>> round;
+    for (const std::int32_t r : strips)
+      for (const auto& [other, length] : regions_[r].beside)
+        if (!free[other]) round[other];
+    for (std::size_t f = 0; f < label_.size(); ++f) {
+      const std::int32_t r = label_[f];
+      if (r == kNone) continue;
+      if (const auto at = round.find(r); at != round.end()) at->second.push_back(static_cast<std::int32_t>(f));
+      if (free[r]) label_[f] = kFree;
+    }
+    planes_.clear();
+    for (const auto& [r, faces] : round) {
+      job_.poll();
+      planes_[r] = robust_plane(faces, regions_[r].normal);
+    }
+    using Entry = std::tuple<double, std::int32_t, std::int32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    const auto offer = [&](std::int32_t f, std::int32_t r) {
+      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+        const std::int32_t g = mesh_.opposite(h) == kNone ? kNone : mesh_.opposite(h) / 3;
+        if (g != kNone && label_[g] == kFree) queue.emplace(cost(g, r), g, r);
+      }
+    };
+    for (const auto& [r, faces] : round)
+      for (const std::int32_t f : faces) offer(f, r);
+    while (!queue.empty()) {
+      const auto [price, f, r] = queue.top();
+      queue.pop();
+      if (label_[f] != kFree) continue;
+      label_[f] = r;
+      offer(f, r);
+    }
+  }
+
+  /// Gives strips back their faces that are too far from the planes they went to.
+  /// \return how many
+  std::size_t take_back(std::span<const std::int32_t> strips, const std::vector<std::int32_t>& before,
+                        std::set<std::int32_t>& stay) {
+    std::map<std::int32_t, std::vector<double>> off;
+    for (const std::int32_t r : strips) off[r];
+    for (std::size_t f = 0; f < label_.size(); ++f) {
+      if (label_[f] == before[f]) continue;
+      const bool found = label_[f] != kFree;
+      off[before[f]].push_back(found ? off_plane(static_cast<std::int32_t>(f), label_[f]) : 2 * width_);
+    }
+    std::set<std::int32_t> back;
+    for (auto& [r, distances] : off) {
+      if (distances.empty()) continue;
+      const auto at =
+          distances.begin() + static_cast<std::ptrdiff_t>(kMostOff * static_cast<double>(distances.size() - 1));
+      std::nth_element(distances.begin(), at, distances.end());
+      if (*at > kOff * width_) back.insert(r);
+    }
+    for (std::size_t f = 0; f < label_.size(); ++f)
+      if (back.contains(before[f])) label_[f] = before[f];
+    stay.insert(back.begin(), back.end());
+    return back.size();
+  }
+
+  /// Of a region that fell apart only the largest piece stays; the others go to the region they touch most.
+  void join_pieces() {
+    std::vector<std::int32_t> piece(label_.size(), kNone), of, largest;
+    std::vector<std::vector<std::int32_t>> faces;
+    std::vector<double> area;
+    for (std::size_t start = 0; start < label_.size(); ++start) {
+      if (piece[start] != kNone || label_[start] == kNone) continue;
+      const auto number = static_cast<std::int32_t>(faces.size());
+      std::vector<std::int32_t>& front = faces.emplace_back(1, static_cast<std::int32_t>(start));
+      of.push_back(label_[start]);
+      area.push_back(0);
+      piece[start] = number;
+      for (std::size_t i = 0; i < front.size(); ++i) {
+        area.back() += vector_[front[i]].norm();
+        for (std::int32_t h = 3 * front[i]; h < 3 * front[i] + 3; ++h) {
+          const std::int32_t g = mesh_.opposite(h) == kNone ? kNone : mesh_.opposite(h) / 3;
+          if (g == kNone || piece[g] != kNone || label_[g] != of.back()) continue;
+          piece[g] = number;
+          front.push_back(g);
+        }
+      }
+    }
+    largest.assign(regions_.size(), kNone);
+    for (std::size_t p = 0; p < of.size(); ++p) {
+      std::int32_t& best = largest[of[p]];
+      if (best == kNone || area[p] > area[best]) best = static_cast<std::int32_t>(p);
+    }
+    for (std::size_t p = 0; p < of.size(); ++p) {
+      if (largest[of[p]] == static_cast<std::int32_t>(p)) continue;
+      std::map<std::int32_t, double> touched;
+      for (const std::int32_t f : faces[p])
+        for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+          const std::int32_t g = mesh_.opposite(h) == kNone ? kNone : mesh_.opposite(h) / 3;
+          if (g != kNone && label_[g] != of[p] && label_[g] != kNone)
+            touched[label_[g]] += (mesh_.vertices()[mesh_.to(h)] - mesh_.vertices()[mesh_.from(h)]).norm();
+        }
+      const auto most = std::max_element(touched.begin(), touched.end(),
+                                         [](const auto& a, const auto& b) { return a.second < b.second; });
+      if (most == touched.end()) continue;
+      const std::int32_t to = most->first;
+      for (const std::int32_t f : faces[p]) label_[f] = to;
+    }
+  }
+
+  static constexpr std::int32_t kFree = -2;  // of a strip, not given to a region yet
+
+  const Mesh& mesh_;
+  double width_;
+  Job& job_;
+  std::vector<std::int32_t> label_;
+  std::vector<Vec3> centre_, vector_;
+  std::vector<Region> regions_;
+  std::map<std::int32_t, Plane> planes_;
+};
+
+}  // namespace
+
+std::optional<std::vector<std::int32_t>> without_strips(const Mesh& mesh, const Partition& partition, double width,
+                                                        Job& job) {
+  const double wide = width > 0 ? width : kEdges * mean_edge(mesh);
+  if (!(wide > 0) || partition.region_count() < 2) return std::nullopt;
+  Sharpener sharpener(mesh, partition.face_region, wide, job);
+  if (!sharpener.run()) return std::nullopt;
+  return std::move(sharpener).take_labels();
+}
+
+}  // namespace isimp

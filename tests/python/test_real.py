@@ -1,0 +1,200 @@
+"""What people scan, by twins of bench/real_scans.py: openings, rims, triangles, sharp edges, chunks, grids."""
+
+import json
+
+import numpy as np
+import pytest
+import real
+import real_scans
+
+import isimp_engine as engine
+from isimp_engine.cli import main
+from isimp_engine.within import TriangleSearch, partition_within, triangles_of
+from shapes import bumpy, cube, joined, plane, voxels
+
+
+def sheet_with_hole(n=21):
+    """A unit square with a hole of a third in the middle."""
+    vertices, faces = plane(n)
+    middle = vertices[faces].mean(1) - 0.5
+    return vertices, faces[np.abs(middle[:, :2]).max(1) > 1 / 6]
+
+
+def crossing_sheet():
+    """A sheet that stands in that hole and meets nothing of the square."""
+    vertices, faces = real_scans.sheet((0.5, 0.4, -0.1), (0, 0.2, 0), (0, 0, 0.2), 6, 6)
+    return vertices + 1e-3 * np.array([1.0, 0.3, 0.2]), faces
+
+
+def ragged_sheet(ragged=0.02, n=80, seed=3):
+    """A rectangle with some waves, cut raggedly."""
+    rng = np.random.default_rng(seed)
+    vertices, faces = real_scans.sheet((0, 0, 0), (2, 0, 0), (0, 1, 0), 2 * n, n)
+    vertices[:, 2] += rng.normal(0, 0.001, len(vertices))
+    off = ragged * (2 + rng.normal(0, 1, len(vertices)))
+    x, y = vertices[:, 0], vertices[:, 1]
+    gone = (x < off) | (y < off) | (x > 2 - off) | (y > 1 - off)
+    mesh = engine.clean(vertices, faces[~gone[faces].any(1)], engine.CleanOptions(fill_holes=0.3))
+    return mesh.vertices, mesh.triangles
+
+
+def test_a_hole_is_closed_although_every_cover_meets_the_scan():
+    mesh = engine.clean(*joined(sheet_with_hole(), crossing_sheet()), engine.CleanOptions(fill_holes=1.5))
+    assert mesh.report["filled_holes"] == 1
+
+
+def test_a_cover_is_no_excuse_for_polygons_that_meet():
+    mesh = engine.clean(*joined(sheet_with_hole(), crossing_sheet()), engine.CleanOptions(fill_holes=1.5))
+    part = engine.partition_from(mesh, np.asarray(mesh.component))
+    assert part.region_count == 2
+    report = engine.polygonize(mesh, part).report
+    assert (report["excused"], report["intersecting"]) == (0, 1)
+    assert report["polygons"] <= 3  # none is split for what no split can change
+
+
+def test_the_rim_of_a_ragged_sheet_is_straight_by_itself():
+    vertices, faces = ragged_sheet()
+    mesh = engine.Mesh(vertices, faces)
+    part = engine.partition_from(mesh, np.zeros(len(faces), np.int32))
+    straight = engine.polygonize(mesh, part)
+    ragged = engine.polygonize(mesh, part, engine.MeshingOptions(straight_rims=0))
+    assert len(straight.vertices) <= 8 < 2 * len(straight.vertices) < len(ragged.vertices)
+    rims = straight.report["rims"]
+    assert rims["reach"] > 0.02
+    assert 0 < rims["area_added"] < 0.2
+    assert 0 < rims["area_lost"] < 0.2
+    assert ragged.report["rims"]["reach"] == 0
+    # the area between border and rim is the difference of both areas
+    scan = np.linalg.norm(np.cross(*(vertices[faces[:, k]] - vertices[faces[:, 0]] for k in (1, 2)))[:, 2:], axis=1)
+    loops = [np.asarray(straight.vertices)[q] for q in np.split(straight.loops, straight.loop_start[1:])]
+    area = sum(0.5 * np.cross(loop, np.roll(loop, -1, 0)).sum(0)[2] for loop in loops)
+    assert area - 0.5 * scan.sum() == pytest.approx(rims["area_added"] - rims["area_lost"], abs=2e-3)
+
+
+def test_the_rim_of_a_clean_cut_stays_as_it_is():
+    vertices, faces = real_scans.sheet((0, 0, 0), (2, 0, 0), (0, 1, 0), 60, 30)
+    mesh = engine.Mesh(vertices, faces)
+    part = engine.partition_from(mesh, np.zeros(len(faces), np.int32))
+    assert engine.polygonize(mesh, part).report["rims"]["reach"] == 0
+    given = engine.polygonize(mesh, part, engine.MeshingOptions(straight_rims=0.1))
+    assert given.report["rims"]["reach"] == 0.1
+    assert len(given.loops) == 4
+
+
+def test_a_round_rim_is_not_ragged():
+    vertices, faces = real_scans.sheet((-1, -1, 0), (2, 0, 0), (0, 2, 0), 60, 60)
+    radius = np.linalg.norm(vertices, axis=1, keepdims=True)
+    vertices *= np.abs(vertices).max(1, keepdims=True) / np.maximum(radius, 1e-12)  # the square becomes a disc
+    mesh = engine.Mesh(vertices, faces)
+    part = engine.partition_from(mesh, np.zeros(len(faces), np.int32))
+    assert engine.polygonize(mesh, part).report["rims"]["reach"] == 0
+
+
+@pytest.mark.parametrize("most", [60, 400])
+def test_a_budget_of_triangles_is_kept_and_used(most):
+    mesh = engine.Mesh(*bumpy(60))
+    found = partition_within(mesh, engine.PartitionOptions(triangles=most))
+    assert 0.9 * most <= triangles_of(found.polygons) <= most
+
+
+def test_a_search_for_triangles_ends_on_numbers_that_jump():
+    search, proxies = TriangleSearch(100, 1000), 40
+    while proxies is not None:
+        search.take(proxies, 90 if proxies < 33 else 150)
+        assert search.tries <= 8
+        proxies = search.next()
+    assert search.take(5, 400) is False
+
+
+def test_triangles_beside_another_count_are_refused():
+    with pytest.raises(ValueError, match="proxies and triangles"):
+        engine.partition(engine.Mesh(*cube()), engine.PartitionOptions(triangles=10, proxies=3))
+
+
+def test_rounded_edges_of_a_box_become_sharp():
+    mesh = engine.Mesh(*real_scans.carton(bulge=0.0, rounding=0.006))
+    fine = {"detail": 0.0025}
+    assert engine.partition(mesh, engine.PartitionOptions(**fine)).region_count > 12
+    sharp = engine.partition(mesh, engine.PartitionOptions(**fine, sharp_edges=0.0))
+    assert sharp.region_count == 6
+    assert len(engine.polygonize(mesh, sharp).vertices) == 8
+
+
+def test_a_chamfer_wider_than_asked_for_stays():
+    mesh = engine.Mesh(*real_scans.carton(bulge=0.0, rounding=0.006))
+    wide = engine.partition(mesh, engine.PartitionOptions(detail=0.0025))
+    same = engine.partition(mesh, engine.PartitionOptions(detail=0.0025, sharp_edges=1e-4))
+    np.testing.assert_array_equal(wide.face_region, same.face_region)
+
+
+def test_chunks_of_a_hall_grow_together():
+    vertices, faces = real_scans.chunks(1, size=(12.0, 9.0, 5.0), tile=4.5)
+    apart = engine.clean(vertices, faces, engine.CleanOptions(stitch=0))
+    mesh = engine.clean(vertices, faces)
+    assert apart.report["stitched_vertices"] == 0
+    assert mesh.report["stitched_vertices"] > 100
+    assert mesh.report["border_edges"] < 0.6 * apart.report["border_edges"]
+    assert engine.partition(apart, engine.PartitionOptions()).region_count >= 20
+    assert engine.partition(mesh, engine.PartitionOptions()).region_count <= 8
+    assert set(mesh.source_face) <= set(range(len(faces)))
+
+
+def test_borders_of_holes_beside_each_other_are_not_stitched():
+    vertices, faces = real_scans.sheet((0, 0, 0), (1, 0, 0), (0, 1, 0), 60, 60)
+    cell = np.floor(vertices[faces].mean(1) * 20).astype(int)
+    holes = (cell[:, 0] % 2 == 1) & (cell[:, 1] % 2 == 1)
+    assert engine.clean(vertices, faces[~holes]).report["stitched_vertices"] == 0
+
+
+def test_stair_steps_of_a_grid_are_smoothed_within_half_a_cell():
+    vertices, faces, _ = real_scans.grid_house(8, cells=64)
+    steps = engine.clean(vertices, faces, engine.CleanOptions(grid=0))
+    mesh = engine.clean(vertices, faces)
+    assert steps.report["smoothed_vertices"] == 0
+    assert mesh.report["smoothed_vertices"] > 0.5 * len(vertices)
+    cell = 2 * np.diff(np.unique(vertices[:, 0].round(6))).min()
+    assert np.abs(mesh.vertices - steps.vertices).max() <= 0.5 * cell * (1 + 1e-4)
+    distances = engine.Mesh(*real_scans.grid_house(8, binary=False, cells=64)[:2])
+    before, after, true = (
+        engine.partition(m, engine.PartitionOptions()).region_count for m in (steps, mesh, distances)
+    )
+    assert before > 2 * true
+    assert abs(after - true) <= 2
+
+
+@pytest.mark.parametrize("scan", [lambda: real_scans.grid_house(8, binary=False, cells=48)[:2], cube, bumpy])
+def test_what_is_no_grid_of_occupancy_stays(scan):
+    mesh = engine.clean(*scan())
+    assert mesh.report["smoothed_vertices"] == 0
+
+
+def test_blocks_are_no_stair_steps():
+    solid = np.zeros((14, 14, 14), bool)
+    solid[2:12, 2:12, 2:12] = True
+    solid[2:6, 2:6, 2:6] = False
+    assert engine.clean(*voxels(solid)).report["smoothed_vertices"] == 0
+
+
+def test_the_command_takes_all_of_it(tmp_path):
+    scan, out, report = (tmp_path / name for name in ("scan.ply", "out.obj", "report.json"))
+    real.write_ply(scan, *real_scans.chunks(1, size=(8.0, 6.0, 4.0), tile=4.0))
+    flags = ["--triangles", "40", "--sharp-edges", "--stitch", "0.5", "--straight-rims", "0.3", "--grid", "off"]
+    assert main(["simplify", str(scan), str(out), "--report", str(report), "--quiet", *flags]) == 0
+    told = json.loads(report.read_text())
+    assert told["options"]["triangles"] == 40
+    assert told["options"]["sharp_edges"] == 0
+    assert told["options"]["clean"]["stitch"] == 0.5
+    assert told["options"]["clean"]["grid"] == 0
+    assert told["options"]["meshing"]["straight_rims"] == 0.3
+    assert told["repair"]["stitched_vertices"] > 0
+    assert told["output"]["rims"]["reach"] == 0.3
+    assert told["output"]["corners"] - 2 * told["output"]["polygons"] <= 40
+
+
+@pytest.mark.parametrize("flags", [["--grid", "on"], ["--stitch", "x"], ["--triangles", "1"], ["--straight-rims", "x"]])
+def test_wrong_values_are_wrong_usage(tmp_path, flags, capsys):
+    real.write_ply(tmp_path / "scan.ply", *cube())
+    with pytest.raises(SystemExit) as ended:
+        raise SystemExit(main(["simplify", str(tmp_path / "scan.ply"), str(tmp_path / "out.obj"), *flags]))
+    assert ended.value.code == 2
+    assert flags[0].strip("-") in capsys.readouterr().err
