@@ -49,7 +49,7 @@ OPTIONS = {
     "meshing": "native/include/isimp/meshing/options.h",
 }
 UNKNOWN = "own trials, not recorded"
-SHAPES = "own trials for short borders and convex polygons, performance.md"
+SHAPES = "own trials for short borders and convex polygons, trials.md"
 SHORT = "own trials, distance against corners of three scans"
 REAL = "open buildings, cartons, chunks (bench/real.py)"
 FOUND = "own trials, numbers of regions of shapes that have a known one"

@@ -22,7 +22,7 @@ struct ExpectedPolygons {
 /// are bent, crossing or meeting as they are placed first.
 ///
 /// \throws InvalidInput, Cancelled  as `polygonize`
-/// Cost: about a fifth of `polygonize`. Error on scans: 3 % in the median; docs/performance.md has a table.
+/// Cost: about a fifth of `polygonize`. Error on scans: 3 % in the median; docs/trials.md has a table.
 ExpectedPolygons expected_polygons(const Mesh& mesh, const Partition& partition, const MeshingOptions& options,
                                    Job& job);
 
