@@ -22,12 +22,13 @@ ROOMS = {"meshing": ["discs", "complex", "judge", "place", "planar", "repair", "
 PRIVATE = {"CGAL": {"mesh", "meshing"}, "OpenMesh": {"thesis"}, "thrust": {"parallel"}}
 
 
-def modules():
-    """The engine's modules and their declared dependencies in CMake."""
+def modules(inner=False):
+    """The engine's modules and their declared dependencies in CMake, or with `inner` the modules of their inner headers."""
     text = (NATIVE / "CMakeLists.txt").read_text()
     uses = {}
     for name, rest in re.findall(r"^\s*isimp_module\((\w+)([^)]*)\)", text, re.MULTILINE):  # once for each branch
-        uses.setdefault(name, set()).update(rest.partition("USES")[2].partition("INSIDE")[0].split())
+        used, _, inside = rest.partition("USES")[2].partition("INSIDE")
+        uses.setdefault(name, set()).update((inside if inner else used).split())
     return uses
 
 
@@ -54,14 +55,19 @@ def test_a_module_includes_only_declared_and_earlier_modules(module):
                 assert include.split("/")[1] in allowed, f"{path} includes {include}"
 
 
-def test_the_modules_of_the_documentation_are_those_of_cmake():
+@pytest.mark.parametrize(("arrow", "inner"), [("-->", False), ("-. inner .->", True)])
+def test_the_diagram_of_the_documentation_has_the_arrows_of_cmake(arrow, inner):
     text = (ROOT / "docs" / "architecture.md").read_text()
-    block = text.partition("compares this list with")[2].split("```")[1]
-    listed = {}
-    for line in block.strip().splitlines():
-        name, _, used = line.partition("->")
-        listed[name.strip()] = {other.strip() for other in used.split("   ")[0].split(",")} - {""}
-    assert listed == modules()
+    (diagram,) = re.findall(r"```mermaid\n(.*?)```", text, re.DOTALL)
+    drawn = re.findall(rf"^  (\w+) {re.escape(arrow)} (\w+)$", diagram, re.MULTILINE)
+    assert sorted(drawn) == sorted((name, other) for name, used in modules(inner).items() for other in used)
+
+
+def test_the_diagram_has_arrows_of_these_kinds_only():
+    text = (ROOT / "docs" / "architecture.md").read_text()
+    lines = text.partition("```mermaid\n")[2].partition("```")[0].splitlines()
+    assert lines.pop(0) == "graph TD"
+    assert [line for line in lines if not re.fullmatch(r"  \w+ (-->|-\. inner \.->) \w+", line)] == []
 
 
 def test_modules_are_in_the_agreed_order():
