@@ -5,6 +5,7 @@
 - python/isimp_engine/_core.pyi: its classes of options
 - addon/isimp/engine_options.py: the table as plain data, so that recipes load without the engine
 - docs/api.md, by scripts/api_docs.py
+- docs/files.md, by scripts/file_table.py
 
 Tests fail when one of them is out of date.
 """
@@ -103,4 +104,5 @@ def literal(value: object) -> str:
 if __name__ == "__main__":
     DATA.write_text(data())
     STUB.write_text(with_classes(STUB.read_text()))
-    runpy.run_path(str(ROOT / "scripts" / "api_docs.py"), run_name="__main__")
+    for script in ("api_docs.py", "file_table.py"):
+        runpy.run_path(str(ROOT / "scripts" / script), run_name="__main__")

@@ -1,3 +1,4 @@
+// Numpy arrays to spans and vectors of the engine, and back without a copy.
 #pragma once
 
 #include <pybind11/numpy.h>

@@ -1,3 +1,4 @@
+// The Python class Job, and the number of threads.
 #include "bindings.h"
 #include "ending.h"
 #include "isimp/core/job.h"

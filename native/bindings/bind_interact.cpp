@@ -1,3 +1,4 @@
+// The Python functions that edit regions.
 #include <pybind11/stl.h>
 
 #include <limits>

@@ -1,3 +1,4 @@
+// The Python functions that read, triangulate and write files.
 #include <optional>
 #include <utility>
 

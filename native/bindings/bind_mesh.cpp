@@ -1,3 +1,4 @@
+// The Python class Mesh, and the functions that clean it.
 #include <pybind11/stl.h>
 
 #include <memory>

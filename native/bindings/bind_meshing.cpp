@@ -1,3 +1,4 @@
+// The Python class PolygonMesh, and the functions that make polygons or set planes.
 #include <pybind11/stl.h>
 
 #include "arrays.h"

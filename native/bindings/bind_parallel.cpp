@@ -1,3 +1,4 @@
+// The Python function that lists the back ends.
 #include <pybind11/stl.h>
 
 #include "bindings.h"

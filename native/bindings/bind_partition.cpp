@@ -1,3 +1,4 @@
+// The Python class Partition, its options and the partition itself.
 #include <pybind11/stl.h>
 
 #include <optional>

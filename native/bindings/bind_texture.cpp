@@ -1,3 +1,4 @@
+// The Python functions that make atlases and bake; all of them are private to the package.
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 

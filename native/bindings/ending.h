@@ -1,3 +1,4 @@
+// The end of Python while calls of the engine run.
 #pragma once
 
 #include <pybind11/pybind11.h>

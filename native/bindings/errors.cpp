@@ -1,3 +1,4 @@
+// The Python exceptions of the engine.
 #include "isimp/core/errors.h"
 
 #include <cstring>

@@ -1,3 +1,4 @@
+// Python's own errors inside the engine's calls.
 #pragma once
 
 #include <pybind11/pybind11.h>

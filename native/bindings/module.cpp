@@ -1,3 +1,4 @@
+// The module isimp_engine._core.
 #include <pybind11/pybind11.h>
 
 #include "bindings.h"

@@ -1,3 +1,4 @@
+// Members of a class as values that Python can pickle.
 #pragma once
 
 #include <pybind11/pybind11.h>

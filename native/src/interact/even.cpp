@@ -1,3 +1,4 @@
+// Relaxes all borders of a partition evenly.
 #include <algorithm>
 #include <string>
 

@@ -1,3 +1,4 @@
+// Moves regions from places where they are worth little to places where they are worth much.
 #include <numeric>
 #include <string>
 #include <utility>

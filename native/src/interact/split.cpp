@@ -1,3 +1,4 @@
+// Splits a region in two, by itself or along a line.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -1,3 +1,4 @@
+// Closes holes and handles of a mesh.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// Finds triangles that cross others.
 #include <CGAL/Bbox_3.h>
 #include <CGAL/box_intersection_d.h>
 

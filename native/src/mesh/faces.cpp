@@ -1,3 +1,4 @@
+// Removes broken and duplicate faces, and counts repairs.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,3 +1,4 @@
+// Finds short loops of edges around handles or through them.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,4 @@
+// Closes handles, the shortest first.
 #include <algorithm>
 #include <array>
 #include <iterator>

@@ -1,3 +1,4 @@
+// Decides which half-edges of a soup become one edge.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

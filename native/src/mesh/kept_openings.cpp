@@ -1,3 +1,4 @@
+// Describes openings, and finds those that the caller keeps.
 #include <algorithm>
 
 #include "close.h"

@@ -1,3 +1,4 @@
+// Turns faces so that neighbours agree.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>

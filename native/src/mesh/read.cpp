@@ -1,3 +1,4 @@
+// Reads a file by its ending, and binary files by several threads.
 #include <algorithm>
 #include <cctype>
 #include <fstream>

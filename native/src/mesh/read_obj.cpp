@@ -1,3 +1,4 @@
+// Reads OBJ files that the plain reader leaves.
 #include "edge_groups.h"
 #include "formats.h"
 

@@ -1,3 +1,4 @@
+// Reads OFF files.
 #include "edge_groups.h"
 #include "formats.h"
 

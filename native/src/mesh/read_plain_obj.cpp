@@ -1,3 +1,4 @@
+// Reads plain OBJ files part by part on all threads.
 #include <numeric>
 #include <span>
 #include <string_view>

@@ -1,3 +1,4 @@
+// Reads plain PLY files part by part on all threads.
 #include <algorithm>
 #include <array>
 #include <numeric>

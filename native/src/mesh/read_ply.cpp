@@ -1,3 +1,4 @@
+// Reads PLY files that the plain reader leaves.
 #include <algorithm>
 #include <array>
 #include <span>

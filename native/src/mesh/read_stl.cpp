@@ -1,3 +1,4 @@
+// Reads STL files.
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -1,3 +1,4 @@
+// Separates fans of faces that share only a vertex.
 #include <algorithm>
 #include <tuple>
 #include <unordered_map>

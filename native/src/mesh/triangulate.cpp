@@ -1,3 +1,4 @@
+// Cuts polygons into triangles.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

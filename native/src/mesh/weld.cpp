@@ -1,3 +1,4 @@
+// Welds vertices on borders within a distance.
 #include "hash_grid.h"
 #include "soup.h"
 

@@ -1,3 +1,4 @@
+// Writes polygons to files.
 #include <algorithm>
 #include <bit>
 #include <cctype>

@@ -1,3 +1,4 @@
+// Checks the input of polygonize.
 #pragma once
 
 #include "isimp/mesh/mesh.h"

@@ -1,3 +1,4 @@
+// The kernels of each device.
 #pragma once
 
 #include <string>

@@ -1,3 +1,4 @@
+// The components of a surface, and their shares of the regions.
 #pragma once
 
 #include <cstdint>

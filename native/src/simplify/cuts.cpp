@@ -1,3 +1,4 @@
+// Splits regions along edges that end inside them.
 #include <algorithm>
 #include <utility>
 

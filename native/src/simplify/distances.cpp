@@ -1,3 +1,4 @@
+// Distances of the scan's vertices from the polygons.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

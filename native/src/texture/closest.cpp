@@ -1,3 +1,4 @@
+// Finds the closest point of the scan by cells.
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// Lays each polygon into its plane.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// Groups the faces of regions and their neighbours for the bake.
 #include <algorithm>
 #include <array>
 

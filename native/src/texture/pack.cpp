@@ -1,3 +1,4 @@
+// Packs charts into tiles.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,3 +1,4 @@
+// Finds polygons that keep their texels from an earlier texture.
 #pragma once
 
 #include <cstdint>

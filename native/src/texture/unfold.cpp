@@ -1,3 +1,4 @@
+// Unfolds polygons into charts along shared edges.
 #include <algorithm>
 #include <array>
 #include <cmath>

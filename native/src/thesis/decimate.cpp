@@ -1,5 +1,4 @@
-// Garland, Heckbert: Surface Simplification Using Quadric Error Metrics, 1997.
-
+// Decimates a mesh by quadrics (Garland, Heckbert: Surface Simplification Using Quadric Error Metrics, 1997).
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>

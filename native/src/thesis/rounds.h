@@ -1,3 +1,4 @@
+// The methods in rounds of flooding and fitting.
 #pragma once
 
 #include "hierarchy/hierarchy.h"

@@ -1,3 +1,4 @@
+// Checks of the graph of all tiles.
 #pragma once
 
 #include "isimp/tiles/merge.h"

@@ -1,3 +1,4 @@
+// Points, triangles and indices.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,3 +1,4 @@
+// The edits of the thesis: adds and deletes regions.
 #pragma once
 
 #include "isimp/core/job.h"

@@ -1,3 +1,4 @@
+// Merges and splits regions.
 #pragma once
 
 #include <span>

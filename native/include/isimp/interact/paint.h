@@ -1,3 +1,4 @@
+// Paints, erases, grows and shrinks regions.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,4 @@
+// Exact tests of triangles.
 #pragma once
 
 #include <array>

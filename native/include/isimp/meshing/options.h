@@ -1,3 +1,4 @@
+// The options of polygonize.
 #pragma once
 
 #include <cstdint>

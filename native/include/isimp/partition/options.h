@@ -1,3 +1,4 @@
+// The options of partition.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,4 @@
+// Checks of a whole partition.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,4 @@
+// The lengths up to which openings of a scan count as errors of scanning.
 #pragma once
 
 #include <cstdint>

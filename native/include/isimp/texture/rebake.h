@@ -1,3 +1,4 @@
+// An earlier bake, from which unchanged polygons take their texels.
 #pragma once
 
 #include <cstdint>

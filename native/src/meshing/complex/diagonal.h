@@ -1,3 +1,4 @@
+// The best diagonal of a polygon.
 #pragma once
 
 #include <array>

@@ -1,3 +1,4 @@
+// Planes fitted to the corners of polygons, for flat polygons.
 #pragma once
 
 #include <Eigen/Core>

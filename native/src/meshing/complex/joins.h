@@ -1,3 +1,4 @@
+// Joins pieces and junctions, and undoes joins that spoil polygons.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,4 @@
+// The outline of a piece against the scan.
 #pragma once
 
 #include <cstdint>

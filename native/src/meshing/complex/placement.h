@@ -1,3 +1,4 @@
+// Places corners where the planes of their pieces meet.
 #pragma once
 
 #include <span>

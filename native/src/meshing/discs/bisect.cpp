@@ -1,3 +1,4 @@
+// Splits a piece in two or more parts of equal size, or near a place.
 #include <algorithm>
 #include <limits>
 #include <utility>

@@ -1,3 +1,4 @@
+// Cuts a piece of many holes along one chain of paths.
 #include <algorithm>
 
 #include "discs/discs.h"

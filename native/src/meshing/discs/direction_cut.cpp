@@ -1,3 +1,4 @@
+// Parts a piece by the directions of its faces.
 #include <algorithm>
 #include <utility>
 

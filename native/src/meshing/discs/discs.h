@@ -1,3 +1,4 @@
+// Cuts pieces until each is a disc.
 #pragma once
 
 #include <array>

@@ -1,3 +1,4 @@
+// Cuts the handles of a piece.
 #include <algorithm>
 #include <queue>
 #include <tuple>

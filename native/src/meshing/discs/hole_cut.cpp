@@ -1,3 +1,4 @@
+// Cuts a piece along chains of shortest paths between its holes.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>

@@ -1,3 +1,4 @@
+// Resolves vertices that a piece touches more than once.
 #include <algorithm>
 #include <span>
 

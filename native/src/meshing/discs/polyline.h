@@ -1,3 +1,4 @@
+// Boundaries between pieces as polylines.
 #pragma once
 
 #include <cstddef>

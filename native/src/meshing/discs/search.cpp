@@ -1,3 +1,4 @@
+// Shortest paths on the scan, for cuts.
 #include <algorithm>
 
 #include "discs/discs.h"

@@ -1,3 +1,4 @@
+// Cuts a flat wall along its two directions.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,3 +1,4 @@
+// Walls with holes, and the cuts that may link their holes.
 #pragma once
 
 #include <Eigen/Core>

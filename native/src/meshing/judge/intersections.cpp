@@ -1,3 +1,4 @@
+// Finds polygons that meet others.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// The judge of polygons: defects of one polygon, of pairs and of the topology.
 #pragma once
 
 #include <Eigen/Core>

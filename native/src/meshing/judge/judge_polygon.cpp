@@ -1,3 +1,4 @@
+// Defects of one polygon: crossing, flipped, bent, not simple.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// Counts edges and vertices that are not manifold.
 #include <algorithm>
 #include <vector>
 

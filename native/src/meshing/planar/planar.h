@@ -1,3 +1,4 @@
+// Makes polygons exactly planar.
 #pragma once
 
 #include <cstdint>

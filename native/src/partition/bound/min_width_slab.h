@@ -1,3 +1,4 @@
+// The narrowest slab between two planes that holds a region.
 #pragma once
 
 #include <span>

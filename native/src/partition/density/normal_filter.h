@@ -1,3 +1,4 @@
+// Filters the normals of a scan (Zheng, Fu, Au, Tai: Bilateral normal filtering for mesh denoising, 2011).
 #pragma once
 
 #include <vector>

@@ -1,3 +1,4 @@
+// The graph of regions that share an edge.
 #pragma once
 
 #include <cstdint>
