@@ -1,6 +1,6 @@
 """The actions in Blender's window for the manual's six steps to a game asset; run as pictures_in_window.py is.
 
-The scan is the owl of bench/painted_scans.py, which scripts/pictures.py has put into a file.
+The scan is the owl of bench/generators/painted_scans.py, which scripts/pictures.py has put into a file.
 """
 
 import bpy

@@ -18,7 +18,7 @@ prepare() { # FOLDER SCAN...
   apt_install "${build_packages[@]}" libgtest-dev
   mapfile -t requirements < <(build_requirements)
   venv "$root/.venv-device" numpy "${requirements[@]}"
-  mkdir -p "$folder"/{python,numpy,lib,tests,bench,scans}
+  mkdir -p "$folder"/{python,numpy,lib,tests,bench/studies,scans}
   rm -f "$folder"/numpy/*
   for place in ${ISIMP_PYTHONS:-"$python" "$HOME"/.pyenv/versions/3.12.*/bin/python3}; do
     version=$("$place" -c 'import sys; print("%d.%d" % sys.version_info[:2])') || continue
@@ -36,7 +36,8 @@ prepare() { # FOLDER SCAN...
   for library in $(ldd "$folder"/python/isimp_engine/_core*.so "$folder"/tests/* | sed -n 's/.*=> \(.*\/lib\(OpenMesh\|gomp\).*\) (.*/\1/p' | sort -u); do
     cp -L "$library" "$folder/lib"
   done
-  cp bench/gpu.py bench/thesis.py bench/thesis_findings.py "$folder/bench"
+  cp bench/__init__.py "$folder/bench"
+  cp bench/studies/{gpu,thesis,thesis_findings}.py "$folder/bench/studies"
   for scan; do cp "$scan" "$folder/scans"; done
   strip "$folder"/python/isimp_engine/_core*.so "$folder"/tests/*
   cp scripts/device.sh "$folder"
@@ -86,10 +87,10 @@ except e.InvalidInput as error: print(error)')"
     step memcheck 90 compute-sanitizer --tool memcheck --error-exitcode 9 tests/test_parallel
     step racecheck 60 compute-sanitizer --tool racecheck --error-exitcode 9 tests/test_parallel --gtest_filter='Parallel.*Exact*'
   fi
-  step small 60 "$python" bench/gpu.py --faces 100000 --counts 100,1000 --out results/small
-  step large 150 "$python" bench/gpu.py --faces 1000000,3500000 --counts 500,2000 --repeat 1 --out results/large
+  step small 60 "$python" -m bench.studies.gpu --faces 100000 --counts 100,1000 --out results/small
+  step large 150 "$python" -m bench.studies.gpu --faces 1000000,3500000 --counts 500,2000 --repeat 1 --out results/large
   for place in scans/*; do
-    [ ! -e "$place" ] || step "thesis_$(basename "$place" .ply)" 50 "$python" bench/thesis.py --csv-only --data scans --scans "$(basename "$place")" --counts 500 --out "results/thesis"
+    [ ! -e "$place" ] || step "thesis_$(basename "$place" .ply)" 50 "$python" -m bench.studies.thesis --csv-only --data scans --scans "$(basename "$place")" --counts 500 --out "results/thesis"
   done
   cat results/small.txt results/large.txt
   exit $failed

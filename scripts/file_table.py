@@ -1,4 +1,4 @@
-"""Writes docs/files.md: every source file by folder, with the first sentence of its comment.
+"""Writes docs/files.md and the end of bench/README.md: files by folder, with the first sentence of their comments.
 
     python scripts/file_table.py
 
@@ -11,11 +11,13 @@ comment of a declaration. A test fails where the page is out of date or a file h
 import ast
 import re
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "files.md"
+BENCH = ROOT / "bench" / "README.md"
+MARK = "<!-- Below this line: written by scripts/file_table.py. -->\n"
 HEAD = """# Files
 
 Written by `scripts/file_table.py` from the first sentences of comments and docstrings; do not edit.
@@ -25,12 +27,12 @@ PUBLIC = "native/include/isimp/"
 CODE = {".h", ".cpp", ".cu", ".py", ".sh"}
 TOPS = ("native", "cuda", "python", "addon", "scripts")
 LONG = 160  # characters
-LEFT_OUT = {"__init__.py", "__main__.py"}  # where they are empty
+LEFT_OUT = {"__init__.py", "__main__.py"}  # if they are empty
 
 
-def listed() -> Iterator[Path]:
-    """The source files that git knows, also those that are not committed yet."""
-    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "--", *TOPS]
+def listed(tops: Iterable[str]) -> Iterator[Path]:
+    """The source files of some folders that git knows, uncommitted ones too."""
+    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "--", *tops]
     names = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.splitlines()
     for name in sorted(set(names)):
         path = ROOT / name
@@ -44,10 +46,10 @@ def folder_of(path: Path) -> str:
     return folder.replace(PUBLIC, "native/src/")
 
 
-def units() -> dict[str, dict[str, list[Path]]]:
+def units(tops: Iterable[str]) -> dict[str, dict[str, list[Path]]]:
     """By folder and name: the files of each row, headers first."""
     found: dict[str, dict[str, list[Path]]] = {}
-    for path in listed():
+    for path in listed(tops):
         name = path.name if path.suffix in {".py", ".sh"} else path.stem
         found.setdefault(folder_of(path), {}).setdefault(name, []).append(path)
     for rows in found.values():
@@ -93,7 +95,7 @@ def sentence_of_cpp(files: list[Path]) -> str:
             text, at = comment_at(lines, at, "///" if lines[at].startswith("///") else "//")
             declaration = re.split(r"[({;=]", " ".join(lines[at : at + 2]))[0]
             words = re.findall(r"\w+", declaration)
-            if plain(path.stem) in {plain(word) for word in words}:
+            if first_sentence(text) and plain(path.stem) in {plain(word) for word in words}:
                 return first_sentence(text)
             first = first or (first_sentence(text) if not text.startswith("NOLINT") else "")
     return first
@@ -119,11 +121,10 @@ def name_of(name: str, files: list[Path]) -> str:
     return f"**`{shown}`**" if public else f"`{shown}`"
 
 
-def page() -> str:
-    """The whole of docs/files.md."""
-    parts = [HEAD]
-    missing = []
-    for folder, rows in sorted(units().items()):
+def tables(tops: Iterable[str]) -> str:
+    """A table for each folder. Raises SystemExit if a file has no sentence."""
+    parts, missing = [], []
+    for folder, rows in sorted(units(tops).items()):
         parts.append(f"## {folder}\n\n| file | content |\n|---|---|")
         for name, files in sorted(rows.items()):
             sentence = sentence_of(files).replace("|", "\\|")
@@ -136,5 +137,16 @@ def page() -> str:
     return "\n".join(parts).rstrip() + "\n"
 
 
+def page() -> str:
+    """The whole of docs/files.md."""
+    return f"{HEAD}\n{tables(TOPS)}"
+
+
+def bench_page() -> str:
+    """The whole of bench/README.md."""
+    return f"{BENCH.read_text(encoding='utf-8').partition(MARK)[0]}{MARK}\n{tables(('bench', 'tests/shared'))}"
+
+
 if __name__ == "__main__":
     PAGE.write_text(page(), encoding="utf-8")
+    BENCH.write_text(bench_page(), encoding="utf-8")

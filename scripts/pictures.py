@@ -8,7 +8,7 @@ was run before.
         --planes: only picture 10
 
 It needs blender, xvfb and imagemagick of Debian, Pillow, the engine (PYTHONPATH or installed), the bunny and the castle
-in $ISIMP_DATA or ../shared/data. The scan of the six steps is made here, by bench/painted_scans.py.
+in $ISIMP_DATA or ../shared/data. The scan of the six steps is made here, by bench/generators/painted_scans.py.
 """
 
 import argparse
@@ -89,7 +89,7 @@ def compose_planes() -> None:
 def make_owl() -> None:
     """The scan of the six steps, as a file of arrays."""
     OUT.mkdir(parents=True, exist_ok=True)
-    made = runpy.run_path(str(ROOT / "bench" / "painted_scans.py"))["owl"](60_000)
+    made = runpy.run_path(str(ROOT / "bench" / "generators" / "painted_scans.py"))["owl"](60_000)
     image = made.images["painted"]
     np.savez(OUT / "owl.npz", vertices=made.vertices, triangles=made.triangles, uv=made.uv, image=image)
 

@@ -2,7 +2,8 @@
 
     blender -b --python-use-system-env --python-exit-code 1 --python scripts/street_picture.py
 
-`isimp_engine` must be on PYTHONPATH. The houses come from bench/houses.py; the picture is written to docs/images.
+`isimp_engine` must be on PYTHONPATH. The houses come from bench/generators/houses.py. The picture is
+written to docs/images.
 """
 
 import sys
@@ -12,12 +13,12 @@ import bpy
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / "examples"), str(ROOT / "bench")]
+sys.path[:0] = [str(ROOT / "examples"), str(ROOT)]
 
-import houses  # noqa: E402
 import picture  # noqa: E402
 
 import isimp_engine as engine  # noqa: E402
+from bench.generators import houses  # noqa: E402
 
 DETAIL = 0.0005  # share of the whole street: windows are a two-hundredth of it deep
 REACH = 0.001  # share of the whole street

@@ -9,7 +9,7 @@
 #include "labelled.h"
 #include "shapes.h"
 
-/// A share of bench/engine_monkey.cpp: every edit at some faces of partitions of every kind.
+/// A share of bench/monkeys/engine_monkey.cpp: every edit at some faces of partitions of every kind.
 namespace isimp {
 namespace {
 

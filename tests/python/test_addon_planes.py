@@ -2,11 +2,11 @@
 
 import json
 
-import houses
 import numpy as np
 import pytest
 
 import shapes
+from bench.generators import houses
 from isimp import messages, regularity, sketch
 from isimp import recipe as rcp
 from isimp.session import Session, StepFailed, engine

@@ -1,10 +1,9 @@
 """The presets: recipes that can be saved, and that serve their purpose."""
 
-import houses
 import pytest
-import scanned
 
 import shapes
+from bench.generators import houses, scanned
 from isimp.presets import BY_NAME, PRESETS
 from isimp.recipe import Recipe
 from isimp.session import Session

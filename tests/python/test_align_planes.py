@@ -2,11 +2,11 @@
 
 import pickle
 
-import houses
 import numpy as np
 import pytest
 
 import isimp_engine as engine
+from bench.generators import houses
 
 House = tuple[engine.Mesh, engine.Partition]
 

@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-import constants
 import pytest
+
+from bench.quality import constants
 
 ROOT = Path(__file__).resolve().parents[2]
 ROWS = (ROOT / "docs/constants.md").read_text().splitlines()

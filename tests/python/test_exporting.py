@@ -4,11 +4,11 @@ import json
 import sys
 from pathlib import Path
 
-import houses
 import numpy as np
 import pytest
 
 import isimp_engine as engine
+from bench.generators import houses
 from isimp_engine.cli import main
 from isimp_engine.cli.lods import named
 from isimp_engine.exporting import require, surfaces_of, validity

@@ -1,11 +1,10 @@
-"""bench/gpu.py, which is for machines with a device: that it runs, on the processor if need be, and judges rightly."""
+"""bench/studies/gpu.py, which is for machines with a device, runs on the processor too, and judges rightly."""
 
 import csv
 import stat
 
-import gpu
-
 import isimp_engine as engine
+from bench.studies import gpu
 
 
 def test_the_whole_command_on_a_small_surface(tmp_path, capsys):

@@ -7,10 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from shape import borders, split_in_four
 
 import isimp_engine as engine
 import shapes
+from bench.quality.shape import borders, split_in_four
 from headers import struct_fields
 
 

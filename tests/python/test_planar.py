@@ -4,13 +4,12 @@ import json
 import pathlib
 import pickle
 
-import houses
 import numpy as np
 import pytest
-import scanned
 
 import isimp_engine as engine
 import shapes
+from bench.generators import houses, scanned
 from isimp_engine.cli import main
 from isimp_engine.within import scan_distances
 

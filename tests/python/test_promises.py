@@ -4,10 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from polygon_judge import faces_away, judge
 
 import isimp_engine as engine
 import shapes
+from polygon_judge import faces_away, judge
 
 pytestmark = pytest.mark.slow
 
@@ -114,7 +114,7 @@ ANY = {
 
 
 # From this number of regions on; 0: the report is true, but not empty. Two meshes that meet themselves at
-# hundreds of places, which takes the judge minutes, are left to bench/soundness.py.
+# hundreds of places, which takes the judge minutes, are left to bench/quality/soundness.py.
 REAL = {
     "scan/bunny_69k": 50,
     "scan/rockerarm_20k": 50,

@@ -6,11 +6,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-import houses
 import numpy as np
 import pytest
 
 import isimp_engine as engine
+from bench.generators import houses
 from isimp_engine import batch, recipes
 from isimp_engine.cli import main
 

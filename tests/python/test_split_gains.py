@@ -1,9 +1,9 @@
 """No region may hide two: a split of it would lower the error by little."""
 
-import houses
 import pytest
 
 import isimp_engine as engine
+from bench.generators import houses
 
 DATA = (
     "scan/bunny_69k.ply",

@@ -1,11 +1,11 @@
-"""Windows and walls of a generated street: a cheap share of bench/street.py."""
+"""Windows and walls of a generated street: a cheap share of bench/quality/street.py."""
 
-import houses
 import numpy as np
 import pytest
-import street as bench
 
 import isimp_engine as engine
+from bench.generators import houses
+from bench.quality import street as bench
 
 
 @pytest.fixture(scope="module")

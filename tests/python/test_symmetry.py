@@ -7,12 +7,12 @@ import re
 
 import numpy as np
 import pytest
-from polygon_judge import judge
 
 import isimp_engine as engine
 import shapes
 from isimp import messages
 from isimp_engine import cli, recipes
+from polygon_judge import judge
 
 
 @pytest.fixture(scope="module")

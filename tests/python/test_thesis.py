@@ -4,11 +4,10 @@ import csv
 
 import numpy as np
 import pytest
-import thesis
-import thesis_findings
 
 import meshfiles
 import shapes
+from bench.studies import thesis, thesis_findings
 
 WAYS = ("lloyd", "queued", "naive", "naive, brute force", "default")
 

@@ -1,4 +1,4 @@
-"""Every operator pressed at random, with random settings: a short run of bench/addon_monkey.py."""
+"""Every operator pressed at random, with random settings: a short run of bench/monkeys/addon_monkey.py."""
 
 import importlib.util
 import sys
@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 pytestmark = pytest.mark.usefixtures("scene")
-BENCH = Path(__file__).parents[3] / "bench"
+BENCH = Path(__file__).parents[3] / "bench" / "monkeys"
 
 
 @pytest.fixture

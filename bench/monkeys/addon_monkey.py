@@ -1,0 +1,494 @@
+"""Presses the operators of the add-on at random and checks the add-on after each.
+
+    blender -b --factory-startup --python-exit-code 1 --python bench/monkeys/addon_monkey.py -- --actions 10000 --seed 1
+    python -m bench.monkeys.addon_monkey --actions 1000        where bpy is installed from PyPI
+
+The engine and the add-on are found on the path, or in the folders of ISIMP_SITE. An action is an operator with random
+settings, a change of mode, selection, active object or of a setting of the panel, undo, redo, or saving and opening the
+file. Each is written to the log before it is done, so that the last line names the one that ended Blender. After each:
+
+- no Python exception, other than an operator's own report of an error;
+- the geometry of each scan is unchanged, bit for bit;
+- all panels can be drawn.
+
+The exit status is 1 if a check failed, and the output names it. The same seed gives the same actions.
+"""
+
+from __future__ import annotations
+
+import argparse
+import faulthandler
+import io
+import json
+import os
+import random
+import sys
+import tempfile
+import traceback
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [folder for folder in os.environ.get("ISIMP_SITE", "").split(os.pathsep) if folder]
+sys.path.append(str(ROOT / "addon"))
+
+import bpy  # noqa: E402  (after the folders above)
+import numpy as np  # noqa: E402
+
+LEFT_OUT = {"preset_add", "compare", "workspace"}  # they write the user's files, or need a window
+SLOW = 300  # seconds that no action takes
+GARBAGE = ("", "no recipe", '{"isimp_recipe": 1, "steps": []}', '{"isimp_recipe": 1, "steps": [{"step": "mesh"}]}')
+
+
+def grid(cells: int, height) -> tuple:
+    """(vertices, quads) of a surface over a square."""
+    line = np.linspace(-1, 1, cells + 1)
+    x, y = (part.ravel() for part in np.meshgrid(line, line, indexing="ij"))
+    first = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
+    return np.stack([x, y, height(x, y)], 1), np.stack([first, first + cells + 1, first + cells + 2, first + 1], 1)
+
+
+def ball(rings: int, radius=1.0, place=(0, 0, 0)) -> tuple:
+    """(vertices, triangles) of a sphere with flat spots, open at its poles."""
+    vertices, (u, v) = [], np.meshgrid(np.arange(rings + 1), np.arange(2 * rings), indexing="ij")
+    polar, turn = np.pi * (0.1 + 0.8 * u / rings), np.pi * v / rings
+    vertices = np.stack([np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], -1)
+    at = lambda i, j: i * 2 * rings + j % (2 * rings)  # noqa: E731
+    i, j = (part.ravel() for part in np.meshgrid(np.arange(rings), np.arange(2 * rings), indexing="ij"))
+    a, b, c, d = at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)
+    triangles = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    return radius * np.clip(vertices.reshape(-1, 3), -0.8, 0.8) + place, triangles
+
+
+def together(*parts) -> tuple:
+    """Several surfaces as one mesh."""
+    start = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
+    faces = [face for (_, own), first in zip(parts, start, strict=False) for face in (own + first).tolist()]
+    return np.concatenate([vertices for vertices, _ in parts]), faces
+
+
+def scans() -> dict:
+    """Ten small meshes, by name: clean and noisy, open and closed, of one part and of many, and defective ones."""
+    noise = np.random.default_rng(1)
+    roof = grid(12, lambda x, y: np.maximum(0, 0.8 - np.abs(x)) + 0 * y)
+    rough = grid(16, lambda x, y: 0.2 * np.sin(4 * x) * np.cos(3 * y) + noise.normal(0, 0.01, x.shape))
+    round_one = ball(8)
+    pieces = together(ball(5), *(ball(2, 0.2, (2 + number, 0, 0)) for number in range(4)))
+    mixed = together(roof, (ball(3)[0] + (0, 0, 3), ball(3)[1]))
+    fins = (
+        np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1)], float),
+        np.array([(0, 1, i) for i in (2, 3, 4)]),
+    )
+    far = (round_one[0] + (5e5, 5.4e6, 100), round_one[1])
+    holed = (rough[0], np.delete(rough[1], noise.integers(0, len(rough[1]), 12), axis=0))
+    return {
+        "roof": roof,
+        "rough": rough,
+        "round": round_one,
+        "pieces": pieces,
+        "mixed": mixed,
+        "fins": fins,
+        "far": far,
+        "holed": holed,
+        "one": (np.eye(3), np.array([(0, 1, 2)])),
+        "tiny": (1e-4 * round_one[0], round_one[1]),
+    }
+
+
+class Layout:
+    """Collects all that a panel draws. Settings that it makes on an operator's button must be its properties."""
+
+    def __init__(self, kinds=None):
+        object.__setattr__(self, "bl_rna", kinds)
+
+    def __getattr__(self, name):
+        if name == "properties":  # the operator's own; a button has them without
+            raise AttributeError(name)
+        return self._drawn
+
+    def __setattr__(self, name, value):
+        if self.bl_rna is not None and name not in self.bl_rna.properties:
+            raise AttributeError(f"the operator has no setting {name}")
+
+    def _drawn(self, *words, **more):
+        name = words[0] if words and isinstance(words[0], str) and words[0].startswith("isimp.") else None
+        kinds = getattr(bpy.ops.isimp, name.split(".")[1]).get_rna_type() if name else None
+        if isinstance(more.get("text", ""), str):
+            return Layout(kinds)
+        raise TypeError(f"no text: {more['text']!r}")
+
+
+class Broken(Exception):
+    """A forbidden state has occurred."""
+
+
+class Monkey:
+    def __init__(self, seed: int, log: Path, files=()):
+        import isimp
+
+        self.addon, self.random, self.log = isimp, random.Random(seed), log
+        self.folder = Path(tempfile.mkdtemp(prefix="isimp-monkey-"))
+        self.errors, self.done, self.refused = io.StringIO(), {}, 0
+        self._files = list(files)
+        self._known = {}  # scan's mesh -> its geometry
+        classes = [cls for cls in isimp.blender._CLASSES if issubclass(cls, bpy.types.Operator)]
+        names = [cls.bl_idname.split(".")[1] for cls in classes if hasattr(cls, "execute")]
+        self.operators = sorted(set(names) - LEFT_OUT)
+        self.panels = [cls for cls in isimp.blender._CLASSES if issubclass(cls, (bpy.types.Panel, bpy.types.Menu))]
+        self._last = ""
+
+    # State of the file
+
+    def begin(self) -> None:
+        """An empty file with one scan, at times with two."""
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        bpy.context.preferences.edit.use_global_undo = True
+        self._known.clear()
+        made = scans()
+        for name in self.random.sample(sorted(made), self.random.choice((1, 1, 1, 2))):
+            self.add(name, *made[name])
+        if self._files and self.random.random() < 0.5:
+            self.read(self.random.choice(self._files))
+        bpy.ops.ed.undo_push(message="begin")
+
+    def add(self, name: str, vertices, faces):
+        mesh = bpy.data.meshes.new(name)
+        mesh.from_pydata(np.asarray(vertices).tolist(), [], [list(map(int, face)) for face in faces])
+        obj = bpy.data.objects.new(name, mesh)
+        bpy.context.scene.collection.objects.link(obj)
+        if self.random.random() < 0.3:
+            obj.scale = self.random.choice([(-1, 1, 1), (1, 2, 0.5), (0.01, 0.01, 0.01)])
+            obj.rotation_euler = (0.3, 0.2, 0.1)
+        if self.random.random() < 0.4:
+            self.texture(obj)
+        if self.random.random() < 0.2:
+            obj.vertex_groups.new(name="Density").add(range(0, len(vertices), 2), 0.7, "REPLACE")
+        self.activate(obj)
+        bpy.context.view_layer.update()
+        self._known[mesh.name] = self.geometry(mesh)
+
+    def read(self, path: Path) -> None:
+        engine = self.addon.engine.engine
+        vertices, triangles = engine.read(str(path))
+        self.add(path.stem[:40], np.asarray(vertices) - np.asarray(vertices).mean(axis=0), np.asarray(triangles))
+
+    def texture(self, obj) -> None:
+        layer = obj.data.uv_layers.new(name="UV")
+        values = np.random.default_rng(self.random.randrange(99)).random(2 * len(obj.data.loops))
+        layer.data.foreach_set("uv", values.astype(np.float32))
+        image = bpy.data.images.new("Paint", 8, 8)
+        image.pack()
+        material = bpy.data.materials.new("Paint")
+        if bpy.app.version < (5, 0, 0):
+            material.use_nodes = True
+        nodes = material.node_tree.nodes
+        node = nodes.new("ShaderNodeTexImage")
+        node.image = image
+        shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
+        material.node_tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
+        obj.data.materials.append(material)
+
+    @staticmethod
+    def geometry(mesh) -> tuple:
+        points = np.empty(3 * len(mesh.vertices), np.float32)
+        mesh.vertices.foreach_get("co", points)
+        corners, starts = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.polygons), np.int32)
+        mesh.loops.foreach_get("vertex_index", corners)
+        mesh.polygons.foreach_get("loop_start", starts)
+        return points.tobytes(), corners.tobytes(), starts.tobytes(), len(mesh.edges)
+
+    @staticmethod
+    def activate(obj) -> None:
+        for other in bpy.context.selected_objects:
+            other.select_set(False)
+        bpy.context.view_layer.objects.active = obj
+        if obj is not None and obj.name in bpy.context.view_layer.objects:
+            obj.select_set(True)
+
+    def check(self) -> None:
+        """Raises Broken where a scan has changed, or a panel can't be drawn."""
+        for obj in bpy.data.objects:
+            if obj.type == "MESH" and obj.data.name in self._known:
+                obj.update_from_editmode()
+                if self.geometry(obj.data) != self._known[obj.data.name]:
+                    raise Broken(f"the scan '{obj.name}' has changed")
+        context = bpy.context
+        for cls in self.panels:
+            if hasattr(cls, "poll") and not cls.poll(context):
+                continue
+            drawn = type("Drawn", (), {"layout": Layout(), "prepare": getattr(cls, "prepare", None)})()
+            cls.draw(drawn, context)
+        written = self.errors.getvalue()
+        if "Traceback" in written:
+            raise Broken(written)
+
+    # Actions
+
+    def face(self) -> int:
+        obj = bpy.context.view_layer.objects.active
+        count = len(obj.data.polygons) if obj is not None and obj.type == "MESH" else 10
+        return self.random.choice(
+            (-1, -1, 0, max(0, count - 1), count + 3, *(self.random.randrange(max(1, count)),) * 6)
+        )
+
+    def value(self, prop, name: str):
+        """A random value of a setting; None to leave it out."""
+        pick = self.random
+        if name in ("face", "other"):
+            return self.face()
+        if name == "painted":
+            own = (
+                f"{self.face()}:{','.join(str(max(0, self.face())) for _ in range(pick.randint(1, 9)))}"
+                for _ in range(2)
+            )
+            return pick.choice(("", "x", ";".join(own)))
+        if name == "filepath":
+            return str(self.folder / pick.choice(("a.json", "b.json", "none/c.json")))
+        if name == "recipe":
+            return pick.choice((*GARBAGE, self.recipe()))
+        if prop.type == "BOOLEAN":
+            return pick.random() < 0.5
+        if prop.type == "ENUM":
+            return pick.choice([item.identifier for item in prop.enum_items])
+        if prop.type in ("INT", "FLOAT"):
+            low, high = max(prop.soft_min, -5), min(prop.soft_max, 64 if prop.type == "INT" else 10.0)
+            draw = pick.randint if prop.type == "INT" else pick.uniform
+            ends = (prop.default, low, high)
+            one = lambda: pick.choice((*ends, *(draw(low, max(low, high)) for _ in range(4))))  # noqa: E731
+            if getattr(prop, "is_array", False):
+                return [pick.uniform(-1, 1) for _ in range(prop.array_length)]
+            return (int if prop.type == "INT" else float)(one())
+        if prop.type == "STRING":
+            return pick.choice(("", "Density", "UV", "none"))
+        return None
+
+    def recipe(self) -> str:
+        store = sys.modules["isimp.blender.store"]
+        obj = bpy.context.view_layer.objects.active
+        found = store.load(obj) if obj is not None and obj.type == "MESH" else None
+        return found.to_json() if found else GARBAGE[-1]
+
+    def press(self) -> None:
+        """Runs any operator with any settings; common operators are more frequent."""
+        usual = (
+            "partition",
+            "mesh",
+            "partition",
+            "add_proxy",
+            "delete_proxy",
+            "split",
+            "merge",
+            "swap",
+            "grow",
+            "texture",
+        )
+        name = self.random.choice((*usual, *self.operators))
+        if self.random.random() < 0.8:
+            self.come_back()
+        call = getattr(bpy.ops.isimp, name)
+        settings = {}
+        for prop in call.get_rna_type().properties:
+            if prop.identifier != "rna_type" and self.random.random() < (
+                0.8 if name not in ("partition", "mesh") else 0.2
+            ):
+                value = self.value(prop, prop.identifier)
+                if value is not None and not prop.is_readonly:
+                    settings[prop.identifier] = value
+        if name == "partition" and "proxies" not in settings and self.random.random() < 0.7:
+            settings |= {"proxies": self.random.choice((1, 4, 9, 30)), "count_by": "proxies"}
+        if name == "texture":
+            settings |= {"size": self.random.choice((16, 32)), "tiles": 0}
+        self.note(f"isimp.{name}", settings)
+        if call("EXEC_DEFAULT", True, **settings) == {"FINISHED"}:
+            bpy.ops.ed.undo_push(message=name)
+
+    def come_back(self) -> None:
+        """Selects a mesh, and a mode that the add-on works in."""
+        active, there = bpy.context.view_layer.objects.active, bpy.context.view_layer.objects
+        if bpy.context.mode not in ("OBJECT", "EDIT_MESH"):
+            bpy.ops.object.mode_set(mode="OBJECT")
+        meshes = [obj for obj in there if obj.type == "MESH"]
+        if (active is None or active.type != "MESH") and meshes:
+            self.activate(self.random.choice(meshes))
+
+    def mode(self) -> None:
+        wanted = self.random.choice(("OBJECT", "OBJECT", "EDIT", "EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT"))
+        self.note("mode", wanted)
+        active = bpy.context.view_layer.objects.active
+        if active is None or active.type != "MESH" or not active.visible_get():
+            return
+        bpy.ops.object.mode_set(mode=wanted)
+        bpy.ops.ed.undo_push(message="mode")
+
+    def select(self) -> None:
+        """No face, one, some or all."""
+        obj, how = bpy.context.view_layer.objects.active, self.random.choice(("none", "one", "some", "all"))
+        self.note("select", how)
+        if obj is None or obj.type != "MESH":
+            return
+        count, share = len(obj.data.polygons), {"none": 0.0, "one": 0.0, "some": 0.1, "all": 1.0}[how]
+        chosen = np.array([self.random.random() < share for _ in range(count)], bool)
+        if how == "one" and count:
+            chosen[self.random.randrange(count)] = True
+        if obj.mode in ("OBJECT", "EDIT"):
+            sys.modules["isimp.blender.mesh_io"].select_polygons(obj, chosen)
+        bpy.ops.ed.undo_push(message="select")
+
+    def turn_to(self) -> None:
+        """Makes another object active, or none."""
+        there = [obj.name for obj in bpy.context.view_layer.objects]
+        name = self.random.choice([*there, *there, ""])
+        self.note("activate", name)
+        if bpy.context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        self.activate(bpy.data.objects.get(name))
+        bpy.ops.ed.undo_push(message="activate")
+
+    def objects(self) -> None:
+        """A user's handling of objects: copies, new names, hiding, deleting results, empties."""
+        how = self.random.choice(("duplicate", "link", "rename", "hide", "show", "delete", "empty", "move", "edit"))
+        obj = bpy.context.view_layer.objects.active
+        self.note("object", [how, obj.name if obj else None])
+        if bpy.context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        is_scan = obj is not None and obj.type == "MESH" and obj.data.name in self._known
+        if how == "empty":
+            bpy.context.scene.collection.objects.link(bpy.data.objects.new("Empty", None))
+        elif obj is None:
+            return
+        elif how in ("duplicate", "link"):
+            if len(bpy.data.objects) < 8:
+                bpy.ops.object.duplicate(linked=how == "link")
+        elif how == "rename":
+            obj.name = self.random.choice(("Ä" * 40, "other", "roof", "a.simplified"))
+        elif how in ("hide", "show"):
+            obj.hide_set(how == "hide")
+        elif how == "delete" and not is_scan:
+            bpy.data.objects.remove(obj)
+        elif how == "move":
+            obj.location.x += 1
+        elif how == "edit" and obj.type == "MESH" and not is_scan and len(obj.data.vertices):
+            obj.data.vertices[0].co.x += 0.1
+        bpy.context.view_layer.update()
+        bpy.ops.ed.undo_push(message="object")
+
+    def set(self) -> None:
+        """A setting of the panel; then the work of the timer."""
+        panel = bpy.context.window_manager.isimp
+        groups = [panel] + [
+            getattr(panel, p.identifier)
+            for p in panel.bl_rna.properties
+            if p.type == "POINTER" and p.identifier != "rna_type"
+        ]
+        group = self.random.choice(groups)
+        kinds = [p for p in group.bl_rna.properties if not p.is_readonly and p.identifier not in ("rna_type", "name")]
+        if not kinds:
+            return
+        prop = self.random.choice(kinds)
+        value = self.value(prop, prop.identifier)
+        self.note("set", [type(group).__name__, prop.identifier, value])
+        if value is not None:
+            setattr(group, prop.identifier, value)
+        if self.random.random() < 0.5:
+            self.settle()
+
+    def settle(self) -> None:
+        live = sys.modules["isimp.blender.runtime"].get().live
+        live.pending = True
+        if sys.modules["isimp.blender.live"]._find(bpy.context) is None:
+            live.pending = False
+            return
+        self.note("settle", None)
+        if bpy.ops.isimp.settle("EXEC_DEFAULT", True) == {"FINISHED"}:
+            bpy.ops.ed.undo_push(message="settle")
+
+    def undo(self) -> None:
+        self.note("undo", None)
+        bpy.ops.ed.undo()
+
+    def redo(self) -> None:
+        self.note("redo", None)
+        bpy.ops.ed.redo()
+
+    def reopen(self) -> None:
+        self.note("reopen", None)
+        if bpy.context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        path = str(self.folder / "file.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.ops.wm.open_mainfile(filepath=path)
+        bpy.ops.ed.undo_push(message="reopened")
+
+    def restart(self) -> None:
+        self.note("begin", None)
+        self.begin()
+
+    def note(self, name: str, more) -> None:
+        self._last = f"{name} {json.dumps(more, default=str)}"
+        self.done[name] = self.done.get(name, 0) + 1
+        with self.log.open("a") as log:
+            log.write(f"{self._last}\n")
+
+    def run(self, actions: int, limit: int = 5) -> list:
+        """[(number, action, failure)]; stops after `limit` of them."""
+        broken = []
+        verbs = {self.press: 60, self.mode: 6, self.select: 8, self.turn_to: 5, self.objects: 5, self.set: 8}
+        verbs |= {self.undo: 6, self.redo: 3, self.reopen: 0.5, self.restart: 1.5}
+        self.begin()
+        kept, sys.stderr = sys.stderr, self.errors
+        try:
+            for number in range(actions):
+                faulthandler.dump_traceback_later(SLOW, exit=True, file=kept)
+                (verb,) = self.random.choices(list(verbs), list(verbs.values()))
+                why = self._tried(verb)
+                if why:
+                    broken.append((number, self._last, why))
+                    self.errors.truncate(0)
+                    if len(broken) >= limit:
+                        break
+                    self.begin()
+        finally:
+            faulthandler.cancel_dump_traceback_later()
+            sys.stderr = kept
+        return broken
+
+    def _tried(self, verb) -> str:
+        """The failure; empty if there is none."""
+        try:
+            try:
+                verb()
+            except RuntimeError as error:
+                if "Traceback" in str(error) or "Internal error" in str(error):
+                    return str(error)
+                self.refused += 1
+            self.check()
+        except Broken as error:
+            return str(error)
+        except Exception:  # noqa: BLE001  (all that is no refusal is a failure)
+            return traceback.format_exc()
+        return ""
+
+
+def main(words=None) -> int:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("files", nargs="*", type=Path, help="scans to take too, besides the ten that are made here")
+    parser.add_argument("--actions", type=int, default=500)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--log", type=Path, default=Path(tempfile.gettempdir()) / "isimp-monkey.log")
+    options = parser.parse_args(words)
+    import isimp
+
+    isimp.register()
+    options.log.unlink(missing_ok=True)
+    monkey = Monkey(options.seed, options.log, options.files)
+    broken = monkey.run(options.actions)
+    for number, action, why in broken:
+        print(f"\n{number}: {action}\n{why}")
+    counts = ", ".join(f"{name} {count}" for name, count in sorted(monkey.done.items()))
+    print(f"\n{sum(monkey.done.values())} actions, {monkey.refused} refused, {len(broken)} broke something\n{counts}")
+    return 1 if broken else 0
+
+
+if __name__ == "__main__":
+    code = main(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else None)
+    sys.stdout.flush()
+    os._exit(code)

@@ -1,0 +1,155 @@
+"""Polygons of the same meshes by isimp, Blender's Decimate (Planar) and CGAL's VSA, judged alike: a table.
+
+    python -m bench.peers.peers --bin BUILD/bench [--data DIR] [--only bunny,castle] [--proxies 300] [--keep FOLDER]
+
+`isimp_engine` must be importable; `blender` and BUILD/bench/peer_cgal are used if they are there. Decimate gets the
+angle at which it makes about as many polygons as isimp does; CGAL as many proxies. `--keep` writes the polygons as OBJ.
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+
+import isimp_engine as engine
+from tests.shared.polygon_judge import distances, judge
+
+ROOT = Path(__file__).resolve().parents[2]
+MESHES = ("bunny", "armadillo_86k", "fandisk", "castle", "frankfurt")
+SAMPLES = 3000
+# Runs in Blender: planar decimation to about so many polygons. The angle grows by half until few enough are left, then
+# the range is halved. On large scans wide angles take minutes: no try follows one that took longer than `PATIENCE`.
+PATIENCE = 20  # seconds of the processor
+DECIMATE = """
+import math, sys, time, bpy, numpy as np
+source, result, wanted, patience = sys.argv[sys.argv.index("--") + 1:]
+data = np.load(source)
+mesh = bpy.data.meshes.new("scan")
+mesh.from_pydata(data["vertices"].tolist(), [], data["triangles"].tolist())
+scan = bpy.data.objects.new("scan", mesh)
+bpy.context.collection.objects.link(scan)
+decimate = scan.modifiers.new("planar", "DECIMATE")
+decimate.decimate_type = "DISSOLVE"
+low, high, angle, best = 0.0, None, math.radians(1), None
+for _ in range(16):
+    decimate.angle_limit, started = angle, time.process_time()
+    found = scan.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    many = len(found.polygons)
+    if best is None or abs(many - int(wanted)) < best[0]:
+        loops, start = np.empty(len(found.loops), np.int32), np.empty(many, np.int32)
+        position = np.empty(3 * len(found.vertices), np.float32)
+        found.loops.foreach_get("vertex_index", loops)
+        found.polygons.foreach_get("loop_start", start)
+        found.vertices.foreach_get("co", position)
+        best = abs(many - int(wanted)), position.reshape(-1, 3), loops, start
+    low, high = (angle, high) if many > int(wanted) else (low, angle)
+    if many == int(wanted) or low >= math.pi or time.process_time() - started > float(patience):
+        break
+    angle = min(1.5 * low, math.pi) if high is None else (low + high) / 2
+np.savez(result, vertices=best[1], loops=best[2], loop_start=best[3])
+"""
+
+
+def nearest(points, places):
+    """Index of the point nearest to each place."""
+    return np.array([int(((points - place) ** 2).sum(1).argmin()) for place in places])
+
+
+def as_polygons(vertices, loops, loop_start, mesh, part):
+    """A peer's result, in the shape of the engine's own, without corners that no polygon has."""
+    used, loops = np.unique(loops, return_inverse=True)
+    vertices = np.asarray(vertices, float)[used]
+    middle = np.add.reduceat(vertices[loops], loop_start) / np.diff(np.append(loop_start, len(loops)))[:, None]
+    kept = np.flatnonzero(part.face_region >= 0)
+    faces = mesh.vertices[mesh.triangles[kept]].mean(1)
+    region = part.face_region[kept[nearest(faces, middle)]]
+    return SimpleNamespace(
+        vertices=vertices, loops=loops.astype(np.int32), loop_start=np.asarray(loop_start, np.int32),
+        polygon_region=region, source_vertex=nearest(np.asarray(mesh.vertices), vertices),
+    )  # fmt: skip
+
+
+def by_decimate(mesh, part, wanted, folder):
+    np.savez(folder / "scan.npz", vertices=mesh.vertices, triangles=mesh.triangles)
+    (folder / "decimate.py").write_text(DECIMATE)
+    script = ["--python-exit-code", "1", "--python", folder / "decimate.py"]
+    files = [folder / "scan.npz", folder / "planar.npz", str(wanted), str(PATIENCE)]
+    subprocess.run(["blender", "-b", "--factory-startup", *script, "--", *files], check=True, stdout=subprocess.DEVNULL)
+    made = np.load(folder / "planar.npz")
+    return as_polygons(made["vertices"], made["loops"], made["loop_start"], mesh, part)
+
+
+def by_cgal(program, mesh, part, proxies, folder):
+    faces = mesh.triangles
+    every = SimpleNamespace(vertices=mesh.vertices, loops=faces.ravel(), loop_start=np.arange(0, faces.size, 3))
+    write_obj(folder / "scan.obj", every)
+    subprocess.run([program, folder / "scan.obj", "0", str(proxies), "hierarchical", folder / "cgal.off"],
+                   check=True, stdout=subprocess.DEVNULL)  # fmt: skip
+    vertices, triangles = engine.read(str(folder / "cgal.off"))
+    return as_polygons(vertices, triangles.ravel(), np.arange(0, triangles.size, 3), mesh, part)
+
+
+def write_obj(path, poly):
+    with path.open("w") as file:
+        np.savetxt(file, poly.vertices, fmt="v %.17g %.17g %.17g")
+        for loop in np.split(np.asarray(poly.loops) + 1, poly.loop_start[1:]):
+            file.write("f " + " ".join(map(str, loop.tolist())) + "\n")
+
+
+def figures(poly, mesh, part, flatness):
+    v, scan = judge(poly, mesh, part, flatness, engine.MeshingOptions().reach)
+    share, count = 100 / scan.diagonal, len(poly.loop_start)
+    if v.area is None:  # the arrays alone are wrong
+        return [count, len(poly.loops) / count, *[None] * 8, "; ".join(["not sound", *v.faults])]
+    far = distances(scan.samples(SAMPLES), np.asarray(poly.vertices), v.facets)
+    weighed = float((v.bend * v.area).sum() / max(v.area.sum(), 1e-300))
+    wrong = [len(x) for x in (v.crossing, v.empty, v.flipped, v.bent, v.hits)]
+    words = "sound" if v.sound else "; ".join(["not sound", *v.faults])
+    return [count, len(poly.loops) / count, share * weighed, share * float(v.bend.max()), share * far.mean(), *wrong,
+            words]  # fmt: skip
+
+
+def row(name, by, values):
+    cells = ["-" if x is None else f"{x:.2f}" if isinstance(x, float) else str(x) for x in values]
+    return f"| {' | '.join([name, by, *cells])} |"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=Path, default=os.environ.get("ISIMP_DATA", ROOT.parent / "shared" / "data"))
+    parser.add_argument("--bin", type=Path, help="where peer_cgal was built")
+    parser.add_argument("--only", default=",".join(MESHES), help="parts of mesh names, by commas")
+    parser.add_argument("--proxies", type=int, default=300)
+    parser.add_argument("--keep", type=Path)
+    options = parser.parse_args()
+    paths = [p for p in sorted(Path(options.data).glob("*/*.ply")) if any(w in p.stem for w in options.only.split(","))]
+    if not paths:
+        parser.error(f"no meshes in {options.data}")
+    print("| scan | by | polygons | corners | planarity mean | most | distance | crossing | no area | flipped | bent"
+          " | meet | verdict |\n|" + "---|" * 13)  # fmt: skip
+    for path in paths:
+        mesh = engine.clean(*engine.read(str(path)))
+        part = engine.partition(mesh, engine.PartitionOptions(proxies=options.proxies))
+        made = {"isimp": engine.polygonize(mesh, part)}
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            try:
+                made["Decimate"] = by_decimate(mesh, part, len(made["isimp"].loop_start), folder)
+                if options.bin:
+                    made["CGAL"] = by_cgal(options.bin / "peer_cgal", mesh, part, options.proxies, folder)
+            except (OSError, subprocess.CalledProcessError) as error:
+                print(f"{path.stem}: {error}", file=sys.stderr)
+        for by, poly in made.items():
+            print(row(path.stem, by, figures(poly, mesh, part, engine.MeshingOptions().flatness)), flush=True)
+            if options.keep:
+                options.keep.mkdir(parents=True, exist_ok=True)
+                write_obj(options.keep / f"{path.stem}-{by}.obj", poly)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,314 @@
+"""Measures `isimp tiles`: how good its results are, how much time and memory it takes, and how fast files are read.
+
+    python -m bench.studies.tiles ARGUMENTS
+      pieces SCAN PROXIES [1 4 16 64]    compares tiles with one piece: error, borders, distance, flaws;
+                                          SCAN is a file, or city:FACES
+      detail SCAN DETAIL [1 4 16 64]     compares the numbers of regions that are found
+      city FACES PROXIES                 runs a generated city and prints time and memory of each step
+      city FACES PROXIES --kill          kills the command twice, and compares the results bit by bit
+      read [FACES]                       reads a binary PLY, a text PLY and an OBJ file
+
+Run it with a Python that has isimp_engine; `pieces` needs scipy. The peaks of memory are the kernel's.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import isimp_engine as engine
+from isimp_engine import tiles
+from isimp_engine.tiles.splitting import Boxes
+
+SAMPLES = 3_000_000  # places on the polygons that distances are measured to
+BLOCK = 20.0  # metres, of the city
+Mesh = tuple[np.ndarray, np.ndarray]
+
+
+def write_ply(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> None:
+    """Binary, with coordinates in double precision."""
+    rows = np.zeros(len(triangles), dtype=[("n", "u1"), ("v", "<i4", 3)])
+    rows["n"], rows["v"] = 3, triangles
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\n"
+    head += "".join(f"property double {axis}\n" for axis in "xyz")
+    head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+    with path.open("wb") as file:
+        file.write(head.encode())
+        np.asarray(vertices, "<f8").tofile(file)
+        rows.tofile(file)
+
+
+def cut(mesh: Mesh, count: int, folder: Path) -> list[np.ndarray]:
+    """Writes a mesh as `count` tiles; returns the faces of each."""
+    vertices, triangles = mesh
+    middles = vertices[triangles].mean(1)
+    tile = Boxes(middles, count).find(middles)
+    folder.mkdir(parents=True)
+    parts = []
+    for k in range(int(tile.max()) + 1):
+        faces = np.flatnonzero(tile == k)
+        used, local = np.unique(triangles[faces], return_inverse=True)
+        write_ply(folder / f"{k:03d}.ply", vertices[used], local.reshape(-1, 3))
+        parts.append(faces)
+    return parts
+
+
+def judge(mesh: engine.Mesh, label: np.ndarray) -> tuple[float, float, int]:
+    """Error, length of the borders, and number of the regions."""
+    vertices, triangles = mesh.vertices, mesh.triangles
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    normal = np.cross(b - a, c - a) / 2
+    kept = label >= 0
+    count = int(label.max()) + 1
+    sums = np.stack([np.bincount(label[kept], normal[kept, k], count) for k in range(3)], 1)
+    error = 2 * (np.linalg.norm(normal[kept], axis=1).sum() - np.linalg.norm(sums, axis=1).sum())
+    faces = tiles.faces_of(mesh)
+    own = label[faces.mesh_face]
+    near = np.where(faces.neighbour >= 0, own[faces.neighbour], own[:, None])
+    return error, float(faces.length[near != own[:, None]].sum() / 2), len(np.unique(label[kept]))
+
+
+def distances(scan: np.ndarray, path: Path) -> tuple[float, float]:
+    """Mean and 99th percentile of the distance from vertices of the scan to the polygons of a file."""
+    from scipy.spatial import cKDTree
+
+    vertices, triangles = engine.read(path)
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    random = np.random.default_rng(1)
+    face = random.choice(len(area), SAMPLES, p=area / area.sum())
+    u, v = random.random((2, SAMPLES, 1))
+    over = u + v > 1
+    u, v = np.where(over, 1 - u, u), np.where(over, 1 - v, v)
+    places = a[face] + u * (b[face] - a[face]) + v * (c[face] - a[face])
+    chosen = scan[random.permutation(len(scan))[:200_000]]
+    found = cKDTree(places).query(chosen)[0]
+    return float(found.mean()), float(np.quantile(found, 0.99))
+
+
+def flaws(report: dict[str, Any]) -> str:
+    names = ("crossing", "flipped", "bent", "intersecting")
+    return " ".join(f"{report[name]} {name}" for name in names if report[name]) or "sound"
+
+
+def scan_of(path: Path) -> engine.Mesh:
+    """A file's mesh, or that of a generated city: city:FACES."""
+    if not path.name.startswith("city:"):
+        return engine.clean(*engine.read(path))
+    faces = int(path.name.removeprefix("city:"))
+    with tempfile.TemporaryDirectory() as place:
+        make_city(Path(place) / "city", faces, faces)
+        return engine.clean(*engine.read(next((Path(place) / "city").iterdir())))
+
+
+def pieces(path: Path, proxies: int, counts: list[int], groups: list[int]) -> None:
+    mesh = scan_of(path)
+    triangles, vertices = mesh.triangles, mesh.vertices
+    begun = time.process_time()
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=proxies, threads=1))
+    poly = engine.polygonize(mesh, part, engine.MeshingOptions(threads=1))
+    seconds = time.process_time() - begun
+    whole = judge(mesh, part.face_region)
+    with tempfile.TemporaryDirectory() as place:
+        engine.write(Path(place) / "one.ply", poly)
+        mean, most = distances(vertices, Path(place) / "one.ply")
+        print(f"{path.stem}: {len(triangles):,} faces, {whole[2]} regions, one piece: {seconds:.1f} s of processor")
+        print(f"  error {whole[0]:.5g}, borders {whole[1]:.5g}, mean distance {mean:.4g}, 99 % {most:.4g}", end="")
+        print(f", {poly.report['polygons']} polygons, {flaws(poly.report)}")
+        for count, group in product(counts, groups):
+            folder, out = Path(place) / f"in{count}-{group}", Path(place) / f"{count}-{group}.ply"
+            parts = cut((vertices, triangles), count, folder)
+            begun = time.perf_counter()
+            grouped = {"group": group} if group else {}
+            report = tiles.run(folder, out, proxies=proxies, labels=folder.with_suffix(".labels"), **grouped).report
+            seconds = time.perf_counter() - begun
+            label = np.empty(len(triangles), np.int32)
+            for k, faces in enumerate(parts):
+                label[faces] = np.load(folder.with_suffix(".labels") / f"{k:03d}.npy")
+            found = judge(mesh, label)
+            own = distances(vertices, out)
+            print(
+                f"  {count:3d} tiles{named(report['groups'])}: error {found[0] / whole[0] - 1:+.1%}, "
+                f"borders {found[1] / whole[1] - 1:+.1%}, {found[2]} regions, "
+                f"mean distance {own[0] / mean - 1:+.1%}, 99 % {own[1] / most - 1:+.1%}, "
+                f"{report['output']['polygons']} polygons, {flaws(report['output'])}, "
+                f"{len(triangles) / report['thinned_faces']:.1f} x thinned, "
+                f"graph {report['graph_bytes'] / len(triangles):.2f} B a face, {seconds:.1f} s"
+            )
+
+
+def named(groups: int) -> str:
+    return f" in {groups} groups" if groups else ""
+
+
+def detail(path: Path, share: float, counts: list[int], groups: list[int]) -> None:
+    mesh = scan_of(path)
+    triangles, vertices = mesh.triangles, mesh.vertices
+    part = engine.partition(mesh, engine.PartitionOptions(detail=share))
+    whole = judge(mesh, part.face_region)
+    print(
+        f"{path.stem}: {len(triangles):,} faces, one piece: {part.region_count} regions, "
+        f"noise {part.report['noise']:.3g}"
+    )
+    with tempfile.TemporaryDirectory() as place:
+        for count, group in product(counts, groups):
+            folder = Path(place) / f"in{count}-{group}"
+            parts = cut((vertices, triangles), count, folder)
+            labels = folder.with_suffix(".labels")
+            grouped = {"group": group} if group else {}
+            report = tiles.run(
+                folder, Path(place) / "o.ply", options={"detail": share}, labels=labels, **grouped
+            ).report
+            label = np.empty(len(triangles), np.int32)
+            for k, faces in enumerate(parts):
+                label[faces] = np.load(labels / f"{k:03d}.npy")
+            found = judge(mesh, label)
+            print(
+                f"  {count:3d} tiles{named(report['groups'])}: {report['regions']} regions, "
+                f"noise {report['noise']:.3g}, error {found[0] / whole[0] - 1:+.1%}, "
+                f"borders {found[1] / whole[1] - 1:+.1%}, graph {report['graph_bytes'] / len(triangles):.2f} B a face"
+            )
+
+
+READ = """
+import os, sys, time
+import isimp_engine as engine
+peak = lambda: 1024 * int(next(line for line in open("/proc/self/status") if line.startswith("VmHWM")).split()[1])
+path, threads = sys.argv[1], int(sys.argv[2])
+before, wall, cpu = peak(), time.perf_counter(), time.process_time()
+arrays = engine.read_polygons(path, threads=threads)
+wall, cpu, faces = time.perf_counter() - wall, time.process_time() - cpu, len(arrays[2])
+over = peak() - before - sum(array.nbytes for array in arrays)
+size = os.path.getsize(path)
+print(f"  {threads} threads: {size / wall / 1e6:5.0f} MB/s, {size / cpu / 1e6:5.0f} MB a second of processor, "
+      f"{over / faces:5.1f} B a face above the arrays")
+"""
+
+
+def read(faces: int) -> None:
+    n = max(2, round((faces / 2) ** 0.5))
+    with tempfile.TemporaryDirectory() as place:
+        make_city(Path(place) / "city", 2 * n * n, 2 * n * n)
+        binary = next((Path(place) / "city").iterdir())
+        vertices, triangles = engine.read(binary)
+        rows = [" ".join(f"{x:.6f}" for x in row) for row in (vertices - vertices[0]).tolist()]
+        corners = triangles.tolist()
+        obj, text = Path(place) / "city.obj", Path(place) / "city.ply"
+        obj.write_text(
+            "".join(f"v {row}\n" for row in rows) + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in corners)
+        )
+        head = f"ply\nformat ascii 1.0\nelement vertex {len(rows)}\n" + "".join(f"property double {k}\n" for k in "xyz")
+        head += f"element face {len(corners)}\nproperty list uchar int vertex_indices\nend_header\n"
+        text.write_text(head + "\n".join(rows) + "\n" + "".join(f"3 {a} {b} {c}\n" for a, b, c in corners))
+        environment = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1])}
+        for name, path in (("PLY, binary", binary), ("PLY, text", text), ("OBJ", obj)):
+            print(f"{name}: {len(corners):,} faces, {path.stat().st_size / len(corners):.1f} B a face", flush=True)
+            for threads in (1, os.cpu_count() or 1):
+                subprocess.run([sys.executable, "-c", READ, str(path), str(threads)], env=environment, check=True)
+
+
+def block(i: int, j: int, n: int, step: float) -> np.ndarray:
+    """Heights of a tile of n by n squares: streets, houses with gables, and noise that depends on the place alone."""
+    x, y = np.meshgrid((i * n + np.arange(n + 1)) * step, (j * n + np.arange(n + 1)) * step, indexing="ij")
+    cell_x, cell_y = np.floor(x / BLOCK).astype(np.int64), np.floor(y / BLOCK).astype(np.int64)
+    key = (cell_x * 73856093 ^ cell_y * 19349663) & 0xFFFF
+    u, v = x - cell_x * BLOCK, y - cell_y * BLOCK
+    inside = (u > 4) & (u < 16) & (v > 3) & (v < 17)
+    roof = 5 + key % 7 + np.where(key % 3 == 0, 0.0, 0.6 * (6 - np.abs(u - 10)))
+    noise = np.sin(x * 12.9898 + y * 78.233) * 43758.5453
+    return np.where(inside, roof, 0.02 * x) + 0.02 * (noise - np.floor(noise) - 0.5)
+
+
+def make_city(folder: Path, faces: int, tile_faces: int = 720_000) -> int:
+    """A heightfield in map coordinates, as tiles that share their borders bit for bit; returns the number of faces."""
+    side = max(1, round((faces / tile_faces) ** 0.5))
+    n = round((faces / 2) ** 0.5 / side)
+    folder.mkdir(parents=True)
+    a = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+    triangles = np.concatenate([np.stack([a, a + n + 1, a + n + 2], 1), np.stack([a, a + n + 2, a + 1], 1)])
+    for i in range(side):
+        for j in range(side):
+            x, y = np.meshgrid((i * n + np.arange(n + 1)) * 0.5, (j * n + np.arange(n + 1)) * 0.5, indexing="ij")
+            place = np.stack([500_000 + x, 5_000_000 + y, block(i, j, n, 0.5)], -1).reshape(-1, 3)
+            write_ply(folder / f"{i:02d}_{j:02d}.ply", place, triangles)
+    return side * side * len(triangles)
+
+
+def city(faces: int, proxies: int, kill: bool, jobs: int, group: int) -> None:
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place) / "city"
+        faces = make_city(folder, faces)
+        command = [sys.executable, "-m", "isimp_engine", "tiles", str(folder)]
+        options = ["--proxies", str(proxies), "--jobs", str(jobs), "--quiet"]
+        environment = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1])}
+        begun = time.perf_counter()
+        grouped = {"group": group} if group else {}
+        report = tiles.run(folder, Path(place) / "a.ply", proxies=proxies, jobs=jobs, **grouped).report
+        seconds = time.perf_counter() - begun
+        tile = report["largest_tile"]
+        print(f"{faces:,} faces in {report['tiles']} tiles, {report['regions']:,} regions: {seconds:.0f} s with {jobs}")
+        print(f"  error {report['error']:.6g}, {report['output']['polygons']:,} polygons, {flaws(report['output'])}")
+        print(f"  borders: {report['border_edges']:,} edges, {report['unmatched_edges']:,} without a partner")
+        print(f"  graph {report['graph_bytes'] / faces:.2f} B a face, {report['thinned_faces']:,} faces meshed")
+        if report["groups"]:
+            print(f"  {report['groups']} groups leave {report['regions_joined']:,} regions to be merged")
+        for step, peak in report["peak_mb"].items():
+            print(f"  {step:8} peak {peak:6.0f} MB, {peak * 2**20 / tile:5.0f} B a face of a tile")
+        print("  seconds:", report["seconds"])
+        if not kill:
+            return
+        for step in ("join", "last-01"):
+            process = subprocess.Popen([*command, str(Path(place) / "b.ply"), *options], env=environment)
+            while not (Path(place) / ".b.ply.tiles" / step).exists() and process.poll() is None:
+                time.sleep(0.02)
+            process.kill()
+            process.wait()
+            print(f"  killed after {step}")
+        subprocess.run([*command, str(Path(place) / "b.ply"), *options], env=environment, check=True)
+        same = (Path(place) / "a.ply").read_bytes() == (Path(place) / "b.ply").read_bytes()
+        print(f"  same bits: {same}")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    what = parser.add_subparsers(required=True, dest="what")
+    command = what.add_parser("pieces")
+    command.add_argument("scan", type=Path)
+    command.add_argument("proxies", type=int)
+    command.add_argument("counts", type=int, nargs="*", default=[1, 4, 16, 64])
+    command.add_argument("--groups", type=int, nargs="*", default=[0], help="tiles of a group; 0: as by default")
+    command = what.add_parser("detail")
+    command.add_argument("scan", type=Path)
+    command.add_argument("share", type=float)
+    command.add_argument("counts", type=int, nargs="*", default=[1, 4, 16, 64])
+    command.add_argument("--groups", type=int, nargs="*", default=[0], help="tiles of a group; 0: as by default")
+    command = what.add_parser("read")
+    command.add_argument("faces", type=int, nargs="?", default=2_000_000)
+    command = what.add_parser("city")
+    command.add_argument("faces", type=int)
+    command.add_argument("proxies", type=int)
+    command.add_argument("--kill", action="store_true")
+    command.add_argument("--jobs", type=int, default=2)
+    command.add_argument("--group", type=int, default=0, help="tiles of a group; 0: as by default")
+    arguments = parser.parse_args()
+    if arguments.what == "pieces":
+        pieces(arguments.scan, arguments.proxies, arguments.counts, arguments.groups)
+    elif arguments.what == "detail":
+        detail(arguments.scan, arguments.share, arguments.counts, arguments.groups)
+    elif arguments.what == "read":
+        read(arguments.faces)
+    else:
+        city(*(getattr(arguments, name) for name in ("faces", "proxies", "kill", "jobs", "group")))
+
+
+if __name__ == "__main__":
+    main()

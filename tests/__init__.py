@@ -1,0 +1,1 @@
+"""The tests, and in `shared` what the benchmarks use too."""
