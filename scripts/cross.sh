@@ -11,7 +11,7 @@ set -uo pipefail
 
 targets=("$@")
 [ $# != 0 ] || targets=(aarch64-linux-musl x86_64-windows-gnu aarch64-macos)
-read -ra tests <<<"${ISIMP_CROSS_TESTS:-test_clean test_meshing test_io test_options test_count test_merge_tree test_state}"
+read -ra tests <<<"${ISIMP_CROSS_TESTS:-test_core test_mesh test_partition test_meshing}"
 cross=$out/cross
 tools=$root/.venv-cross
 headers=${ISIMP_THIRD_PARTY:-${XDG_CACHE_HOME:-$HOME/.cache}/isimp/third_party}

@@ -29,7 +29,7 @@ prepare() { # FOLDER SCAN...
   cmake -S . -B "$build" -G Ninja -DISIMP_TESTS=ON -DISIMP_PYTHON=ON -DISIMP_CUDA=ON "-DISIMP_OTHER_PYTHONS=${entries%;}" \
     -DPython_EXECUTABLE="$root/.venv-device/bin/python" \
     -Dpybind11_DIR="$("$root/.venv-device/bin/python" -m pybind11 --cmakedir)" >/dev/null
-  local tests=(test_parallel test_parallel_lloyd test_device_memory)
+  local tests=(test_parallel test_thesis)
   ninja -C "$build" -j2 native/bindings/all "${tests[@]}"
   cp -RLf "$build"/python/. "$folder/python"
   for place in "${tests[@]}"; do cp "$build/tests/cpp/$place" "$folder/tests"; done
@@ -73,8 +73,7 @@ run() {
   export PYTHONPATH=$PWD/python:$PWD/unpacked/$version LD_LIBRARY_PATH=$PWD/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
   step machine 20 bash -c 'uname -a; nproc; nvidia-smi; true'
   step import 60 "$python" -c 'import isimp_engine as e; print(e.__version__, e.backends())'
-  step tests_lloyd 60 tests/test_parallel_lloyd
-  step tests_memory 30 tests/test_device_memory
+  step tests_thesis 120 tests/test_thesis
   step tests 30 tests/test_parallel
   if ! grep -q cuda results/import.txt; then
     echo "no device here: $("$python" -c '

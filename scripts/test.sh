@@ -104,7 +104,7 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
   fi
   cmake -S . -B build-cuda -G Ninja -DISIMP_TESTS=ON -DISIMP_PYTHON=ON -DISIMP_WERROR=ON -DISIMP_CUDA=ON \
     -Dpybind11_DIR="$("$tests_venv/bin/python" -m pybind11 --cmakedir)" -DPython_EXECUTABLE="$tools/bin/python"
-  local tests=(test_parallel test_parallel_lloyd test_device_memory) test
+  local tests=(test_parallel test_thesis) test
   ninja -C build-cuda -j2 isimp_python test_stand_in "${tests[@]}"
   build-cuda/cuda/test_stand_in --gtest_output=xml:"$results/test_stand_in.xml"
   for test in "${tests[@]}"; do "build-cuda/tests/cpp/$test" --gtest_output=xml:"$results/$test.xml"; done
@@ -123,7 +123,7 @@ stage_tsan() { # the data of threads, under the thread sanitizer, which can't se
   cmake -S . -B build-tsan -G Ninja -DISIMP_TESTS=ON -DISIMP_ASSERTIONS=ON -DISIMP_WERROR=ON -DISIMP_THESIS=OFF \
     -DISIMP_SANITIZE=thread -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1 \
     -DPython_EXECUTABLE="$tests_venv/bin/python"
-  local tests=(test_threads test_mesh_threads test_partition_steps test_bound test_meshing_threads test_texture) test
+  local tests=(test_core test_mesh test_partition test_meshing test_texture) test
   ninja -C build-tsan -j2 "${tests[@]}" test_thesis
   build-tsan/tests/cpp/test_thesis --gtest_output=xml:"$results/test_thesis.xml"
   for test in "${tests[@]}"; do

@@ -1,4 +1,4 @@
-// Edits of every kind at many faces of scans, at eight details, each result checked (tests/cpp/edit_monkey.h). Built
+// Edits of every kind at many faces of scans, at eight details, each result checked (tests/cpp/shared/edit_monkey.h). Built
 // with -DISIMP_SANITIZE=ON -DISIMP_ASSERTIONS=ON it also finds faults that a check of the result would miss.
 #include <algorithm>
 #include <chrono>

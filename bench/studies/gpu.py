@@ -25,7 +25,7 @@ import numpy as np
 
 import isimp_engine as engine
 
-TESTS = ("test_parallel", "test_parallel_lloyd", "test_device_memory")
+TESTS = ("test_parallel", "test_thesis")
 TOOLS = ("memcheck", "racecheck", "initcheck", "synccheck")
 ROUNDS = 20
 BASE = {"lloyd": {"method": "lloyd", "threads": 1}, "default": {"method": "hierarchy", "threads": 1}}
