@@ -109,7 +109,7 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
   build-cuda/cuda/test_stand_in --gtest_output=xml:"$results/test_stand_in.xml"
   for test in "${tests[@]}"; do "build-cuda/tests/cpp/$test" --gtest_output=xml:"$results/$test.xml"; done
   ISIMP_CUDA_BUILD=$root/build-cuda PYTHONPATH=$root/build-cuda/python "$tests_venv/bin/python" -m pytest \
-    tests/cuda tests/python/test_parallel.py --junitxml "$results/pytest.xml"
+    tests/cuda tests/python/engine/test_parallel.py --junitxml "$results/pytest.xml"
 }
 
 stage_asan() { # the C++ tests under the address and undefined-behaviour sanitizers

@@ -1,1 +1,1 @@
-"""The tests, and in `shared` what the benchmarks use too."""
+"""Tests; `shared` has modules for benchmarks too."""

@@ -11,7 +11,7 @@ import pytest
 
 import isimp_engine
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 NATIVE = ROOT / "native"
 ADDON = ROOT / "addon" / "isimp"
 ORDER = ["core", "mesh", "partition", "interact", "meshing", "regular", "texture", "thesis", "simplify", "tiles"]

@@ -8,7 +8,7 @@ import pytest
 
 from conftest import script
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 plain_words = script("plain_words")
 
 

@@ -16,7 +16,7 @@ import tomllib
 from conftest import script
 from isimp_engine import _carried
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 wheels, headers = script("wheels"), script("headers")

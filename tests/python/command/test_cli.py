@@ -347,7 +347,7 @@ def test_help_and_version():
 
 
 def test_the_version_is_the_projects():
-    cmake = (Path(__file__).resolve().parents[2] / "CMakeLists.txt").read_text()
+    cmake = (Path(__file__).resolve().parents[3] / "CMakeLists.txt").read_text()
     assert f"project(isimp VERSION {engine.__version__} " in cmake
 
 

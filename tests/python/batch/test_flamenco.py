@@ -9,7 +9,7 @@ import pytest
 
 from isimp_engine.cli.command import parser
 
-JOB_TYPE = Path(__file__).parents[2] / "examples" / "flamenco" / "isimp.js"
+JOB_TYPE = Path(__file__).parents[3] / "examples" / "flamenco" / "isimp.js"
 MANAGER = """
 const vm = require("vm"), fs = require("fs");
 const author = {

@@ -8,7 +8,7 @@ import pytest
 import isimp_engine as engine
 from conftest import script
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 api_docs = script("api_docs")
 
 

@@ -21,7 +21,7 @@ def failure(*steps):
     return caught.value
 
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SPLIT = rcp.Partition(proxies=8)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from conftest import script
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 file_table = script("file_table")
 
 

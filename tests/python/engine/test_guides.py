@@ -10,7 +10,7 @@ import isimp_engine as engine
 import shapes
 from isimp_engine import guides
 
-DATA = Path(os.environ.get("ISIMP_DATA", Path(__file__).resolve().parents[3] / "shared" / "data"))
+DATA = Path(os.environ.get("ISIMP_DATA", Path(__file__).resolve().parents[4] / "shared" / "data"))
 METHODS = ["hierarchy", "lloyd", "teleport", "naive", "queued"]
 
 

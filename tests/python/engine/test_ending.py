@@ -12,7 +12,7 @@ import pytest
 import isimp_engine as engine
 
 PACKAGES = str(Path(engine.__file__).parents[1])
-ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join([PACKAGES, str(Path(__file__).parent)])}
+ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join([PACKAGES, str(Path(__file__).parents[2] / "shared")])}
 
 WORK = """
 import sys, threading, time

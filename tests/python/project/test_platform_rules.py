@@ -3,9 +3,9 @@
 import zipfile
 
 import pytest
+from test_addon_zip import build_addon, fake_wheel
 
 from conftest import script
-from test_addon_zip import build_addon, fake_wheel
 
 rules = script("platform_rules")
 

@@ -12,7 +12,7 @@ import isimp_engine as engine
 from isimp import steps
 from isimp_engine.cli.command import parser
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 HEADERS = ROOT / "native" / "include"
 ABOUT = "How crisp it is."
 MAIN = """

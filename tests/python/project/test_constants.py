@@ -6,7 +6,7 @@ import pytest
 
 from bench.quality import constants
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 ROWS = (ROOT / "docs/constants.md").read_text().splitlines()
 
 

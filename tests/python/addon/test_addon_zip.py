@@ -13,7 +13,7 @@ import tomllib
 
 from conftest import script
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 build_addon = script("build_addon")
 
 

@@ -9,7 +9,7 @@ import pytest
 import isimp_engine as engine
 from isimp_engine import _core, texturing
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 STUB = ast.parse((ROOT / "python/isimp_engine/_core.pyi").read_text())
 CLASSES = [node for node in STUB.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_")]
 FUNCTIONS = [node for node in STUB.body if isinstance(node, ast.FunctionDef)]

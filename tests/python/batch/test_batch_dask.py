@@ -19,7 +19,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs f
 
 ENVIRONMENT = {
     **os.environ,
-    "PYTHONPATH": os.pathsep.join([str(Path(engine.__file__).parents[1]), str(Path(__file__).parent)]),
+    "PYTHONPATH": os.pathsep.join([str(Path(engine.__file__).parents[1]), str(Path(__file__).parents[1])]),
 }
 ODD = "odd_work:run"
 
