@@ -16,6 +16,13 @@ def output(*command: str) -> str:
     return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
 
 
+def changed_since(commit: str = "") -> set[Path]:
+    """The files that differ from a commit, untracked ones too."""
+    names = output("git", "diff", "--name-only", commit or EMPTY).splitlines()
+    names += output("git", "ls-files", "--others", "--exclude-standard").splitlines()
+    return {(ROOT / name).resolve() for name in names}
+
+
 def read_by_source(build: Path) -> dict[Path, set[Path]]:
     """The inputs of each object in ninja's record: its source, and all files that this includes."""
     found: dict[Path, set[Path]] = {}
@@ -32,13 +39,15 @@ def read_by_source(build: Path) -> dict[Path, set[Path]]:
     return found
 
 
+def affected(build: Path, changed: set[Path]) -> list[Path]:
+    """The compiled sources that read a changed file."""
+    return sorted(source for source, files in read_by_source(build).items() if files & changed)
+
+
 def main(build: str, commit: str = "") -> None:
-    ours = ROOT / "native" / "src"
-    read = {source: files for source, files in read_by_source(ROOT / build).items() if source.is_relative_to(ours)}
-    names = output("git", "diff", "--name-only", commit or EMPTY).splitlines()
-    changed = {(ROOT / name).resolve() for name in names}
-    for source in sorted(source for source, files in read.items() if files & changed):
-        print(source)
+    for source in affected(ROOT / build, changed_since(commit)):
+        if source.is_relative_to(ROOT / "native" / "src"):
+            print(source)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 #   scripts/test.sh              every stage; clang-tidy on the sources that the last day changed
 #   scripts/test.sh cpp python   only these stages
 #   scripts/test.sh quick        format, lint and the quick tests on a development build: two minutes when it is warm
+#   scripts/test.sh changed      format, lint and the tests that the changes since main touch, by place
 #   scripts/test.sh all-tidy     clang-tidy on every source
 # The output of each stage is kept in out/test/STAGE.log, its results as JUnit files in out/test/STAGE/.
 set -uo pipefail
@@ -12,7 +13,7 @@ set -uo pipefail
 first=(format lint mypy wheel)
 compiling=(cpp cuda asan tsan tidy)
 blending=(python blender bpy45 bpy50 window)
-by_name=(quick all-tidy) # only on request
+by_name=(quick changed all-tidy) # only on request
 tests_venv=$root/.venv-test
 
 # Each stage is a function that runs with `set -e` and installs its own requirements. Test runners leave their JUnit
@@ -153,11 +154,29 @@ prepare_tidy() {
 stage_quick() { # the stage to run many times an hour while a change is made
   stage_format
   stage_lint
-  cpp_build build-dev -DISIMP_BENCH=ON -DISIMP_PYTHON=ON -DISIMP_CUDA=OFF \
-    -Dpybind11_DIR="$("$tests_venv/bin/python" -m pybind11 --cmakedir)"
+  development_build
   ctest --test-dir build-dev -j2 --timeout 120 --output-on-failure --output-junit "$results/ctest.xml"
   PYTHONPATH=$root/build-dev/python "$tests_venv/bin/python" -m pytest tests/python --ignore tests/python/blender \
     -n 2 -m "not slow" --junitxml "$results/pytest.xml"
+}
+
+stage_changed() { # the tests of changed files, by place; scripts/affected_tests.py has the rules
+  local since labels tests
+  since=${ISIMP_CHANGED_SINCE:-$(git merge-base HEAD main)}
+  stage_format
+  stage_lint
+  development_build
+  labels=$("$python" scripts/affected_tests.py ctest build-dev "$since")
+  [ -z "$labels" ] || ctest --test-dir build-dev -j2 --timeout 120 --output-on-failure -L "$labels" -LE slow \
+    --output-junit "$results/ctest.xml"
+  mapfile -t tests < <("$python" scripts/affected_tests.py pytest build-dev "$since")
+  [ ${#tests[@]} = 0 ] || PYTHONPATH=$root/build-dev/python "$tests_venv/bin/python" -m pytest "${tests[@]}" \
+    -n 2 -m "not slow" --junitxml "$results/pytest.xml"
+}
+
+development_build() { # build-dev, with the Python module
+  cpp_build build-dev -DISIMP_BENCH=ON -DISIMP_PYTHON=ON -DISIMP_CUDA=OFF \
+    -Dpybind11_DIR="$("$tests_venv/bin/python" -m pybind11 --cmakedir)"
 }
 
 use_tests_venv() {

@@ -1,0 +1,82 @@
+"""The tests that a change touches, by place: ctest|pytest BUILD_DIR COMMIT -> a pattern of labels, or paths.
+
+native/src/MODULE, and what includes its headers    tests/cpp/MODULE, tests/python/engine/test_{MODULE,FILE}.py
+native/include, native/bindings                     tests/python/engine and project
+python/isimp_engine/{batch,tiles}                   tests/python of that name
+python/isimp_engine/{cli,exporting}, recipes.py     tests/python/command
+python/isimp_engine, other files                    tests/python/engine and command
+addon/isimp, outside blender                        tests/python/addon
+bench, tests/shared                                 the tests that import the file
+docs, scripts, CMake and other files                tests/python/project
+a test                                              itself
+"""
+
+import re
+import sys
+from pathlib import Path
+
+from affected_sources import ROOT, affected, changed_since
+
+PYTHON = ROOT / "tests" / "python"
+ROOMS = {
+    "batch": ["batch"],
+    "tiles": ["tiles"],
+    "cli": ["command"],
+    "exporting": ["command"],
+    "recipes": ["command"],
+    "reports": ["command"],
+}
+
+
+def labels(sources: list[Path]) -> str:
+    """A pattern of the labels of C++ tests: the modules of compiled sources, and all of them for shared ones."""
+    found = set()
+    for source in sources:
+        parts = source.relative_to(ROOT).parts
+        if parts[:2] in (("native", "src"), ("tests", "cpp")) and len(parts) > 3:
+            found.add(parts[2])
+    if "shared" in found:
+        return "."
+    return f"^({'|'.join(sorted(found))})(-|$)" if found else ""
+
+
+def importers(name: str) -> list[Path]:
+    """The tests in Python that import a module of tests/shared or bench."""
+    pattern = re.compile(rf"^(?:from|import) .*\b{name}\b", re.MULTILINE)
+    return [path for path in PYTHON.glob("*/test_*.py") if pattern.search(path.read_text())]
+
+
+def python_tests(path: Path) -> list[Path]:
+    """The tests in Python that a changed file touches."""
+    parts = path.relative_to(ROOT).parts
+    if parts[:2] == ("tests", "python"):
+        if path.name.startswith("test_"):
+            return [] if parts[2] == "blender" or not path.exists() else [path]
+        return [] if parts[2] == "blender" else [PYTHON / room for room in ("engine", "command", "batch", "tiles")]
+    if parts[:2] == ("native", "src"):
+        named = (PYTHON / "engine" / f"test_{name}.py" for name in (parts[2], path.stem))
+        return [test for test in named if test.is_file()]
+    if parts[0] == "native":
+        return [PYTHON / "engine", PYTHON / "project"]
+    if parts[:2] == ("python", "isimp_engine"):
+        return [PYTHON / room for room in ROOMS.get(Path(parts[2]).stem, ["engine", "command"])]
+    if parts[0] == "addon":
+        return [] if parts[2:3] == ("blender",) else [PYTHON / "addon"]
+    if parts[0] == "bench" or parts[:2] == ("tests", "shared"):
+        return importers(path.stem)
+    return [] if parts[0] == "tests" else [PYTHON / "project"]
+
+
+def main(runner: str, build: str, commit: str = "") -> None:
+    changed = changed_since(commit)
+    if runner == "ctest":
+        print(labels(affected(ROOT / build, changed)))
+        return
+    tests = {test for path in changed for test in python_tests(path)}
+    for test in sorted(tests):
+        if not any(parent in tests for parent in test.parents):
+            print(test.relative_to(ROOT))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
