@@ -50,7 +50,7 @@ OPTIONS = {
 UNKNOWN = "own trials, not recorded"
 SHAPES = "own trials for short borders and convex polygons, trials.md"
 SHORT = "own trials, distance against corners of three scans"
-REAL = "open buildings, cartons, chunks (bench/real.py)"
+REAL = "open buildings, cartons, chunks (bench/quality/real.py)"
 FOUND = "own trials, numbers of regions of shapes that have a known one"
 
 
@@ -189,8 +189,10 @@ TUNED = (
     Tuned(MESHING + "place/slide.cpp", "kOff", "off the planes, in deviations of the scan", SHAPES),
     Tuned(MESHING + "place/slide.cpp", "kBend", "degrees that a bend counts as", SHAPES),
     Tuned(MESHING + "discs/polyline.cpp", "kWithin", "share of a ragged border that is near its rim", REAL),
-    Tuned(MESHING + "complex/raggedness.cpp", "kOfRagged", "how far a rim may leave a ragged border, times the raggedness", REAL),
-    Tuned(MESHING + "complex/raggedness.cpp", "kRagged", "raggedness from which a rim is straight, in edges of the border", REAL),
+    Tuned(MESHING + "complex/raggedness.cpp", "kOfRagged",
+          "how far a rim may leave a ragged border, times the raggedness", REAL),
+    Tuned(MESHING + "complex/raggedness.cpp", "kRagged",
+          "raggedness from which a rim is straight, in edges of the border", REAL),
     Tuned("native/src/simplify/sharp_edges.cpp", "kEdges", "width of a strip of an edge, in mean edges", REAL),
     Tuned("native/src/simplify/sharp_edges.cpp", "kZigzag", "what faces add to the length of a border", REAL,
           values=("1.0", "1.6")),

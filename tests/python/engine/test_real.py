@@ -1,13 +1,13 @@
-"""What people scan, by twins of bench/real_scans.py: openings, rims, triangles, sharp edges, chunks, grids."""
+"""What people scan, by generated twins: openings, rims, triangles, sharp edges, chunks, grids."""
 
 import json
 
 import numpy as np
 import pytest
-import real
-import real_scans
 
 import isimp_engine as engine
+from bench.generators import real_scans
+from bench.quality import real
 from isimp_engine.cli import main
 from isimp_engine.within import TriangleSearch, partition_within, triangles_of
 from shapes import bumpy, cube, joined, plane, voxels

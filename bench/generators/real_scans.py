@@ -4,7 +4,8 @@ Each is made from numbers, the same on every run. Lengths are metres.
 """
 
 import numpy as np
-from scanned import blurred, box, prism, surface
+
+from bench.generators.scanned import blurred, box, prism, surface
 
 
 def _used(points: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,7 +1,6 @@
-#!/usr/bin/env python3
 """What people scan: cartons, open buildings, rooms, chunks, grids and drawn houses, by the command as it comes.
 
-    PYTHONPATH=build-dev/python bench/real.py [--only carton,room] [--data DIR] [--json OUT] [--against OLD] [-- FLAGS]
+    python -m bench.quality.real [--only carton,room] [--data DIR] [--json OUT] [--against OLD] [-- FLAGS]
 
 A row a scan. Twins of each family are made by real_scans.py; scans of DIR/real follow if the folder is there. FLAGS
 go to `isimp simplify`. With --against, the row of an earlier run stands above each.
@@ -26,12 +25,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import real_scans
 
 import isimp_engine as engine
+from bench.generators import real_scans
 from isimp_engine._core import _distances_to_triangles
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 COLUMNS = ("P", "regions", "true", "polys", "tris", "corners", "rim", "mean", "99%", "flaws", "cpu")
 POINTS = 500  # vertices of a scan whose distance is measured
 
