@@ -14,9 +14,8 @@ namespace {
 
 constexpr double kRimWindow = 0.5;  ///< of sqrt(area / regions): over which raggedness is measured
 
-/// \param whole  whether the mesh is a whole scan, whose border is its own
 ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, const Partition& partition,
-                               const MeshingOptions& options, bool whole) {
+                               const MeshingOptions& options) {
   double area = 0;
   for (const Plane& p : planes) area += p.area;
   const double side = std::sqrt(area / std::max(partition.region_count(), 1)),
@@ -24,7 +23,7 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
   ChordTolerance t;
   t.most = std::min(tolerance, 0.03 * mesh.diagonal());
   t.most_on_border = std::min(tolerance, 0.01 * mesh.diagonal());
-  if (whole) t.rim = rim_reach(mesh, partition, options, kRimWindow * side);
+  t.rim = rim_reach(mesh, partition, options, kRimWindow * side);
   t.of_area = options.chord_area;
   t.least_sine = 0.15;
   return t;
@@ -88,7 +87,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   job.report(0.07);
   planes_.assign(planes_of(labels, threads, job));
   for (std::size_t l = 0; l < planes.size(); ++l) hold_by_hand(planes_.edit(l), partition, labels.pieces[l].region);
-  complex_.tolerance = chord_tolerance(mesh, planes, partition, options, fixed.empty());
+  complex_.tolerance = chord_tolerance(mesh, planes, partition, options);
   job.report(0.08);
   complex_.refresh(numbers_below(labels.piece_count()), std::move(loops), job);
   job.report(0.1);
