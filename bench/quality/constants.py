@@ -167,8 +167,6 @@ TUNED = (
           SHORT + " (8ffc6be)"),
     Tuned(MESHING + "complex/flat_fit.cpp", "kOfPlane", "shift towards the region's plane", SHORT + " (8ffc6be)"),
     Tuned(MESHING + "judge/judge.h", "kFacingPiece", "cosine up to which a polygon is flipped", UNKNOWN),
-    Tuned(MESHING + "judge/judge_polygon.cpp", "kFew", "corners up to which a polygon is triangulated by least surface",
-          "time and polygons of twelve scans", values=("6", "24")),
     Tuned(MESHING + "repair/repair.cpp", "kPull", "what a pull leaves of a corner's way", UNKNOWN,
           values=("0.25", "0.75")),
     Tuned(MESHING + "repair/repair.cpp", "kPatience", "repeats of the last action", UNKNOWN),

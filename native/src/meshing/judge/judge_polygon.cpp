@@ -189,10 +189,6 @@ class Ears {
   std::vector<std::size_t> left_;
 };
 
-/// Corners of a polygon up to which it has the triangulation of least surface: beyond, that costs more than all else that
-/// is judged. A planar polygon has it for its few slivers.
-constexpr std::size_t kFew = 12, kFewOfPlanar = 64;
-
 /// The triangulation of a simple bent polygon with the least surface, out of those that do not fold over along the
 /// normal.
 /// Source: Gilbert 1979.
@@ -294,8 +290,8 @@ PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<co
   if (verdict.crossing[0] >= 0) {
     verdict.faults |= kCrossing;
   } else if (facets) {
-    const std::size_t few = bounds.no_slivers ? kFewOfPlanar : kFew;
-    if (polygon.size() == 3 || polygon.size() > few ||
+    constexpr std::size_t kFew = 64;
+    if (polygon.size() == 3 || polygon.size() > kFew ||
         !LeastSurface(f.points, convex, polygon, position, bounds.no_slivers ? 4 * bounds.thickness : 0)
              .cut(like, *facets))
       Ears(f.points, polygon).cut(like, *facets);
