@@ -17,7 +17,6 @@ class ISIMP_PT_planes(SubPanel, bpy.types.Panel):
     def draw(self, context):
         layout, panel = self.prepare(context), context.window_manager.isimp
         numbers, unit = store.numbers(targets.seen(context)[0]), context.scene.unit_settings
-        draw_lines(context, layout, text.planes_line(numbers, unit.system, unit.scale_length), icon="FORWARD")
         column = layout.column(align=True)
         column.label(text="Planes of the selected faces:")
         for names in _ROWS:
@@ -28,6 +27,8 @@ class ISIMP_PT_planes(SubPanel, bpy.types.Panel):
         ticks.use_property_split = False  # their names need the whole width
         ticks.prop(panel, "regularise_first")
         ticks.popover("ISIMP_PT_regularise", text="Regularise", icon="SNAP_ON")
+        # Below the buttons, as its lines change.
+        draw_lines(context, layout, text.planes_line(numbers, unit.system, unit.scale_length), icon="FORWARD")
 
 
 class ISIMP_PT_regularise(Popover, bpy.types.Panel):

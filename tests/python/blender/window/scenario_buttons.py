@@ -46,10 +46,9 @@ def pressed(hand, name, wanted, kind, before=0):
 def twins(hand, name, lesser):
     """Two adjacent buttons of one operator: moves to the one with the given flag."""
     yield from hand.find(f"bpy.ops.{name}")
-    if lesser:
-        side = hand.region("UI")
-        yield from hand.move(side.x + (side.width - 20) * 0.75, hand.at[1])
-        same("beside", hand.under_mouse(), f"bpy.ops.{name}")
+    side = hand.region("UI")
+    yield from hand.move(side.x + (side.width - 20) * (0.75 if lesser else 0.3), hand.at[1])
+    same("beside", hand.under_mouse(), f"bpy.ops.{name}")
     yield from hand.click(*hand.at)
     yield from hand.settle()
 
