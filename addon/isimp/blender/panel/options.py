@@ -79,6 +79,7 @@ def _draw_mended(layout, partition) -> None:
     """Draws what is mended of the scan."""
     ticks = layout.column(align=True)
     ticks.use_property_split = False
+    ticks.prop(partition, "curved")
     ticks.prop(partition, "close_openings")
     ticks.prop(partition, "sharpens")
     for name in ("stitch", "grid"):
