@@ -179,3 +179,10 @@ def _write(path, vertices, triangles):
     head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
     rows = [" ".join(map(repr, map(float, v))) for v in vertices] + ["3 " + " ".join(map(str, t)) for t in triangles]
     path.write_text(head + "\n".join(rows) + "\n")
+
+
+@pytest.mark.parametrize("name", ["scan/bunny_69k.ply", "scan/armadillo_86k.ply"])
+def test_scans_of_figures_stay_as_they_are(data, name):
+    mesh = engine.clean(*engine.read(str(data / name)))
+    plain = engine.partition(mesh, engine.PartitionOptions())
+    assert np.array_equal(engine.partition(mesh, engine.PartitionOptions(curved=True)).face_region, plain.face_region)

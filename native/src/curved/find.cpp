@@ -19,7 +19,7 @@ constexpr double kBent = 0.015;                        ///< 1 - |mean normal|: w
 constexpr double kLeastTurn = 0.2, kLeastBend = 0.15;  ///< of a full turn, to be seen of a revolution, of a tube
 constexpr double kWorst = 0.35;     ///< what a surface loses if all its points are at the greatest distance
 constexpr double kStillFree = 0.7;  ///< share of a candidate's area that others have not taken
-constexpr double kLargest = 8;      ///< diagonals: the largest radius
+constexpr double kLargest = 1;      ///< diagonals: the largest radius
 constexpr double kPlaneTurn = 9 * kDegree;
 constexpr std::array kBalls = {10, 30, 80};  ///< points to which a first surface is fitted
 constexpr std::array kKinds = {CurvedKind::sphere, CurvedKind::cylinder, CurvedKind::cone, CurvedKind::revolution};

@@ -8,9 +8,11 @@ namespace isimp::curved {
 namespace {
 
 const double kCrease = std::cos(24 * std::numbers::pi / 180);  ///< of the normals of points on both sides
-constexpr double kMost = 0.62;                                 ///< of a patch's border, at creases or what is kept
-constexpr double kAllRound = 0.92;                             ///< of a full turn
-constexpr double kSome = 0.25;                                 ///< of the border of a patch that goes all round
+constexpr double kNearlyAll = 0.85;   ///< of the border of a patch that is no sphere and goes not all round
+constexpr double kMost = 0.62;        ///< of a patch's border, at creases or what is kept
+constexpr double kAllRound = 0.92;    ///< of a full turn
+constexpr double kSome = 0.25;        ///< of the border of a patch that goes all round
+constexpr double kLargePlane = 0.02;  ///< of the whole area: free forms have smaller ones
 constexpr double kHalfSphere = 0.42;  ///< 1 - |mean normal|, which is half of a half sphere's normals
 
 /// The border of a patch: pairs of its faces and those beside them; kNone where the scan ends.
@@ -40,7 +42,10 @@ class Gates {
     std::vector<bool> kept(found_.size(), true);
     std::vector<double> round(found_.size(), 0.0);
     for (std::size_t k = 0; k < found_.size(); ++k) {
-      if (found_[k].is_plane()) continue;
+      if (found_[k].is_plane()) {
+        kept[k] = found_[k].area > kLargePlane;
+        continue;
+      }
       kept[k] = !members_[k].empty();
       round[k] = round_of(k);
     }
@@ -51,7 +56,7 @@ class Gates {
         const double share = good_share(k, kept);
         const bool is_sphere = found_[k].surface.kind == CurvedKind::sphere;
         const double least = is_sphere ? kHalfSphere : kAllRound;
-        if (share > kMost || (round[k] > least && share > kSome)) continue;
+        if (share > (is_sphere ? kMost : kNearlyAll) || (round[k] > least && share > kSome)) continue;
         kept[k] = false;
         again = true;
       }

@@ -113,7 +113,7 @@ Scene find_patches(const Faces& faces, const Partition& part, const Partition& d
   for (std::int32_t i = 0; i < faces.size(); ++i) {
     std::int32_t& k = scene.label[i];
     if (k == kNone) continue;
-    if (!kept[k] || part.face_region[faces.graph().mesh_face[i]] == kNone)
+    if ((!kept[k] && !scene.found[k].is_plane()) || part.face_region[faces.graph().mesh_face[i]] == kNone)
       k = kNone;
     else if (!scene.found[k].is_plane())
       members[k].push_back(i);
@@ -130,7 +130,7 @@ Scene find_patches(const Faces& faces, const Partition& part, const Partition& d
     if (proxy.kind == CurvedKind::sphere) proxy.axis = sphere_axis(scene, beside);
     proxy.across = across(scene, proxy.axis);
     const double rough = rms(proxy, samples_of(faces, members[k]));
-    const double cells = std::max(3.0, std::round(regions_in(faces, part, region_area, members[k])));
+    const double cells = std::max(1.0, std::round(regions_in(faces, part, region_area, members[k])));
     PatchFaces patch(faces, proxy, std::move(members[k]));
     set_span(proxy, patch);
     scene.patches.push_back({std::move(proxy), static_cast<std::int32_t>(k), std::move(patch), cells, rough});

@@ -13,10 +13,13 @@
 namespace isimp::curved {
 namespace {
 
-constexpr double kOfCell = 0.25;   ///< of a cell's area: a part of one below that is no part of it
-constexpr double kOfRegion = 0.3;  ///< of a region's area: what patches leave of it below that goes to its neighbours
-constexpr double kWorse = 1.1;     ///< a patch may be that much worse by squared distance than the regions before
-constexpr double kOfMean = 0.02;   ///< of the mean area of a region: a part of one
+constexpr double kOfCell = 0.25;     ///< of a cell's area: a part of one below that is no part of it
+constexpr double kOfRegion = 0.3;    ///< of a region's area: what patches leave of it below that goes to its neighbours
+constexpr std::int32_t kFewest = 3;  ///< segments of one that is no full turn
+constexpr double kNarrow = 1;        ///< radians, the least span of one
+constexpr double kBetter = 0.95;     ///< one that is no full turn must be that much better
+constexpr double kWorse = 1.2;       ///< a patch may be that much worse by squared distance than the regions before
+constexpr double kOfMean = 0.02;     ///< of the mean area of a region: a part of one
 
 /// Puts cells in the place of regions.
 class Rounding {
@@ -66,6 +69,7 @@ class Rounding {
   [[nodiscard]] bool pays(const RoundPatch& patch, const Cells& cells,
                           const std::vector<std::pair<std::int32_t, std::int32_t>>& given) {
     if (scene_.found.empty()) return true;
+    if (!patch.proxy.full && (patch.proxy.segments < kFewest || patch.proxy.span < kNarrow)) return false;
     if (middle_.empty()) set_middles();
     double now = 0, before = 0;
     const auto add = [&](std::int32_t i, const Vec3& normal, double offset) {
@@ -80,7 +84,7 @@ class Rounding {
       const CurvedSurface& s = scene_.found[plane].surface;
       add(face, s.axis, s.axis.dot(s.point));
     }
-    return now <= kWorse * before;
+    return now <= (patch.proxy.full ? kWorse : kBetter) * before;
   }
 
   void set_middles() {
