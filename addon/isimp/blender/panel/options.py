@@ -63,6 +63,7 @@ class ISIMP_PT_scan(Popover, bpy.types.Panel):
     def draw(self, context):
         layout, partition = self.prepare(context), context.window_manager.isimp.partition
         layout.prop(partition, "symmetry")
+        layout.prop(partition, "curved")
         settings.draw(layout, rcp.Partition, partition, "leave_out")
         _draw_mended(layout, partition)
         if partition.count_by in ("proxies", "triangles"):
@@ -79,7 +80,6 @@ def _draw_mended(layout, partition) -> None:
     """Draws what is mended of the scan."""
     ticks = layout.column(align=True)
     ticks.use_property_split = False
-    ticks.prop(partition, "curved")
     ticks.prop(partition, "close_openings")
     ticks.prop(partition, "sharpens")
     for name in ("stitch", "grid"):
