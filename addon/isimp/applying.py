@@ -52,6 +52,7 @@ def with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers
     known["locked"] = int(np.count_nonzero(partition.region_locked))
     known |= planes_known(partition)
     known |= _mirror_numbers(partition.symmetry)
+    known |= _round_known(prepared, partition)
     return Outcome(face_region, color, border, partition, numbers=known | numbers, closing=prepared.closing)
 
 
@@ -63,6 +64,16 @@ def _mirror_numbers(symmetry: dict | None) -> dict:
     along = abs(symmetry["normal"][axis]) > ALONG_AN_AXIS
     found = {} if symmetry["regions"] is None else {"mirrored_regions": symmetry["regions"]}
     return {"symmetry": "XYZ"[axis] if along else "oblique"} | found
+
+
+def _round_known(prepared: Prepared, partition) -> dict:
+    """Of each round part its kind, radius, segments and rings, and a face of the scan in it; the largest first."""
+    parts = sorted(partition.curved, key=lambda part: -part.faces)
+    if not parts:
+        return {}
+    faces = [int(prepared.mesh_face[partition.region_seed[part.regions[0]]]) for part in parts]
+    told = zip(parts, faces, strict=True)
+    return {"round": [[part.kind, part.radius, part.segments, part.rings, face] for part, face in told]}
 
 
 def _apply_add(step: rcp.AddProxy, prepared, before, watch, begin, end) -> Outcome:
@@ -283,6 +294,14 @@ def _times(step, prepared) -> tuple:
     return (step.times,)
 
 
+def _round_arguments(step: rcp.RoundRegions, prepared) -> tuple:
+    return triangles_at(prepared, step.faces), step.kind or None
+
+
+def _segments_arguments(step: rcp.RoundSegments, prepared) -> tuple:
+    return triangle_at(prepared, step.face), step.segments, step.rings
+
+
 #: of each step: its name while it works, the engine's function, and that function's arguments
 _EDITS = {
     rcp.SplitRegion: ("splitting", "split_region", _at_face),
@@ -294,6 +313,9 @@ _EDITS = {
     rcp.MergeCheapest: ("merging", "merge_cheapest", _times),
     rcp.Improve: ("improving", "improve", lambda step, prepared: ()),
     rcp.EvenBorders: ("evening out", "even_borders", lambda step, prepared: (step.strength,)),
+    rcp.RoundRegions: ("making round", "make_round", _round_arguments),
+    rcp.RoundSegments: ("cutting round parts", "with_segments", _segments_arguments),
+    rcp.ExplodeRound: ("cutting round parts", "explode_round", _at_face),
 }
 
 

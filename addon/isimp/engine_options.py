@@ -158,6 +158,10 @@ PARTITION: dict[str, Option] = {
         default="none",
         choices=("none", "x", "y", "z", "found"),
     ),
+    "curved": Option(
+        kind="bool",
+        default=False,
+    ),
     "leave_out": Option(
         kind="float",
         default=0.001,

@@ -145,6 +145,23 @@ _REASONS = (
         "symmetry can't be had with a bound: .*",
         own("symmetry can't be had with a bound: choose another way to set the number of regions"),
     ),
+    (
+        r"round parts can't be had with a bound: .*",
+        own("round parts can't be had with a bound: choose another way to set the number of regions"),
+    ),
+    (
+        "round parts can't be had with symmetry: .*",
+        own("round parts can't be had with symmetry: switch one of both off"),
+    ),
+    (r"face \d+ is in no round part", own("this region is in no round part")),
+    (
+        r"a cell of the round part at face \d+ is locked: unlock it first",
+        own("a cell of this round part is locked: unlock it first"),
+    ),
+    (
+        "the faces given determine no round surface: .*",
+        own("these regions determine no round surface: choose more regions of one round part"),
+    ),
     (r"the region of face \d+ is locked: unlock it first", own("this region is locked: press L over it, or Unlock")),
     (
         r"the region of face \d+ is the only one of its part that is not locked: it can't be deleted",
@@ -254,6 +271,7 @@ _LINES = {
     rcp.CutRegion: own("Cut a region"),
     rcp.Improve: own("Improve"),
     rcp.EvenBorders: own("Even out all borders"),
+    rcp.ExplodeRound: own("Explode a round part"),
     rcp.Regularise: own("Regularise"),
     rcp.Mesh: own("Mesh"),
     rcp.Texture: own("Keep Texture"),
@@ -297,6 +315,10 @@ def line(step: rcp.Step) -> str:
             own("Shrink a region by {rings}") if isinstance(step, rcp.ShrinkRegion) else own("Grow a region by {rings}")
         )
         return said(text, rings=count(step.rings, "ring"))
+    if isinstance(step, rcp.RoundRegions):
+        return said("Make {regions} round", regions=count(faces, "region"))
+    if isinstance(step, rcp.RoundSegments):
+        return said("{number} segments for a round part", number=step.segments)
     if isinstance(step, rcp.LockRegions):  # and UnlockRegions
         text = own("Unlock {regions}") if isinstance(step, rcp.UnlockRegions) else own("Lock {regions}")
         return said(text, regions=count(faces, "region"))
@@ -337,6 +359,7 @@ STAGES = (
     own("Counting regions"),
     own("Cutting"),
     own("Cutting off a part"),
+    own("Cutting round parts"),
     own("Decimating"),
     own("Deleting"),
     own("Deleting a region"),
@@ -344,6 +367,7 @@ STAGES = (
     own("Erasing"),
     own("Evening out"),
     own("Finding details"),
+    own("Finding round parts"),
     own("Finding the mirror plane"),
     own("Fitting planes"),
     own("Flooding"),
@@ -351,6 +375,7 @@ STAGES = (
     own("Halving"),
     own("Improving"),
     own("Joining polygons"),
+    own("Making round"),
     own("Making the texture"),
     own("Measuring"),
     own("Merging"),

@@ -14,6 +14,7 @@ from typing import Any
 from .checks import RecipeError, check, short
 from .language import own, said
 from .plane_steps import ALIGNMENTS, UPS, AlignPlanes, Regularise
+from .round_steps import ROUND_KINDS, ExplodeRound, RoundRegions, RoundSegments
 from .step import KINDS, Step, engine_options
 from .steps import (
     COUNTS,
@@ -51,6 +52,7 @@ __all__ = [
     "MARKS",
     "METHODS",
     "MOST_ROUNDS",
+    "ROUND_KINDS",
     "SEEDINGS",
     "UPS",
     "AddProxy",
@@ -61,6 +63,7 @@ __all__ = [
     "DeleteProxy",
     "EraseFaces",
     "EvenBorders",
+    "ExplodeRound",
     "GrowRegion",
     "Improve",
     "LockRegions",
@@ -72,6 +75,8 @@ __all__ = [
     "Recipe",
     "RecipeError",
     "Regularise",
+    "RoundRegions",
+    "RoundSegments",
     "ShrinkRegion",
     "SmoothFaces",
     "SplitRegion",
@@ -107,6 +112,8 @@ class Recipe:
         elif isinstance(step, Regularise):
             hand = max((k for k, old in enumerate(steps) if isinstance(old, AlignPlanes)), default=-1)
             steps = tuple(old for k, old in enumerate(steps) if k < hand or not isinstance(old, Regularise))
+        elif isinstance(step, RoundSegments) and steps and isinstance(steps[-1], RoundSegments):
+            steps = steps[:-1] if steps[-1].face == step.face else steps  # the same round part once more
         return Recipe((*steps, step))
 
     def _last_lock(self) -> int:

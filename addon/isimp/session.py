@@ -213,7 +213,7 @@ class Session:
         else:
             outcome = APPLY[type(step)](step, prepared, before, watch, begin, end)
         seconds = time.perf_counter() - started
-        numbers = {"step": step.kind, "seconds": seconds, "scan": prepared.scan.digest}
+        numbers = {"step": rcp.KINDS[type(step)], "seconds": seconds, "scan": prepared.scan.digest}
         numbers |= scan_numbers(self.prepare(prepared.scan)) | {"closed_below": outcome.closing.holes}
         mesh = self._prepared(prepared.scan, outcome).mesh
         numbers |= {"repairs": mesh.report["repairs"]}

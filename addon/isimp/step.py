@@ -36,7 +36,7 @@ class Step:
         raise NotImplementedError
 
     def to_dict(self) -> dict[str, Any]:
-        values = {"step": self.kind, **dataclasses.asdict(self)}
+        values = {"step": KINDS[type(self)], **dataclasses.asdict(self)}
         if self.enabled:
             del values["enabled"]
         return values

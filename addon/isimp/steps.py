@@ -16,6 +16,7 @@ from .checks import RecipeError, check, check_choice, check_face, check_options,
 from .engine_options import MESHING, PARTITION, TEXTURE
 from .language import own, said
 from .plane_steps import AlignPlanes, Regularise
+from .round_steps import ExplodeRound, RoundRegions, RoundSegments
 from .step import KINDS, Step, count_faces, engine_options
 
 METHODS = PARTITION["method"].choices
@@ -47,6 +48,7 @@ class Partition(Step):
     adaptivity: float = 0.25  #: smaller regions where the scan is rough
     smooth: float = PARTITION["smooth"].default  #: 0: least error; 1: cleanest shapes
     symmetry: str = PARTITION["symmetry"].default  #: regions mirror across x, y or z, or in a plane that is found
+    curved: bool = PARTITION["curved"].default  #: cylinders, cones, spheres and the like become rings of segments
     noise: float = -1.0  #: standard deviation of the scan's noise, scene units; below 0: estimated
     snap: bool = PARTITION["snap"].default  #: take the number of planes if the scan clearly consists of planes
     sharp_edges: float = (
@@ -88,8 +90,9 @@ class Partition(Step):
 
     def to_dict(self) -> dict[str, Any]:
         values = super().to_dict()
-        if not self.keep_openings:  # as steps of earlier versions are
-            del values["keep_openings"]
+        for name in ("keep_openings", "curved"):  # as steps of earlier versions are
+            if not values[name]:
+                del values[name]
         return values
 
     def keeping(self, place: Iterable[float], keep: bool) -> Partition:
@@ -408,6 +411,9 @@ KINDS |= {  # of all steps
     MergeCheapest: "merge_cheapest",
     Improve: "improve",
     EvenBorders: "even_borders",
+    RoundRegions: "round",
+    RoundSegments: "segments",
+    ExplodeRound: "explode",
     Regularise: "regularise",
     AlignPlanes: "align",
     Mesh: "mesh",

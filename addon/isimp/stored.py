@@ -148,6 +148,20 @@ def _are_polygons(value: object) -> bool:
     return all(_is_count(polygon) for found in value.values() for polygon in found)
 
 
+def _are_round(value: object) -> bool:
+    """Round parts as `applying.round_known` gives them."""
+
+    def fits(part: object) -> bool:
+        if not isinstance(part, list) or len(part) != 5:
+            return False
+        kind, radius, *counts = part
+        return (
+            kind in ("cylinder", "cone", "sphere", "revolution") and _is_number(radius) and all(map(_is_count, counts))
+        )
+
+    return isinstance(value, list) and all(map(fits, value))
+
+
 _COUNTS = (
     *("regions", "regions_before", "asked", "left_out", "locked", "barriers", "barriers_inside", "failed"),
     *("polygons", "corners", "vertices", "triangles", "faces", "components", "border_loops", "kept_open"),
@@ -167,6 +181,7 @@ _FITS = {
     "scan": _is_text,
     "symmetry": lambda value: value in ("X", "Y", "Z", "oblique", "none"),
     "flaws": _are_polygons,
+    "round": _are_round,
     "reason": _is_text,
 }
 #: numbers that are useless without others, as they are shown together

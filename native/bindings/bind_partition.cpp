@@ -1,6 +1,7 @@
 // The Python class Partition, its options and the partition itself.
 #include <pybind11/stl.h>
 
+#include <array>
 #include <optional>
 #include <utility>
 
@@ -54,6 +55,79 @@ py::object symmetry_of(const Partition& part) {
                   "regions"_a = m.regions == kNone ? py::object(py::none()) : py::object(py::int_(m.regions)));
 }
 
+const char* name_of(CurvedKind kind) {
+  constexpr std::array kNames = {"plane", "cylinder", "cone", "sphere", "revolution"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+py::tuple numbers(const Vec3& v) { return py::make_tuple(v[0], v[1], v[2]); }
+
+/// A list of dicts: one for each patch that still has a cell.
+py::list curved_of(const Partition& part) {
+  std::vector<py::list> regions(part.curved.size());
+  for (std::size_t r = 0; r < part.region_cell.size(); ++r)
+    if (const std::int32_t p = part.region_cell[r].proxy; p != kNone) regions[p].append(r);
+  std::vector<std::int64_t> faces(part.curved.size(), 0);
+  for (std::size_t r = 0; r < part.region_cell.size(); ++r)
+    if (const std::int32_t p = part.region_cell[r].proxy; p != kNone) faces[p] += part.region_sum[r].faces;
+  py::list all;
+  for (std::size_t p = 0; p < part.curved.size(); ++p) {
+    const CurvedProxy& c = part.curved[p];
+    if (regions[p].empty()) continue;
+    py::list profile;
+    for (std::size_t i = 0; i + 1 < c.profile.size(); i += 2)
+      profile.append(py::make_tuple(c.profile[i], c.profile[i + 1]));
+    all.append(py::dict("kind"_a = name_of(c.kind), "axis"_a = numbers(c.axis), "point"_a = numbers(c.point),
+                        "radius"_a = c.radius, "slope"_a = c.slope, "profile"_a = profile, "hollow"_a = c.side < 0,
+                        "full"_a = c.full, "span"_a = c.span, "segments"_a = c.segments, "rings"_a = c.rings,
+                        "faces"_a = faces[p], "regions"_a = regions[p], "number"_a = p));
+  }
+  return all;
+}
+
+/// A patch as Python sees it: its values by name, as attributes and as of a dict.
+struct CurvedView {
+  py::dict values;
+};
+
+void bind_curved_proxy(py::module_& m) {
+  py::class_<CurvedView> view(
+      m, "CurvedProxy", py::module_local(),
+      R"(A curved patch of a partition, cut into segments round its axis and rings along its profile.
+
+kind: "cylinder", "cone", "sphere" or "revolution". axis: unit. point: on the axis, the centre of a sphere. radius: of a cone
+at `point`, of a revolution the largest. slope: of a cone, growth of the radius along the axis. profile: of a revolution,
+(rho, z) of its corners, z along the axis from `point`. hollow: the surface looks towards its axis. full: all the way round;
+span: the angle of all segments, radians. faces: number of faces of the mesh. regions: its cells. number: its place among all
+patches. Values are attributes, and items as of a dict.)");
+  constexpr std::pair<const char*, const char*> kValues[] = {
+      {"kind", "\"cylinder\", \"cone\", \"sphere\" or \"revolution\"."},
+      {"axis", "Unit, a tuple of 3 numbers."},
+      {"point", "On the axis; the centre of a sphere. Scene units."},
+      {"radius", "Of a cone at `point`, of a revolution the largest. Scene units."},
+      {"slope", "Of a cone: growth of the radius along the axis."},
+      {"profile", "Of a revolution: (rho, z) of its corners, z along the axis from `point`."},
+      {"hollow", "Whether the surface looks towards its axis."},
+      {"full", "Whether the segments go all the way round."},
+      {"span", "The angle of all segments, radians."},
+      {"segments", "Cells round the axis."},
+      {"rings", "Cells along the profile."},
+      {"faces", "Number of faces of the mesh."},
+      {"regions", "The cells, a list of regions."},
+      {"number", "Its place among all patches."},
+  };
+  for (const auto& [name, doc] : kValues)
+    view.def_property_readonly(
+        name, [name = name](const CurvedView& self) -> py::object { return self.values[name]; }, doc);
+  view.def("__getitem__",
+           [](const CurvedView& self, const std::string& name) -> py::object { return self.values[name.c_str()]; })
+      .def("keys", [](const CurvedView& self) { return self.values.attr("keys")(); })
+      .def("__repr__", [](const CurvedView& self) {
+        return py::str("<CurvedProxy: {}, radius {:.4g}, {} segments, {} rings>")
+            .format(self.values["kind"], self.values["radius"], self.values["segments"], self.values["rings"]);
+      });
+}
+
 py::dict report_of(const Partition& part) {
   py::dict report("regions"_a = part.region_count(), "proxies_asked"_a = part.proxies_asked,
                   "proxies_needed"_a = part.proxies_needed, "parts_left_out"_a = part.parts_left_out,
@@ -61,7 +135,7 @@ py::dict report_of(const Partition& part) {
                   "tolerance"_a = given_or_none(part.tolerance > 0, part.tolerance),
                   "noise"_a = given_or_none(part.tolerance > 0 || is_bounded(part), part.noise),
                   "distance_max"_a = given_or_none(is_bounded(part), part.distance_max), "snapped"_a = part.snapped,
-                  "symmetry"_a = symmetry_of(part), "warnings"_a = warnings(part));
+                  "symmetry"_a = symmetry_of(part), "curved"_a = curved_of(part), "warnings"_a = warnings(part));
   if (part.regularity) report.attr("update")(regularity_of(part));
   return report;
 }
@@ -125,6 +199,14 @@ void bind_result(py::module_& m) {
 normal (unit) and offset: the plane is normal @ x = offset, scene units. mismatch_mean and mismatch: distance of the scan
 from its mirror image, the mean by area, and the limit for nine tenths of the area. regions: how many mirror; None if it
 was edited since. polygonize makes corners mirror in this plane where the regions do.)")
+      .def_property_readonly(
+          "curved",
+          [](const Partition& part) {
+            py::list all;
+            for (const py::handle values : curved_of(part)) all.append(CurvedView{values.cast<py::dict>()});
+            return all;
+          },
+          "The curved patches that have cells, as CurvedProxy; empty where PartitionOptions.curved was not set.")
       .def_property_readonly("report", &report_of, "The numbers of this partition as a dict.")
       .def(py::pickle([](const Partition& self) { return state_of(self); }, &partition_from_state))
       .def("__repr__", [](const Partition& part) {
@@ -146,6 +228,7 @@ Guides read_guides(const std::optional<py::object>& weights, const std::optional
 void bind_partition(py::module_& m) {
   OptionsClass<PartitionOptions>(m, "PartitionOptions",
                                  "How to split a surface into regions. All fields are keywords.");
+  bind_curved_proxy(m);
   bind_result(m);
   m.def(
       "partition",

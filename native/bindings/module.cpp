@@ -11,6 +11,7 @@ PYBIND11_MODULE(_core, m) {
   isimp::bindings::bind_mesh(m);
   isimp::bindings::bind_parallel(m);
   isimp::bindings::bind_partition(m);
+  isimp::bindings::bind_curved(m);
   isimp::bindings::bind_interact(m);
   isimp::bindings::bind_meshing(m);
   isimp::bindings::bind_io(m);

@@ -123,6 +123,31 @@ std::shared_ptr<const GuidedGraph> unpack_guided(const py::object& packed, std::
   return guided;
 }
 
+py::tuple pack_curved(const CurvedProxy& proxy) {
+  const auto& [kind, point, axis, radius, slope, side, profile, closed] = static_cast<const CurvedSurface&>(proxy);
+  const auto number = static_cast<std::int32_t>(kind);
+  const std::vector<Vec3> places = {point, axis, proxy.across};
+  return pack_all(number, places, radius, slope, side, profile, closed, proxy.phase, proxy.span, proxy.full,
+                  proxy.segments, proxy.rings, proxy.knots, proxy.low_cap, proxy.high_cap);
+}
+
+CurvedProxy unpack_curved(const py::tuple& packed) {
+  CurvedProxy p;
+  std::int32_t kind = 0;
+  std::vector<Vec3> places;
+  unpack_all(packed, kind, places, p.radius, p.slope, p.side, p.profile, p.closed, p.phase, p.span, p.full, p.segments,
+             p.rings, p.knots, p.low_cap, p.high_cap);
+  check(kind >= 0 && kind <= static_cast<std::int32_t>(CurvedKind::revolution) && places.size() == 3);
+  p.kind = static_cast<CurvedKind>(kind);
+  p.point = places[0];
+  p.axis = places[1];
+  p.across = places[2];
+  check(is_unit(p.axis) && is_unit(p.across) && p.point.allFinite() && all_finite(p.profile) && all_finite(p.knots));
+  check(all_finite(p.radius, p.slope, p.side, p.phase, p.span) && p.segments > 0 && p.rings > 0);
+  check(p.knots.size() == static_cast<std::size_t>(p.rings) + 1);
+  return p;
+}
+
 py::tuple pack_report(const MeshingReport& report) {
   const auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean,
@@ -186,8 +211,10 @@ std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
 
 py::tuple state_of(const Partition& partition) {
   const auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped,
-               bound, distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held,
-               regularity, symmetry] = partition;
+               bound, distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held, curved,
+               cell, regularity, symmetry] = partition;
+  py::list patches;
+  for (const CurvedProxy& proxy : curved) patches.append(pack_curved(proxy));
   const auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, islands, length, rms_before,
                rms] = regularity.value_or(Regularity{});
   const auto& [normal, offset, mismatch_mean, mismatch, mirrored] = symmetry.value_or(Mirror{});
@@ -197,15 +224,15 @@ py::tuple state_of(const Partition& partition) {
                regularity.has_value(), directions, planes, level, upright, slopes, parallel, free, by_hand, even,
                islands, length, rms_before, rms, symmetry.has_value(), std::vector<Vec3>{normal}, offset, mismatch_mean,
                mismatch, mirrored),
-      pack_guided(guided));
+      pack_guided(guided), py::tuple(patches), pack(cell));
 }
 
 Partition partition_from_state(const py::tuple& state) {
-  check(state.size() == 2);
+  check(state.size() == 2 || state.size() == 4);  // without curved patches: an older version
   Partition partition;
   auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped, bound,
-         distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held, regularity,
-         symmetry] = partition;
+         distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held, curved, cell,
+         regularity, symmetry] = partition;
   Regularity found;
   Mirror plane;
   std::vector<Vec3> normals;
@@ -231,6 +258,11 @@ Partition partition_from_state(const py::tuple& state) {
   check(all_finite(error, smooth, tolerance, noise, bound, distance_max, area_left_out) && all_finite(history) &&
         all_finite(region_offset) && (!is_symmetric || (is_unit(normal) && std::isfinite(offset))));
   guided = unpack_guided(state[1], faces);
+  if (state.size() == 2) return partition;
+  for (const py::handle item : state[2].cast<py::tuple>()) curved.push_back(unpack_curved(item.cast<py::tuple>()));
+  unpack(state[3], cell);
+  check(cell.empty() || cell.size() == regions);
+  for (const CurvedCell& c : cell) check(c.proxy >= kNone && c.proxy < static_cast<std::int64_t>(curved.size()));
   return partition;
 }
 

@@ -12,6 +12,7 @@ from . import within as within
 from ._core import (
     Cancelled,
     CleanOptions,
+    CurvedProxy,
     FileError,
     InvalidInput,
     Job,
@@ -35,9 +36,11 @@ from ._core import (
     erase_faces,
     even_borders,
     expected_polygons,
+    explode_round,
     grow_region,
     improve,
     lock_regions,
+    make_round,
     merge_cheapest,
     merge_flat,
     merge_regions,
@@ -46,6 +49,7 @@ from ._core import (
     paint_faces,
     partition,
     partition_from,
+    patch_of,
     polygonize,
     region_fits,
     region_sides,
@@ -57,6 +61,7 @@ from ._core import (
     split_region,
     triangulate,
     unlock_regions,
+    with_segments,
 )
 from .exporting import write
 from .reading import read, read_polygons
@@ -74,6 +79,7 @@ from .texturing import (
 __all__ = [
     "Cancelled",
     "CleanOptions",
+    "CurvedProxy",
     "FileError",
     "InvalidInput",
     "Job",
@@ -101,9 +107,11 @@ __all__ = [
     "erase_faces",
     "even_borders",
     "expected_polygons",
+    "explode_round",
     "grow_region",
     "improve",
     "lock_regions",
+    "make_round",
     "merge_cheapest",
     "merge_flat",
     "merge_regions",
@@ -112,6 +120,7 @@ __all__ = [
     "paint_faces",
     "partition",
     "partition_from",
+    "patch_of",
     "polygonize",
     "read",
     "read_polygons",
@@ -128,6 +137,7 @@ __all__ = [
     "triangulate",
     "unlock_regions",
     "uv_islands",
+    "with_segments",
     "write",
     "write_textured",
 ]

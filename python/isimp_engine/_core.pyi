@@ -97,6 +97,7 @@ class PartitionOptions:
     adaptivity: float
     smooth: float
     symmetry: Literal["none", "x", "y", "z", "found"]
+    curved: bool
     leave_out: float
     seed: int
     iterations: int
@@ -122,6 +123,7 @@ class PartitionOptions:
         adaptivity: float = ...,
         smooth: float = ...,
         symmetry: Literal["none", "x", "y", "z", "found"] = ...,
+        curved: bool = ...,
         leave_out: float = ...,
         seed: int = ...,
         iterations: int = ...,
@@ -137,6 +139,24 @@ class PartitionOptions:
     @staticmethod
     def fields() -> list[dict[str, Any]]: ...
     def as_dict(self) -> dict[str, Any]: ...
+
+class CurvedProxy:
+    kind: Literal["cylinder", "cone", "sphere", "revolution"]
+    axis: tuple[float, float, float]
+    point: tuple[float, float, float]
+    radius: float
+    slope: float
+    profile: list[tuple[float, float]]
+    hollow: bool
+    full: bool
+    span: float
+    segments: int
+    rings: int
+    faces: int
+    regions: list[int]
+    number: int
+    def __getitem__(self, name: str, /) -> Any: ...
+    def keys(self) -> Any: ...
 
 class Partition:
     @property
@@ -165,6 +185,8 @@ class Partition:
     def snapped(self) -> bool: ...
     @property
     def region_offset(self) -> NDArray[np.float64]: ...
+    @property
+    def curved(self) -> list[CurvedProxy]: ...
     @property
     def regularity(self) -> dict[str, Any] | None: ...
     @property
@@ -228,6 +250,14 @@ def add_worst(mesh: Mesh, partition: Partition, times: int = 1, job: Job | None 
 def delete_least(mesh: Mesh, partition: Partition, times: int = 1, job: Job | None = None) -> Partition: ...
 def merge_cheapest(mesh: Mesh, partition: Partition, times: int = 1, job: Job | None = None) -> Partition: ...
 def even_borders(mesh: Mesh, partition: Partition, strength: float = 1.0, job: Job | None = None) -> Partition: ...
+def make_round(
+    mesh: Mesh, part: Partition, faces: NDArray[np.integer] | list[int], kind: str | None = None, job: Job | None = None
+) -> Partition: ...
+def with_segments(
+    mesh: Mesh, part: Partition, face: int, segments: int, rings: int = 0, job: Job | None = None
+) -> Partition: ...
+def explode_round(mesh: Mesh, part: Partition, face: int, job: Job | None = None) -> Partition: ...
+def patch_of(mesh: Mesh, part: Partition, face: int) -> int | None: ...
 def improve(mesh: Mesh, partition: Partition, job: Job | None = None) -> Partition: ...
 def region_statistics(mesh: Mesh, partition: Partition, face: int, job: Job | None = None) -> dict[str, Any]: ...
 def all_statistics(mesh: Mesh, partition: Partition, job: Job | None = None) -> list[dict[str, Any]]: ...

@@ -106,6 +106,11 @@ class PartitionSettings:
         ),
         default=_PARTITION.symmetry,
     )
+    curved: BoolProperty(
+        name="Round Parts",
+        description="Cylinders, cones, spheres and surfaces of revolution become rings of equal segments",
+        default=_PARTITION.curved,
+    )
     close_openings: BoolProperty(
         name="Close Openings",
         description="Close holes and tunnels of a noisy scan that the regions can't show",

@@ -99,6 +99,7 @@ std::int32_t Edit::add_region() {
   if (!result.region_locked.empty()) result.region_locked.push_back(0);
   if (!result.region_held.empty()) {
     result.region_held.push_back(0);
+    if (!result.region_cell.empty()) result.region_cell.emplace_back();
     result.region_normal.emplace_back(Vec3::Zero());
     result.region_offset.push_back(0);
     sums_.emplace_back();
@@ -116,6 +117,7 @@ void Edit::remove_region(std::int32_t region) {
   if (!result.region_locked.empty()) result.region_locked.erase(result.region_locked.begin() + at);
   if (!result.region_held.empty()) {
     result.region_held.erase(result.region_held.begin() + at);
+    if (!result.region_cell.empty()) result.region_cell.erase(result.region_cell.begin() + at);
     result.region_normal.erase(result.region_normal.begin() + at);
     result.region_offset.erase(result.region_offset.begin() + at);
     sums_.erase(sums_.begin() + at);
@@ -179,8 +181,11 @@ void Edit::keep_planes() {
     const RegionSum &now = result.region_sum[r], &before = sums_[r];
     const double turned = (now.normal() - before.normal()).norm(), more = std::abs(now.weight - before.weight);
     const bool is_same = now.faces == before.faces && turned <= 1e-9 && more <= 1e-9 * before.weight;
-    const bool by_hand = result.region_held[r] != kPlaneSnapped && turned <= kTurns && more <= kStays * before.weight;
-    if (!is_same && !by_hand) result.region_held[r] = 0;
+    const bool by_hand =
+        !result.is_snapped(static_cast<std::int32_t>(r)) && turned <= kTurns && more <= kStays * before.weight;
+    if (is_same || by_hand) continue;
+    result.region_held[r] = 0;
+    if (!result.region_cell.empty()) result.region_cell[r] = {};  // what an edit changes leaves its patch
   }
   result.regularity.reset();
   if (result.symmetry) result.symmetry->regions = kNone;

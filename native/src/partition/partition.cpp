@@ -121,6 +121,8 @@ Partition inherited(Partition part, const Partition& before) {
   };
   take(part.region_locked, before.region_locked);
   take(part.region_held, before.region_held);
+  take(part.region_cell, before.region_cell);
+  part.curved = before.curved;
   if (before.bound > 0 || !before.region_held.empty()) {
     take(part.region_normal, before.region_normal);
     take(part.region_offset, before.region_offset);

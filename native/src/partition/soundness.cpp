@@ -16,6 +16,9 @@ std::string broken_sizes(const Partition& p) {
   if (!p.region_locked.empty() && p.region_locked.size() != regions) return "region_locked has another size";
   if (!p.region_held.empty() && p.region_held.size() != regions) return "region_held has another size";
   if (!p.region_offset.empty() && p.region_offset.size() != regions) return "region_offset has another size";
+  if (!p.region_cell.empty() && p.region_cell.size() != regions) return "region_cell has another size";
+  for (const CurvedCell& c : p.region_cell)
+    if (c.proxy < kNone || c.proxy >= static_cast<std::int32_t>(p.curved.size())) return "a cell is of no patch";
   return "";
 }
 

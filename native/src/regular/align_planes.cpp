@@ -165,6 +165,7 @@ Partition align_planes(const Mesh& mesh, const Partition& partition, std::span<c
     if (partition.region_offset.empty()) out.region_offset[i] = planes[i].offset;
   for (const std::int32_t r : of.regions) {
     out.region_held[r] = to == Align::free ? kPlaneFree : kPlaneByHand;
+    if (!out.region_cell.empty()) out.region_cell[r] = {};
     out.region_normal[r] = to == Align::free ? partition.region_sum[r].normal() : planes[r].snapped;
     out.region_offset[r] = planes[r].offset;
   }

@@ -74,7 +74,7 @@ class Islands {
   /// Whether a region may become part of a wall.
   [[nodiscard]] bool may(std::int32_t wall, std::int32_t r) const {
     if (is_locked(r)) return false;
-    const bool by_person = part_.region_held[r] == kPlaneByHand || part_.region_held[r] == kPlaneFree;
+    const bool by_person = part_.region_held[r] != 0 && part_.region_held[r] != kPlaneSnapped;
     if (by_person && !is_one_plane(wall, r)) return false;
     return std::all_of(faces_[r].begin(), faces_[r].end(), [&](std::int32_t f) {
       const Triangle& t = mesh_.triangles()[f];
@@ -148,6 +148,7 @@ std::vector<std::int32_t> unite_regions(const Mesh& mesh, Partition& p, std::spa
   keep(p.region_offset, stays);
   keep(p.region_locked, stays);
   keep(p.region_held, stays);
+  keep(p.region_cell, stays);
   p.error = 0;
   const double area = Surface(mesh, p.guided).graph().area;
   for (const RegionSum& s : p.region_sum) p.error += s.error() * area;

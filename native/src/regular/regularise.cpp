@@ -41,6 +41,7 @@ enum class Kind : std::uint8_t { free, level, upright, slope, parallel, by_hand 
 struct Region : RegionPlane {
   Kind kind = Kind::free;
   bool stays_free = false;  ///< released by hand
+  bool is_round = false;    ///< a cell of a curved patch, which stays as if set by hand
 };
 
 double azimuth_difference(double a, double b) {
@@ -63,7 +64,8 @@ class Regulariser {
       Region& r = regions_.emplace_back(Region{plane});
       if (partition.region_held.empty()) continue;
       r.stays_free = partition.region_held[i] == kPlaneFree;
-      if (partition.region_held[i] != kPlaneByHand) continue;
+      r.is_round = partition.region_held[i] == kPlaneRound;
+      if (partition.region_held[i] != kPlaneByHand && !r.is_round) continue;
       r.kind = Kind::by_hand;
       r.snapped = partition.region_normal[i];
       r.offset = partition.region_offset[i];
@@ -106,6 +108,7 @@ class Regulariser {
       const Region& r = regions_[i];
       if (r.scan.area <= 0) continue;
       out.region_held[i] = r.stays_free              ? kPlaneFree
+                           : r.is_round              ? kPlaneRound
                            : r.kind == Kind::by_hand ? kPlaneByHand
                            : r.kind == Kind::free    ? 0
                                                      : kPlaneSnapped;
@@ -114,7 +117,7 @@ class Regulariser {
     }
     if (depth_ > 0) merge_islands(out, found);
     for (const Region& r : regions_)
-      if (r.scan.area > 0) count(found, r.kind);
+      if (r.scan.area > 0 && !r.is_round) count(found, r.kind);
     found.length = length_;
     found.even = even_;
     out.regularity = found;

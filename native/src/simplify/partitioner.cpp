@@ -9,10 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "density/noise.h"
 #include "hierarchy/detail_tree.h"
 #include "hierarchy/hierarchy.h"
 #include "isimp/core/check.h"
 #include "isimp/core/errors.h"
+#include "isimp/curved/round.h"
 #include "isimp/partition/soundness.h"
 #include "isimp/simplify/mirror.h"
 #include "isimp/thesis/thesis.h"
@@ -96,6 +98,11 @@ Partition Partitioner::run(const PartitionOptions& options, const Constraints& c
     counted.proxies = proxies_for(*options.triangles, mesh_->face_count());
     return run(counted, constraints, job);
   }
+  if (options.curved) {
+    Partition result = with_round_parts(options, constraints, job);
+    ISIMP_ASSERT(broken_promise(Surface(*mesh_, result.guided), result).empty(), "a partition keeps its promises");
+    return result;
+  }
   const bool plain = options.symmetry == Symmetry::none;
   Partition result = plain ? without_symmetry(options, constraints, job) : with_symmetry(options, constraints, job);
   const bool whole = constraints.before == nullptr && !constraints.faces;
@@ -107,6 +114,39 @@ Partition Partitioner::run(const PartitionOptions& options, const Constraints& c
     }
   ISIMP_ASSERT(broken_promise(Surface(*mesh_, result.guided), result).empty(), "a partition keeps its promises");
   return result;
+}
+
+Partition Partitioner::with_round_parts(const PartitionOptions& options, const Constraints& constraints,
+                                        Job& job) const {
+  const std::string other = options.bound ? "a bound" : options.symmetry != Symmetry::none ? "symmetry" : "";
+  if (!other.empty()) throw InvalidInput("round parts can't be had with " + other + ": leave out one of the two");
+  PartitionOptions plain = options, small;
+  plain.curved = false;
+  Partition part = [&] {
+    const Job::Part stage(job, "partitioning", 0.0, 0.6);
+    return run(plain, constraints, job);
+  }();
+  small.proxies = round_points(mesh_->face_count());
+  small.leave_out = 0.0;
+  small.threads = options.threads;
+  Prepared prepared = prepare(constraints.with_cuts(), options.adaptivity, job);
+  const Surface surface = prepared.surface;
+  const Partition data = [&] {
+    const Job::Part stage(job, "partitioning", 0.6, 0.8);
+    return by_known_number(surface, std::move(prepared.kept), small, job);
+  }();
+  const Job::Part stage(job, "finding round parts", 0.8, 1.0);
+  const bool is_found = part.tolerance > 0;
+  const RoundLengths lengths{.tolerance = is_found ? part.tolerance : kDefaultDetail * surface_size(*mesh_),
+                             .noise = is_found        ? part.noise
+                                      : options.noise ? *options.noise
+                                                      : estimate_noise(*mesh_, Threads(options.threads), job)};
+  std::vector<std::uint8_t> stays;
+  if (constraints.faces) {
+    stays.assign(static_cast<std::size_t>(mesh_->face_count()), 1);
+    for (const std::int32_t f : *constraints.faces) stays[f] = 0;
+  }
+  return round_parts(surface, std::move(part), data, lengths, stays, job);
 }
 
 Partition Partitioner::with_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const {
@@ -245,12 +285,15 @@ void hold_as(Partition& part, const Partition& before, bool all_stay) {
   if (before.region_held.empty()) return;
   part.region_offset.resize(part.region_seed.size());
   part.region_held.assign(part.region_seed.size(), 0);
+  if (!before.region_cell.empty()) part.region_cell.resize(part.region_seed.size());
+  part.curved = before.curved;
   for (std::size_t r = 0; r < part.region_seed.size(); ++r) {
     const std::int32_t region = before.face_region[part.region_seed[r]];
     const bool is_locked = region != kNone && !before.region_locked.empty() && before.region_locked[region] != 0;
     if (region == kNone || !(all_stay || is_locked)) continue;
     if (part.region_sum[r].faces != before.region_sum[region].faces) continue;  // some of its faces were split off
     part.region_held[r] = before.region_held[region];
+    if (!before.region_cell.empty()) part.region_cell[r] = before.region_cell[region];
     if (!before.is_held(region)) continue;
     part.region_normal[r] = before.region_normal[region];
     part.region_offset[r] = before.region_offset[region];

@@ -224,6 +224,7 @@ def _make(
         "error": part.error,
         "history": part.history.tolist(),
         "partition": part.report,
+        "curved": part.report["curved"],
         "expected": model.expected,
         "output": {"path": str(arguments.output)} | model.found.report,
         "validity": exporting.validity(poly, surfaces=surfaces),
@@ -303,6 +304,8 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     yield from words.more_proxies(part.region_count, part.proxies_asked)
     wanted, plane = report["options"]["symmetry"], report["partition"]["symmetry"]
     yield from words.symmetry(wanted, plane, part.region_count, out)
+    if report["options"]["curved"]:
+        yield f"  {words.round_parts(report['curved'])}"
     yield words.polygons(out, out["regions"])
     yield words.flat(out, mesh["diagonal"], sum(report["seconds"].values()))
     if more := words.more_than_regions(out):

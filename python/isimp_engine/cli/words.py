@@ -119,6 +119,19 @@ def symmetry(wanted: str, plane: dict[str, Any] | None, regions: int, out: dict[
     yield f"  mirrors across {across}: {known}{out['mirrored_corners']:,} of {count(out['vertices'], 'corner')}"
 
 
+def round_parts(parts: list[dict[str, Any]]) -> str:
+    """`round: 2 cylinders, 1 cone`."""
+    kinds = [part["kind"] for part in parts]
+    named = {"cylinder": "cylinder", "cone": "cone", "sphere": "sphere", "revolution": "surface of revolution"}
+    several = {"revolution": "surfaces of revolution"}
+    found = [
+        f"{number} {name if number == 1 else several.get(kind, name + 's')}"
+        for kind, name in named.items()
+        if (number := kinds.count(kind))
+    ]
+    return f"round: {', '.join(found)}" if found else "no round parts found"
+
+
 def left_out(parts: int, area: float) -> Iterator[str]:
     if parts:
         yield f"  left out: {count(parts, 'part')}, {area:.2%} of the area"

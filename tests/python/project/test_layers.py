@@ -14,7 +14,19 @@ import isimp_engine
 ROOT = Path(__file__).resolve().parents[3]
 NATIVE = ROOT / "native"
 ADDON = ROOT / "addon" / "isimp"
-ORDER = ["core", "mesh", "partition", "interact", "meshing", "regular", "texture", "thesis", "simplify", "tiles"]
+ORDER = [
+    "core",
+    "mesh",
+    "partition",
+    "interact",
+    "curved",
+    "meshing",
+    "regular",
+    "texture",
+    "thesis",
+    "simplify",
+    "tiles",
+]
 #: each may use the modules before it
 UNRELATED = {("interact", "meshing"), ("meshing", "interact")}
 #: folders of a module, lowest first; a file may include files of its own and of lower folders

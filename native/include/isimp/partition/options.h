@@ -59,6 +59,7 @@ struct PartitionOptions {
   double adaptivity = 0.0;
   double smooth = 0.5;
   Symmetry symmetry = Symmetry::none;
+  bool curved = false;
   double leave_out = 0.001;
   std::uint64_t seed = 1;
   std::int32_t iterations = 20;
@@ -118,6 +119,9 @@ constexpr auto fields(const PartitionOptions*) {
              "Regions that mirror, as the surface does. 'x', 'y', 'z': in a plane across that axis, or nearly so; "
              "refused where the surface does not mirror in it. 'found': in the plane in which the surface mirrors, if "
              "there is one. Not for a bound."),
+      field("curved", &O::curved,
+            "Makes round parts round: cylinders, cones, spheres and surfaces of revolution become rings of equal "
+            "segments. Not for a bound or symmetry."),
       field("leave_out", &O::leave_out, from_below(0, 1), Unit::none,
             "Components below this share of the total area get no region, smallest first, as long as all of them "
             "together stay below ten times it; below twenty times it, where each has less than a tenth of the mean "

@@ -9,6 +9,7 @@
 
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
+#include "isimp/partition/curved.h"
 #include "isimp/partition/metric.h"
 #include "isimp/partition/mirror.h"
 #include "isimp/partition/options.h"
@@ -34,6 +35,7 @@ struct Regularity {
 constexpr std::uint8_t kPlaneSnapped = 1;  ///< snapped by `regularise`
 constexpr std::uint8_t kPlaneByHand = 2;   ///< set by `align_planes`, which `regularise` keeps
 constexpr std::uint8_t kPlaneFree = 3;     ///< released by `align_planes`: not held, and `regularise` leaves it free
+constexpr std::uint8_t kPlaneRound = 4;    ///< of a cell of a curved patch; `regularise` keeps it
 
 /// A surface split into connected, near-planar regions.
 struct Partition {
@@ -66,14 +68,20 @@ struct Partition {
 
   std::vector<std::uint8_t> region_locked;  ///< (R) 1 if edits do not change a region; empty: none (interact/lock.h)
 
-  /// (R) kPlaneSnapped or kPlaneByHand where polygons use the plane of region_normal and region_offset, kPlaneFree
-  /// where they never do, else 0; empty: all 0
+  /// (R) kPlaneSnapped, kPlaneByHand or kPlaneRound where polygons use the plane of region_normal and region_offset,
+  /// kPlaneFree where they never do, else 0; empty: all 0
   std::vector<std::uint8_t> region_held;
+  std::vector<CurvedProxy> curved;       ///< the curved patches; each has a region
+  std::vector<CurvedCell> region_cell;   ///< (R) the cell of a patch that a region is, if it is one; empty: none is
   std::optional<Regularity> regularity;  ///< if regularised and not edited since
   std::optional<Mirror> symmetry;        ///< the plane in which it mirrors, for the polygons too; edits keep it
 
   [[nodiscard]] bool is_held(std::int32_t region) const {
-    return !region_held.empty() && (region_held[region] == kPlaneSnapped || region_held[region] == kPlaneByHand);
+    return !region_held.empty() && region_held[region] != 0 && region_held[region] != kPlaneFree;
+  }
+  /// Whether polygons keep to the plane only where it does no harm.
+  [[nodiscard]] bool is_snapped(std::int32_t region) const {
+    return is_held(region) && region_held[region] != kPlaneByHand;
   }
   [[nodiscard]] std::int32_t region_count() const { return static_cast<std::int32_t>(region_seed.size()); }
 };

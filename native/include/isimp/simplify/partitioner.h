@@ -60,6 +60,8 @@ class Partitioner {
   /// only some faces are split, or regions are locked, it has the plane alone. The number may differ a little from
   /// `proxies`.
   ///
+  /// With `curved` round parts become rings of cells; see round_parts.
+  ///
   /// \param job     polled at least every 50 ms; reports progress in [0, 1]
   /// \throws InvalidInput  an option out of its range, a weight, barrier or face that can't be used: the message names
   ///                       the range and the value; open_faces() lists further errors
@@ -83,6 +85,7 @@ class Partitioner {
   void keep(const Kept& kept) const;
   [[nodiscard]] Prepared prepare(Guides guides, double adaptivity, Job& job) const;
   [[nodiscard]] std::shared_ptr<const OwnPart> own_part(std::span<const std::int32_t> open, Job& job) const;
+  Partition with_round_parts(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
   Partition with_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
   Partition without_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
   Partition on_part(const Surface& surface, std::span<const std::int32_t> open, const PartitionOptions& options,

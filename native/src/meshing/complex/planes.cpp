@@ -119,12 +119,12 @@ Plane without(const Plane& piece, const Plane& part) {
 }
 
 void hold_by_hand(Plane& plane, const Partition& partition, std::int32_t region) {
-  if (partition.is_held(region) && partition.region_held[region] != kPlaneSnapped) hold(plane, partition, region);
+  if (partition.is_held(region) && !partition.is_snapped(region)) hold(plane, partition, region);
 }
 
 void hold(Plane& plane, const Partition& partition, std::int32_t region) {
   plane.held = partition.is_held(region);
-  plane.snapped = plane.held && partition.region_held[region] == kPlaneSnapped;
+  plane.snapped = partition.is_snapped(region);
   if (!plane.held) return;
   plane.normal = partition.region_normal[region];
   plane.centre += (partition.region_offset[region] - plane.normal.dot(plane.centre)) * plane.normal;

@@ -1,0 +1,39 @@
+"""Round parts: one line each, with its number of segments, and a button that makes its cells ordinary regions."""
+
+import bpy
+
+from ...language import own, said
+from .. import store, targets, text
+from .common import SubPanel
+
+_KINDS = {
+    "cylinder": own("Cylinder, radius {radius}"),
+    "cone": own("Cone, radius {radius}"),
+    "sphere": own("Sphere, radius {radius}"),
+    "revolution": own("Revolution, radius {radius}"),
+}
+_MOST_LINES = 12  # of a scan with many round parts: the largest
+
+
+class ISIMP_PT_round_parts(SubPanel, bpy.types.Panel):
+    bl_label = "Round Parts"
+    bl_parent_id = "ISIMP_PT_regions"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.prepare(context)
+        layout.operator("isimp.make_round", icon="MESH_CYLINDER")
+        parts = store.numbers(targets.seen(context)[0]).get("round", ())
+        for kind, radius, segments, _, face in parts[:_MOST_LINES]:
+            column = layout.column(align=True)
+            column.label(text=said(_KINDS[kind], radius=text.in_scene(radius)))
+            row = column.row(align=True)
+            for change, icon in ((-1, "REMOVE"), (1, "ADD")):
+                button = row.operator("isimp.round_segments", text="", icon=icon)
+                button.face, button.segments = face, max(1, segments + change)
+                if change < 0:
+                    row.label(text=said("{number} segments", number=segments))
+            row.operator("isimp.explode_round", icon="MOD_EXPLODE").face = face
+
+
+CLASSES = (ISIMP_PT_round_parts,)

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "isimp/core/job.h"
+#include "isimp/partition/partition.h"
+#include "isimp/partition/surface.h"
+
+namespace isimp {
+
+/// Lengths by which curved patches are found, scene units.
+struct RoundLengths {
+  double tolerance = 0;  ///< of the partition; its default where the number of regions was given
+  double noise = 0;      ///< standard deviation of the scan's noise
+};
+
+/// The number of small regions in which curved patches are found: a twentieth of the faces, within limits.
+std::int32_t round_points(std::int32_t faces);
+
+/// Makes round parts round: finds cylinders, cones, spheres and surfaces of revolution, and cuts each into segments
+/// round its axis and rings along its profile, as many as the partition has regions there. Each cell is a region with a
+/// plane that polygons keep to (kPlaneRound). Regions elsewhere stay as they are, but for what patches leave of those at
+/// their borders; where nothing is found the partition comes back as it is.
+///
+/// \param part  the partition by planes; locked regions stay as they are
+/// \param data  the same surface in round_points() regions
+/// \param stays  (F) 1 where a face keeps its region; empty: nowhere
+/// \throws InvalidInput  the partitions are of another mesh
+/// \throws Cancelled     nothing was changed
+/// Cost: O(F), and some hundred fits to as many points.
+/// Source: own; fits as in Pottmann, Wallner 2001 and Gelfand, Guibas 2004.
+Partition round_parts(const Surface& surface, Partition part, const Partition& data, const RoundLengths& lengths,
+                      std::span<const std::uint8_t> stays, Job& job);
+
+}  // namespace isimp

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "isimp/core/types.h"
+
+namespace isimp {
+
+enum class CurvedKind : std::uint8_t { plane, cylinder, cone, sphere, revolution };
+
+/// A surface round an axis, or a plane. Lengths in scene units. Of a partition `point` is in the caller's coordinates;
+/// while patches are searched and cut it is relative to the mesh's origin.
+struct CurvedSurface {
+  CurvedKind kind = CurvedKind::plane;
+  Vec3 point = Vec3::Zero();  ///< on the axis; the centre of a sphere; of a cone and a cylinder amid their faces
+  Vec3 axis = Vec3::UnitZ();  ///< unit; the normal of a plane
+  double radius = 0;          ///< cylinder, sphere; of a cone at `point`; of a revolution the largest
+  double slope = 0;           ///< cone: growth of the radius along the axis
+  double side = 1;  ///< 1: the normals lead away from the axis, or to the right of the profile; -1: the other way
+  std::vector<double> profile;  ///< revolution: rho, z, rho, z, ... of its corners, z along the axis from `point`
+  bool closed = false;          ///< revolution: the profile is a ring
+  bool operator==(const CurvedSurface&) const = default;
+};
+
+/// A curved patch of a partition: one surface, cut into segments round its axis and rings along its profile.
+struct CurvedProxy : CurvedSurface {
+  Vec3 across = Vec3::UnitX();  ///< unit, square to the axis: where angles begin
+  double phase = 0, span = 0;   ///< the first segment's begin and the angle of all segments, radians
+  bool full = false;            ///< the segments go all the way round
+  std::int32_t segments = 0, rings = 0;
+  std::vector<double> knots;  ///< (rings + 1) along the profile: height, angle from the lower pole, or length
+  bool low_cap = false, high_cap = false;  ///< the first and last ring are one cell across the axis
+  bool operator==(const CurvedProxy&) const = default;
+};
+
+/// The cell of a patch that a region is.
+struct CurvedCell {
+  std::int32_t proxy = kNone, ring = 0, segment = 0;
+  bool operator==(const CurvedCell&) const = default;
+};
+
+}  // namespace isimp

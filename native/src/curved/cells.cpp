@@ -1,0 +1,159 @@
+#include "cells.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <unordered_map>
+
+namespace isimp::curved {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kNear = 0.35;  ///< of a segment's width: a vertex further from a grid's corner is not made one
+
+class Cutter {
+ public:
+  Cutter(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch)
+      : f_(faces), p_(proxy), patch_(patch), width_(proxy.span / proxy.segments) {}
+
+  Cells run() {
+    Cells cells;
+    for (std::size_t k = 0; k < patch_.face.size(); ++k) {
+      ring_.push_back(ring_of(patch_.along[k]));
+      segment_.push_back(segment_of(patch_.angle[k]));
+    }
+    if (p_.rings > 1) join_corners();
+    for (std::size_t k = 0; k < ring_.size(); ++k)
+      cells.of_face.push_back(ring_[k] * p_.segments + (is_cap(ring_[k]) ? 0 : segment_[k]));
+    set_planes(cells);
+    return cells;
+  }
+
+ private:
+  [[nodiscard]] bool is_cap(std::int32_t ring) const {
+    return (p_.low_cap && ring == 0) || (p_.high_cap && ring == p_.rings - 1);
+  }
+  [[nodiscard]] std::int32_t ring_of(double along) const {
+    const auto at = std::upper_bound(p_.knots.begin(), p_.knots.end(), along) - p_.knots.begin() - 1;
+    return std::clamp(static_cast<std::int32_t>(at), 0, p_.rings - 1);
+  }
+  [[nodiscard]] double place(double angle) const {
+    const double t = std::fmod(angle - p_.phase + 2 * kTurn, kTurn);
+    if (p_.full) return t;
+    return t > p_.span + (kTurn - p_.span) / 2 ? 0 : std::min(t, p_.span);
+  }
+  [[nodiscard]] std::int32_t segment_of(double angle) const {
+    return std::min(static_cast<std::int32_t>(place(angle) / width_), p_.segments - 1);
+  }
+
+  /// How far one place along the profile is beyond another one; round a ring the shorter way.
+  [[nodiscard]] double beyond(double along, double from) const {
+    const double d = along - from, round = p_.knots.back();
+    return p_.closed ? d - round * std::round(d / round) : d;
+  }
+
+  /// The vertex nearest to a corner of the grid.
+  struct Nearest {
+    std::int32_t vertex = kNone;
+    double distance = std::numeric_limits<double>::infinity(), angle = 0, along = 0, rho = 0;
+  };
+
+  void join_corners() {
+    std::unordered_map<std::int32_t, std::size_t> at;  // of each face of the patch
+    for (std::size_t k = 0; k < patch_.face.size(); ++k) at[patch_.face[k]] = k;
+    std::map<std::pair<std::int32_t, std::int32_t>, Nearest> nearest;  // by knot and side of a segment
+    std::vector<std::int32_t> vertices;
+    const Mesh& mesh = f_.mesh();
+    const FaceGraph& graph = f_.graph();
+    for (const std::int32_t i : patch_.face)
+      for (const std::int32_t v : mesh.triangles()[graph.mesh_face[i]]) vertices.push_back(v);
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    for (const std::int32_t v : vertices) offer(v, nearest);
+    for (const auto& [corner, n] : nearest) {
+      if (n.distance > std::pow(kNear * width_ * n.rho, 2) || !is_inside(n.vertex, at)) continue;
+      for_each_leaving(mesh, n.vertex, [&](std::int32_t h) {
+        const std::size_t k = at.at(graph.graph_face[Mesh::face(h)]);
+        ring_[k] = beyond(patch_.along[k], n.along) > 0 ? corner.first : (corner.first + p_.rings - 1) % p_.rings;
+        const bool is_right = turned(patch_.angle[k] - n.angle) > 0;
+        const std::int32_t side = corner.second;
+        segment_[k] = is_right ? side % p_.segments : (side + p_.segments - 1) % p_.segments;
+      });
+    }
+  }
+
+  void offer(std::int32_t v, std::map<std::pair<std::int32_t, std::int32_t>, Nearest>& nearest) const {
+    const Vec3& x = f_.mesh().vertices()[v];
+    const Polar polar = curved::polar(p_, x);
+    const double angle = curved::angle(p_, x), along = curved::along(p_, polar);
+    auto side = static_cast<std::int32_t>(std::floor(place(angle) / width_ + 0.5));
+    if (p_.full) side %= p_.segments;
+    if (!p_.full && (side <= 0 || side >= p_.segments)) return;
+    const double to = turned(angle - p_.phase - side * width_) * polar.rho;
+    std::int32_t best = kNone;
+    for (std::int32_t k = p_.closed ? 0 : 1; k < p_.rings; ++k)
+      if (best == kNone || std::abs(beyond(along, p_.knots[k])) < std::abs(beyond(along, p_.knots[best]))) best = k;
+    const double up = beyond(along, p_.knots[best]) * (p_.kind == CurvedKind::sphere ? p_.radius : 1);
+    Nearest& n = nearest[{best, side}];
+    const double d = to * to + up * up;
+    if (d < n.distance) n = {v, d, angle, along, polar.rho};
+  }
+
+  /// Whether all faces round a vertex are in the patch, and none lies beyond a border of the scan.
+  [[nodiscard]] bool is_inside(std::int32_t v, const std::unordered_map<std::int32_t, std::size_t>& at) const {
+    bool is = true;
+    for_each_leaving(f_.mesh(), v, [&](std::int32_t h) {
+      is = is && f_.mesh().opposite(h) != kNone && at.contains(f_.graph().graph_face[Mesh::face(h)]);
+    });
+    return is;
+  }
+
+  void set_planes(Cells& cells) const {
+    const auto count = static_cast<std::size_t>(p_.rings) * static_cast<std::size_t>(p_.segments);
+    cells.cell.resize(count);
+    cells.normal.assign(count, Vec3::Zero());
+    cells.offset.assign(count, 0.0);
+    std::vector<std::array<double, 5>> sum(static_cast<std::size_t>(p_.rings));
+    for (std::size_t k = 0; k < ring_.size(); ++k) {
+      const double a = patch_.area[k];
+      const std::array values = {a, a * patch_.out[k], a * patch_.up[k], a * patch_.rho[k], a * patch_.z[k]};
+      for (std::size_t j = 0; j < values.size(); ++j) sum[ring_[k]][j] += values[j];
+    }
+    const double sinc = std::sin(width_ / 2) / (width_ / 2);
+    const Vec3 beside = p_.axis.cross(p_.across);
+    for (std::int32_t r = 0; r < p_.rings; ++r) {
+      const auto& [area, out, up, rho, z] = sum[r];
+      if (area <= 0) continue;
+      for (std::int32_t s = 0; s < (is_cap(r) ? 1 : p_.segments); ++s) {
+        const auto c = static_cast<std::size_t>(r * p_.segments + s);
+        cells.cell[c] = {kNone, r, s};
+        if (is_cap(r)) {
+          cells.normal[c] = up < 0 ? Vec3(-p_.axis) : p_.axis;
+          cells.offset[c] = cells.normal[c].dot(p_.point + z / area * p_.axis);
+          continue;
+        }
+        const Vec2 m = Vec2(out * sinc, up).normalized();
+        const double angle = p_.phase + (s + 0.5) * width_;
+        cells.normal[c] = (m.x() * (std::cos(angle) * p_.across + std::sin(angle) * beside) + m.y() * p_.axis);
+        cells.offset[c] = cells.normal[c].dot(p_.point) + m.x() * rho / area * sinc + m.y() * z / area;
+      }
+    }
+  }
+
+  const Faces& f_;
+  const CurvedProxy& p_;
+  const PatchFaces& patch_;
+  double width_;
+  Some ring_, segment_;
+};
+
+}  // namespace
+
+Cells cut(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch) {
+  return Cutter(faces, proxy, patch).run();
+}
+
+}  // namespace isimp::curved

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "grid.h"
+
+namespace isimp::curved {
+
+/// What a patch is cut into.
+struct Cells {
+  Some of_face;                  ///< by PatchFaces: ring * segments + segment
+  std::vector<CurvedCell> cell;  ///< by that number; `proxy` is not set
+  std::vector<Vec3> normal;      ///< of the plane of each
+  std::vector<double> offset;    ///< the plane is where normal * x is this
+};
+
+/// Cuts a patch into cells, so that four meet in one vertex of the scan: by symmetry their planes meet in one point, and
+/// two junctions of three would fall together.
+/// Cost: O(faces of the patch).
+Cells cut(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch);
+
+}  // namespace isimp::curved

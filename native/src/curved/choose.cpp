@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+#include "cells.h"
+#include "isimp/core/forest.h"
+#include "patches.h"
+
+namespace isimp::curved {
+namespace {
+
+constexpr double kSameAxis = 0.9995;  ///< cosine
+constexpr double kBesideAxis = 2;     ///< times the nearness, of one point from the other axis
+constexpr int kTries = 3;             ///< of cells that together are no more than before
+constexpr double kSpeck = 0.25;       ///< of a cell's area
+constexpr double kMoreCells = 1.03;
+
+/// Patches that have the same axis and touch each other.
+bool is_coaxial(const CurvedProxy& a, const CurvedProxy& b, double distance) {
+  if (!a.full || !b.full) return false;
+  // A sphere has any axis through its centre, so it takes that of the other.
+  const bool is_free = a.kind == CurvedKind::sphere || b.kind == CurvedKind::sphere;
+  if (!is_free && std::abs(a.axis.dot(b.axis)) < kSameAxis) return false;
+  const CurvedProxy &line = a.kind == CurvedKind::sphere ? b : a, &point = a.kind == CurvedKind::sphere ? a : b;
+  return polar(line, point.point).rho < kBesideAxis * distance;
+}
+
+class Chooser {
+ public:
+  Chooser(const Faces& faces, Scene& scene, double distance) : f_(faces), s_(scene), distance_(distance) {}
+
+  void run(Job& job) {
+    const std::vector<bool> done = choose_pipes(f_, s_, distance_);
+    for (const std::vector<std::size_t>& some : classes()) {
+      job.poll();
+      if (std::any_of(some.begin(), some.end(), [&](std::size_t k) { return done[k]; })) continue;
+      if (some.size() > 1) share_axis(some);
+      double cells = 0;
+      for (const std::size_t k : some) {
+        cells += s_.patches[k].cells;
+        limit_to_tangents(s_.patches[k]);
+      }
+      // Another body may cut cells in two: fewer are taken then.
+      double share = 1;
+      for (int k = 0; k < kTries; ++k) {
+        choose(some, share);
+        double pieces = 0;
+        for (const std::size_t i : some) pieces += pieces_of(s_.patches[i]);
+        if (pieces <= kMoreCells * cells + 0.5) break;
+        share *= cells / pieces;
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::vector<std::size_t>> classes() const {
+    std::vector<std::int32_t> patch(s_.found.size(), kNone);
+    for (std::size_t k = 0; k < s_.patches.size(); ++k) patch[s_.patches[k].found] = static_cast<std::int32_t>(k);
+    std::map<std::pair<std::int32_t, std::int32_t>, int> beside;
+    for (const RoundPatch& p : s_.patches)
+      for (const std::int32_t i : p.faces.face)
+        for (const std::int32_t j : f_.graph().neighbours[i]) {
+          const std::int32_t other = j == f_.size() || s_.label[j] == kNone ? kNone : patch[s_.label[j]];
+          if (other != kNone && patch[p.found] < other) ++beside[{patch[p.found], other}];
+        }
+    detail::Forest forest(s_.patches.size());
+    for (const auto& [pair, edges] : beside)
+      if (edges >= 6 && is_coaxial(s_.patches[pair.first].proxy, s_.patches[pair.second].proxy, distance_))
+        forest.join(pair.first, pair.second);
+    std::map<std::int32_t, std::vector<std::size_t>> sets;
+    for (std::size_t k = 0; k < s_.patches.size(); ++k) sets[forest.root(static_cast<std::int32_t>(k))].push_back(k);
+    std::vector<std::vector<std::size_t>> all;
+    for (auto& [root, some] : sets) all.push_back(std::move(some));
+    return all;
+  }
+
+  /// The direction where angles begin is that of the largest patch; spheres take its axis.
+  void share_axis(const std::vector<std::size_t>& some) {
+    const std::size_t first = *std::max_element(some.begin(), some.end(), [&](std::size_t a, std::size_t b) {
+      const RoundPatch &p = s_.patches[a], &q = s_.patches[b];
+      const bool p_sphere = p.proxy.kind == CurvedKind::sphere, q_sphere = q.proxy.kind == CurvedKind::sphere;
+      if (p_sphere != q_sphere) return p_sphere;
+      return s_.found[p.found].area < s_.found[q.found].area;
+    });
+    const CurvedProxy& of = s_.patches[first].proxy;
+    for (const std::size_t k : some) {
+      CurvedProxy& p = s_.patches[k].proxy;
+      if (k == first) continue;
+      if (p.kind == CurvedKind::sphere) p.axis = of.axis;
+      if (p.axis.dot(of.axis) < 0 && is_straight(p)) {
+        p.axis = -p.axis;
+        p.slope = -p.slope;
+      }
+      p.across = (of.across - of.across.dot(p.axis) * p.axis).normalized();
+      s_.patches[k].faces = PatchFaces(f_, p, std::move(s_.patches[k].faces.face));
+    }
+  }
+  static bool is_straight(const CurvedProxy& p) { return p.kind == CurvedKind::cylinder || p.kind == CurvedKind::cone; }
+
+  /// The parts of the cells of a patch that are no specks.
+  [[nodiscard]] double pieces_of(const RoundPatch& p) const {
+    if (p.proxy.segments == 0) return 0;
+    const Cells cells = cut(f_, p.proxy, p.faces);
+    std::unordered_map<std::int32_t, std::size_t> at;
+    for (std::size_t k = 0; k < p.faces.face.size(); ++k) at[p.faces.face[k]] = k;
+    std::vector<bool> met(p.faces.face.size(), false);
+    double all = 0, count = 0;
+    for (const double a : p.faces.area) all += a;
+    const double speck = kSpeck * all / (p.proxy.segments * p.proxy.rings);
+    std::vector<std::size_t> stack;
+    for (std::size_t k = 0; k < met.size(); ++k) {
+      if (met[k]) continue;
+      met[k] = true;
+      stack.push_back(k);
+      double area = 0;
+      while (!stack.empty()) {
+        const std::size_t i = stack.back();
+        stack.pop_back();
+        area += p.faces.area[i];
+        for (const std::int32_t j : f_.graph().neighbours[p.faces.face[i]]) {
+          const auto other = at.find(j);
+          if (other == at.end() || met[other->second] || cells.of_face[other->second] != cells.of_face[i]) continue;
+          met[other->second] = true;
+          stack.push_back(other->second);
+        }
+      }
+      count += area > speck;
+    }
+    return count;
+  }
+
+  /// \param share  of the number of cells that the partition has there
+  void choose(const std::vector<std::size_t>& some, double share) {
+    std::map<std::int32_t, std::vector<Grid>> by_segments;
+    double cells = 0;
+    for (const std::size_t k : some) cells += share * s_.patches[k].cells;
+    for (const std::size_t k : some) {
+      const RoundPatch& p = s_.patches[k];
+      // Alone a patch keeps to its own number of cells; together they keep to the sum.
+      const double mine = some.size() > 1 ? std::max(share * p.cells, cells / 2) : cells;
+      for (Grid& grid : grids(p.proxy, p.faces, mine, p.rough)) by_segments[grid.segments].push_back(std::move(grid));
+    }
+    const std::vector<Grid>* best = nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    for (auto& [n, all] : by_segments) {
+      if (all.size() != some.size()) continue;
+      if (some.size() > 1) all = within(n, some, cells);
+      double cost = 0, count = 0;
+      for (const Grid& g : all) {
+        cost += g.cost;
+        count += g.cells;
+      }
+      if (best != nullptr && (cost >= least || count > kMoreCells * cells + 0.5)) continue;
+      least = count > kMoreCells * cells + 0.5 ? std::numeric_limits<double>::max() : cost;
+      best = &all;
+    }
+    if (best == nullptr) return;
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      RoundPatch& p = s_.patches[some[k]];
+      apply(p.proxy, (*best)[k]);
+      if (p.proxy.full)
+        p.proxy.phase = -p.proxy.span / p.proxy.segments / 2;  // a segment, not an edge, looks along `across`
+    }
+  }
+
+  /// Grids of patches with the same segments that together keep to a number of cells: rings are added one by one where
+  /// they gain most for a cell.
+  [[nodiscard]] std::vector<Grid> within(std::int32_t n, const std::vector<std::size_t>& some, double cells) const {
+    std::vector<Grid> all, next;
+    double count = 0;
+    const auto grid = [&](std::size_t k, std::int32_t rings) {
+      const RoundPatch& p = s_.patches[some[k]];
+      return grid_of(p.proxy, p.faces, n, rings, p.cells);
+    };
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      all.push_back(grid(k, 1));
+      next.push_back(grid(k, 2));
+      count += all.back().cells;
+    }
+    for (;;) {
+      std::size_t best = some.size();
+      double most = 0;
+      for (std::size_t k = 0; k < some.size(); ++k) {
+        if (next[k].rings == all[k].rings || count + next[k].cells - all[k].cells > kMoreCells * cells + 0.5) continue;
+        const double gain = (all[k].cost - next[k].cost) / std::max(1, next[k].cells - all[k].cells);
+        if (gain <= most) continue;
+        most = gain;
+        best = k;
+      }
+      if (best == some.size()) return all;
+      count += next[best].cells - all[best].cells;
+      all[best] = next[best];
+      next[best] = grid(best, all[best].rings + 1);
+    }
+  }
+
+  /// Where planes touch a patch at its ends, they have the first and the last half segment.
+  static void limit_to_tangents(RoundPatch& p) {
+    if (p.tangent[0] == kNone && p.tangent[1] == kNone) return;
+    if (p.tangent[0] != kNone) {
+      p.proxy.span -= p.first_angle - p.proxy.phase;
+      p.proxy.phase = p.first_angle;
+    }
+    if (p.tangent[1] != kNone) p.proxy.span = p.last_angle - p.proxy.phase;
+  }
+
+  const Faces& f_;
+  Scene& s_;
+  double distance_;
+};
+
+}  // namespace
+
+void choose_grids(const Faces& faces, Scene& scene, double distance, Job& job) {
+  Chooser(faces, scene, distance).run(job);
+}
+
+}  // namespace isimp::curved

@@ -1,0 +1,250 @@
+#include "face_labels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace isimp::curved {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr int kSweeps = 12;
+constexpr int kFilters = 3;                       ///< averages of the normals
+constexpr double kFilters53 = 0.6;                ///< cosine: neighbours further apart are not averaged
+const double kNoCrease = std::cos(30 * kDegree);  ///< of the normals of the points of two faces
+constexpr double kNoSurface = 1.2;                ///< cost of a face on none
+constexpr double kMostCost = 8;
+constexpr double kSame = 0.25;        ///< what a neighbour of the same label is worth
+constexpr double kSmallPart = 0.004;  ///< of the whole area: a part on no surface below that is given away easily
+constexpr double kSmallHole = 0.05, kInside = 0.95;  ///< the same of one that a single surface is round, by edges
+constexpr double kFitsWell = 1.6, kFitsAtAll = 4;
+constexpr double kFragment = 0.0015;  ///< of the whole area
+constexpr double kSpeck = 0.02;       ///< of what is small: even the only part of a label
+
+std::vector<Vec3> filtered_normals(const Faces& faces, Job& job) {
+  const FaceGraph& graph = faces.graph();
+  std::vector<Vec3> normal(static_cast<std::size_t>(faces.size())), next(normal.size());
+  for (std::int32_t i = 0; i < faces.size(); ++i) normal[i] = std::max(faces.area(i), 1e-30) * faces.normal(i);
+  std::vector<Vec3> unit(normal.size());
+  for (int k = 0; k < kFilters; ++k) {
+    job.poll();
+    for (std::size_t i = 0; i < normal.size(); ++i) unit[i] = normal[i].normalized();
+    for (std::int32_t i = 0; i < faces.size(); ++i) {
+      next[i] = normal[i];
+      for (const std::int32_t j : graph.neighbours[i])
+        if (j != graph.size() && unit[i].dot(unit[j]) > kFilters53) next[i] += normal[j];
+    }
+    normal.swap(next);
+  }
+  for (Vec3& n : normal) n.normalize();
+  return normal;
+}
+
+class Borders {
+ public:
+  Borders(const Faces& faces, const Points& points, const std::vector<Found>& found, const Nearness& near, Job& job)
+      : f_(faces),
+        graph_(faces.graph()),
+        p_(points),
+        found_(found),
+        near_(near),
+        normal_(filtered_normals(faces, job)) {
+    Some own(points.area.size(), kNone);
+    for (std::size_t k = 0; k < found.size(); ++k)
+      for (const std::int32_t i : found[k].points) own[i] = static_cast<std::int32_t>(k);
+    label_.resize(static_cast<std::size_t>(faces.size()));
+    for (std::int32_t i = 0; i < faces.size(); ++i)
+      label_[i] = points.of_face[i] == kNone ? kNone : own[points.of_face[i]];
+  }
+
+  Some run(Job& job) {
+    Some active;
+    for (std::int32_t i = 0; i < f_.size(); ++i)
+      if (is_open(i) && at_border(i)) active.push_back(i);
+    for (int sweep = 0; sweep < kSweeps && !active.empty(); ++sweep) {
+      job.poll();
+      active = moved(active);
+    }
+    for (int k = 0; k < 3; ++k)
+      if (!give_rest_away(job)) break;
+    absorb_fragments(
+        f_, label_, [](std::int32_t) { return kFragment; }, job);
+    for (std::int32_t i = 0; i < f_.size(); ++i)
+      if (!is_open(i)) label_[i] = kNone;
+    return std::move(label_);
+  }
+
+ private:
+  [[nodiscard]] bool is_open(std::int32_t i) const { return p_.of_face[i] != kNone; }
+  [[nodiscard]] bool at_border(std::int32_t i) const {
+    return std::any_of(graph_.neighbours[i].begin(), graph_.neighbours[i].end(),
+                       [&](std::int32_t j) { return j != graph_.size() && label_[j] != label_[i]; });
+  }
+  [[nodiscard]] bool is_smooth(std::int32_t i, std::int32_t j) const {
+    if (!is_open(i) || !is_open(j)) return false;
+    return p_.normal[p_.of_face[i]].dot(p_.normal[p_.of_face[j]]) > kNoCrease;
+  }
+
+  [[nodiscard]] double cost(std::int32_t i, std::int32_t label) const {
+    if (label == kNone) return kNoSurface;
+    const Residual r = residual(found_[label].surface, f_.centre(i));
+    const double d = r.distance / near_.distance;
+    return std::min(kMostCost, 0.5 * d * d + (1 - r.normal.dot(normal_[i])) / (1 - std::cos(near_.turn)));
+  }
+
+  /// Gives each of some faces the cheapest label of those round it.
+  /// \return the faces at the borders round the ones that moved
+  Some moved(const Some& active) {
+    std::vector<bool> next(static_cast<std::size_t>(f_.size()), false);
+    for (const std::int32_t i : active) {
+      std::array<std::int32_t, 4> labels{label_[i], label_[i], label_[i], label_[i]};
+      std::array<int, 4> votes{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::int32_t j = graph_.neighbours[i][k];
+        if (j != graph_.size() && is_smooth(i, j)) labels[k + 1] = label_[j];
+      }
+      for (const std::int32_t j : graph_.neighbours[i])
+        for (std::size_t k = 0; k < 4; ++k) votes[k] += j != graph_.size() && label_[j] == labels[k];
+      std::int32_t best = label_[i];
+      double least = cost(i, best) - kSame * votes[0];
+      for (std::size_t k = 1; k < 4; ++k) {
+        if (labels[k] == best) continue;
+        const double c = cost(i, labels[k]) - kSame * votes[k];
+        if (c >= least) continue;
+        least = c;
+        best = labels[k];
+      }
+      if (best == label_[i]) continue;
+      label_[i] = best;
+      next[i] = true;
+      for (const std::int32_t j : graph_.neighbours[i])
+        if (j != graph_.size() && is_open(j)) next[j] = true;
+    }
+    Some faces;
+    for (std::int32_t i = 0; i < f_.size(); ++i)
+      if (next[i] && at_border(i)) faces.push_back(i);
+    return faces;
+  }
+
+  /// Gives parts that are on no surface to the neighbour that fits them.
+  bool give_rest_away(Job& job) {
+    const LabelParts parts = parts_of_labels(f_, label_, job);
+    std::vector<Some> members(parts.label.size());
+    std::map<std::pair<std::int32_t, std::int32_t>, int> beside;
+    std::map<std::int32_t, int> all;
+    for (std::int32_t i = 0; i < f_.size(); ++i) {
+      if (label_[i] != kNone || !is_open(i)) continue;
+      members[parts.part[i]].push_back(i);
+      for (const std::int32_t j : graph_.neighbours[i]) {
+        if (j != graph_.size() && label_[j] == kNone) continue;
+        ++all[parts.part[i]];
+        if (j != graph_.size()) ++beside[{parts.part[i], label_[j]}];
+      }
+    }
+    std::map<std::int32_t, std::pair<double, std::int32_t>> best;
+    for (const auto& [pair, edges] : beside) {
+      const auto& [part, label] = pair;
+      if (parts.area[part] > 0.5) continue;
+      const double misfit = misfit_of(members[part], label) - 0.01 * edges;
+      const bool is_inside = edges >= kInside * all.at(part) && parts.area[part] < kSmallHole;
+      const double least = is_inside || parts.area[part] < kSmallPart ? kFitsAtAll : kFitsWell;
+      if (misfit + 0.01 * edges >= least) continue;
+      const auto [at, is_new] = best.try_emplace(part, misfit, label);
+      if (!is_new && misfit < at->second.first) at->second = {misfit, label};
+    }
+    for (const auto& [part, to] : best)
+      for (const std::int32_t i : members[part]) label_[i] = to.second;
+    return !best.empty();
+  }
+
+  [[nodiscard]] double misfit_of(const Some& members, std::int32_t label) const {
+    double square = 0, turn = 0, area = 0;
+    for (const std::int32_t i : members) {
+      const Residual r = residual(found_[label].surface, f_.centre(i));
+      square += f_.area(i) * r.distance * r.distance;
+      turn += f_.area(i) * (1 - r.normal.dot(normal_[i]));
+      area += f_.area(i);
+    }
+    area = std::max(area, 1e-300);
+    return std::sqrt(square / area) / near_.distance + turn / area / (1 - std::cos(2 * near_.turn));
+  }
+
+  const Faces& f_;
+  const FaceGraph& graph_;
+  const Points& p_;
+  const std::vector<Found>& found_;
+  const Nearness& near_;
+  std::vector<Vec3> normal_;
+  Some label_;
+};
+
+}  // namespace
+
+LabelParts parts_of_labels(const Faces& faces, const Some& labels, Job& job) {
+  const FaceGraph& graph = faces.graph();
+  LabelParts parts;
+  parts.part.assign(labels.size(), kNone);
+  Some stack;
+  for (std::int32_t f = 0; f < faces.size(); ++f) {
+    if ((f & 0xffff) == 0) job.poll();
+    if (parts.part[f] != kNone) continue;
+    const auto number = static_cast<std::int32_t>(parts.label.size());
+    parts.label.push_back(labels[f]);
+    double& area = parts.area.emplace_back(0.0);
+    parts.part[f] = number;
+    stack.push_back(f);
+    while (!stack.empty()) {
+      const std::int32_t i = stack.back();
+      stack.pop_back();
+      area += faces.area(i);
+      for (const std::int32_t j : graph.neighbours[i]) {
+        if (j == graph.size() || parts.part[j] != kNone || labels[j] != labels[i]) continue;
+        parts.part[j] = number;
+        stack.push_back(j);
+      }
+    }
+  }
+  return parts;
+}
+
+void absorb_fragments(const Faces& faces, Some& labels, const std::function<double(std::int32_t)>& small, Job& job) {
+  const FaceGraph& graph = faces.graph();
+  for (int round = 0; round < 4; ++round) {
+    const LabelParts parts = parts_of_labels(faces, labels, job);
+    std::map<std::int32_t, double> largest;
+    for (std::size_t k = 0; k < parts.label.size(); ++k) {
+      double& most = largest[parts.label[k]];
+      most = std::max(most, parts.area[k]);
+    }
+    std::vector<bool> is_bad(parts.label.size(), false);
+    for (std::size_t k = 0; k < is_bad.size(); ++k) {
+      const double least = small(parts.label[k]);
+      is_bad[k] =
+          parts.area[k] < kSpeck * least || (parts.area[k] < 0.999 * largest[parts.label[k]] && parts.area[k] < least);
+    }
+    std::map<std::pair<std::int32_t, std::int32_t>, int> beside;
+    for (std::int32_t i = 0; i < faces.size(); ++i) {
+      if (!is_bad[parts.part[i]]) continue;
+      for (const std::int32_t j : graph.neighbours[i])
+        if (j != graph.size() && parts.part[j] != parts.part[i] && !is_bad[parts.part[j]])
+          ++beside[{parts.part[i], labels[j]}];
+    }
+    std::map<std::int32_t, std::pair<int, std::int32_t>> to;
+    for (const auto& [pair, edges] : beside) {
+      const auto [at, is_new] = to.try_emplace(pair.first, edges, pair.second);
+      if (!is_new && edges > at->second.first) at->second = {edges, pair.second};
+    }
+    if (to.empty()) return;
+    for (std::int32_t i = 0; i < faces.size(); ++i)
+      if (const auto at = to.find(parts.part[i]); at != to.end()) labels[i] = at->second.second;
+  }
+}
+
+Some face_labels(const Faces& faces, const Points& points, const std::vector<Found>& found, const Nearness& near,
+                 Job& job) {
+  return Borders(faces, points, found, near, job).run(job);
+}
+
+}  // namespace isimp::curved

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "find.h"
+#include "points.h"
+
+namespace isimp::curved {
+
+/// (n) by graph index: the surface that each face is on, kNone where on none. Begins with that of the face's point;
+/// faces at borders then move to the surface that fits them best. Only where no crease lies between may a face take the
+/// label of a neighbour: else rims would turn into zigzag.
+/// Cost: O(F), and for faces at borders some sweeps.
+Some face_labels(const Faces& faces, const Points& points, const std::vector<Found>& found, const Nearness& near,
+                 Job& job);
+
+/// Parts of a label that are not its largest and are small become part of the neighbour with the longest border.
+/// \param labels  (n) by graph index, at least kNone
+/// \param small   the area below which a part of a label is small, as a share of the whole surface's
+/// \param fixed   labels that stay as they are; those below `first` of them give nothing and take nothing
+void absorb_fragments(const Faces& faces, Some& labels, const std::function<double(std::int32_t)>& small, Job& job);
+
+/// The parts of equal label: their numbers by graph index, from 0 on by first face.
+struct LabelParts {
+  Some part;                 ///< (n) by graph index
+  Some label;                ///< (parts)
+  std::vector<double> area;  ///< (parts)
+};
+LabelParts parts_of_labels(const Faces& faces, const Some& labels, Job& job);
+
+/// The surfaces that are kept, so that free-form parts stay as they are: planes; a curved patch of whose border most
+/// lies at creases, planes, other kept patches or the border of the scan; one that goes all the way round, of whose
+/// border a quarter does; and more than half a sphere. (gates.cpp)
+std::vector<bool> kept_surfaces(const Faces& faces, const Points& points, const std::vector<Found>& found,
+                                const Some& labels);
+
+}  // namespace isimp::curved

@@ -1,0 +1,234 @@
+#include "find.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace isimp::curved {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr std::int32_t kSeeds = 20;                    ///< a round
+constexpr int kFails = 3;                              ///< rounds of seeds without a find, after which the search ends
+constexpr int kGrows = 4;                              ///< times that a surface is fitted again to what it reaches
+constexpr std::size_t kLeastPoints = 6;                ///< of a curved surface
+constexpr double kLeastArea = 0.01;                    ///< of the whole surface's
+constexpr double kBent = 0.015;                        ///< 1 - |mean normal|: what is less is a plane
+constexpr double kLeastTurn = 0.2, kLeastBend = 0.15;  ///< of a full turn, to be seen of a revolution, of a tube
+constexpr double kWorst = 0.35;     ///< what a surface loses if all its points are at the greatest distance
+constexpr double kStillFree = 0.7;  ///< share of a candidate's area that others have not taken
+constexpr double kLargest = 1;      ///< diagonals: the largest radius
+constexpr double kPlaneTurn = 9 * kDegree;
+constexpr std::array kBalls = {10, 30, 80};  ///< points to which a first surface is fitted
+constexpr std::array kKinds = {CurvedKind::sphere, CurvedKind::cylinder, CurvedKind::cone, CurvedKind::revolution};
+
+double preference(CurvedKind kind) {
+  switch (kind) {
+    case CurvedKind::plane:
+      return 1.25;
+    case CurvedKind::cylinder:
+      return 1.1;
+    case CurvedKind::cone:
+    case CurvedKind::sphere:
+      return 1.05;
+    case CurvedKind::revolution:
+      return 1;
+  }
+  return 1;
+}
+
+struct Candidate {
+  double score = 0;
+  Found found;
+};
+
+class Search {
+ public:
+  Search(const Points& points, const Nearness& near) : p_(points), near_(near), is_free_(points.area.size(), true) {
+    for (std::int32_t i = 0; i < points.count(); ++i)
+      if (points.area[i] <= 0) is_free_[i] = false;
+  }
+
+  std::vector<Found> run(Job& job) {
+    std::vector<Found> found;
+    for (int fails = 0, round = 0; fails < kFails; ++round) {
+      job.poll();
+      Some seeds;
+      for (std::int32_t i = 0; i < p_.count(); ++i)
+        if (is_free_[i]) seeds.push_back(i);
+      if (seeds.size() < kLeastPoints) break;
+      const auto n = static_cast<std::int32_t>(seeds.size()), count = std::min(kSeeds, n);
+      for (std::int32_t k = 0; k < count; ++k) {
+        // Between the seeds of the round before: halves, then quarters.
+        const double shift = std::fmod(0.5 * round + 0.25 * (round / 2), 1.0);
+        try_seed(seeds[static_cast<std::size_t>(std::min(n - 1.0, (k + shift) * n / count))], k % 2 == 0);
+      }
+      std::optional<Found> best = choose();
+      if (!best || best->area < kLeastArea * total()) {
+        ++fails;
+      } else {
+        fails = 0;
+        for (const std::int32_t i : best->points) is_free_[i] = false;
+        found.push_back(std::move(*best));
+      }
+      drop_taken();
+    }
+    return found;
+  }
+
+ private:
+  [[nodiscard]] double total() const {
+    double sum = 0;
+    for (const double a : p_.area) sum += a;
+    return sum;
+  }
+
+  /// Free points round one, by steps.
+  [[nodiscard]] Some ball(std::int32_t seed, std::size_t count) const {
+    Some some = {seed};
+    std::vector<bool> met(is_free_.size(), false);
+    met[seed] = true;
+    for (std::size_t k = 0; k < some.size() && some.size() < count; ++k)
+      for (const std::int32_t j : p_.near[some[k]]) {
+        if (!is_free_[j] || met[j] || some.size() >= count) continue;
+        met[j] = true;
+        some.push_back(j);
+      }
+    return some;
+  }
+
+  void try_seed(std::int32_t seed, bool revolutions) {
+    const Some few = ball(seed, 8);
+    if (const auto plane = fit(CurvedKind::plane, samples_of(p_, few))) add(grow(*plane, seed));
+    for (const int size : kBalls) {
+      const Some some = ball(seed, static_cast<std::size_t>(size));
+      if (some.size() < kLeastPoints) continue;
+      const Samples samples = samples_of(p_, some);
+      for (const CurvedKind kind : kKinds) {
+        if (kind == CurvedKind::revolution && (!revolutions || size < 30)) continue;
+        const auto first = fit(kind, samples);
+        if (!first || first->radius > kLargest * near_.size) continue;
+        std::optional<Found> grown = grow(*first, seed);
+        if (grown && is_curved(*grown)) add(std::move(grown));
+      }
+      if (some.size() < static_cast<std::size_t>(size)) break;
+    }
+  }
+
+  void add(std::optional<Found> found) {
+    if (!found) return;
+    const double score =
+        found->area * preference(found->surface.kind) * (1 - kWorst * std::min(1.0, found->rms / near_.distance));
+    pool_.push_back({score, std::move(*found)});
+  }
+
+  [[nodiscard]] bool is_curved(const Found& f) const {
+    if (f.points.size() < kLeastPoints) return false;
+    const Samples s = samples_of(p_, f.points);
+    Vec3 mean = Vec3::Zero();
+    for (std::size_t i = 0; i < s.size(); ++i) mean += s.weight[i] * s.normal[i];
+    if (1 - mean.norm() < kBent) return false;
+    if (f.surface.kind != CurvedKind::revolution) return true;
+    return is_seen(f.surface, s) && f.surface.radius >= 2 * near_.distance;
+  }
+
+  /// The free points that are on a surface and reached from the seed.
+  [[nodiscard]] Some reached(const CurvedSurface& surface, std::int32_t seed) const {
+    const double least = std::cos(surface.kind == CurvedKind::plane ? kPlaneTurn : near_.turn);
+    const auto is_on = [&](std::int32_t i) {
+      const Residual r = residual(surface, p_.centre[i]);
+      return std::abs(r.distance) < near_.distance && r.normal.dot(p_.normal[i]) > least;
+    };
+    Some some;
+    if (!is_on(seed)) return some;
+    std::vector<bool> met(is_free_.size(), false);
+    met[seed] = true;
+    some.push_back(seed);
+    for (std::size_t k = 0; k < some.size(); ++k)
+      for (const std::int32_t j : p_.near[some[k]]) {
+        if (!is_free_[j] || met[j]) continue;
+        met[j] = true;
+        if (is_on(j)) some.push_back(j);
+      }
+    std::sort(some.begin(), some.end());
+    return some;
+  }
+
+  [[nodiscard]] std::optional<Found> grow(CurvedSurface surface, std::int32_t seed) const {
+    std::optional<Found> best;
+    for (int round = 0; round < kGrows; ++round) {
+      Found now{surface, reached(surface, seed), 0, 0};
+      if (now.points.empty()) return best;
+      const Samples samples = samples_of(p_, now.points);
+      now.area = p_.area_of(now.points);
+      now.rms = rms(surface, samples);
+      if (best && now.area <= best->area * 1.01) return best->area >= now.area ? best : now;
+      best = std::move(now);
+      if (best->points.size() < kLeastPoints) return best;
+      const auto again = fit(surface.kind, samples);
+      if (!again) return best;
+      surface = *again;
+    }
+    return best;
+  }
+
+  [[nodiscard]] double free_area(const Found& f) const {
+    double area = 0;
+    for (const std::int32_t i : f.points) area += is_free_[i] ? p_.area[i] : 0;
+    return area;
+  }
+
+  [[nodiscard]] std::optional<Found> choose() const {
+    const Candidate* best = nullptr;
+    double most = 0;
+    for (const Candidate& c : pool_) {
+      if (c.score <= most) continue;
+      const double area = free_area(c.found);
+      if (area < kStillFree * c.found.area) continue;
+      const double score = c.score * area / c.found.area;
+      if (score <= most) continue;
+      most = score;
+      best = &c;
+    }
+    if (best == nullptr) return std::nullopt;
+    Found found = best->found;
+    std::erase_if(found.points, [&](std::int32_t i) { return !is_free_[i]; });
+    found.area = p_.area_of(found.points);
+    return found;
+  }
+
+  void drop_taken() {
+    std::erase_if(pool_, [&](const Candidate& c) { return free_area(c.found) <= kStillFree * c.found.area; });
+  }
+
+  const Points& p_;
+  const Nearness& near_;
+  std::vector<bool> is_free_;
+  std::vector<Candidate> pool_;
+};
+
+}  // namespace
+
+double turn_share(const CurvedSurface& surface, const Samples& samples) {
+  constexpr std::size_t kSteps = 36;
+  std::array<bool, kSteps> seen{};
+  const auto [u, w] = frame(surface.axis);
+  for (const Vec3& x : samples.place) {
+    const Vec3 v = x - surface.point;
+    const double a = (std::atan2(v.dot(w), v.dot(u)) + std::numbers::pi) / (2 * std::numbers::pi);
+    seen[std::min(kSteps - 1, static_cast<std::size_t>(a * kSteps))] = true;
+  }
+  return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / kSteps;
+}
+
+bool is_seen(const CurvedSurface& surface, const Samples& samples) {
+  return turn_share(surface, samples) >= (surface.closed ? kLeastBend : kLeastTurn);
+}
+
+std::vector<Found> find_surfaces(const Points& points, const Nearness& near, Job& job) {
+  return Search(points, near).run(job);
+}
+
+}  // namespace isimp::curved

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include "fit.h"
+#include "points.h"
+
+namespace isimp::curved {
+
+/// A surface and the points of data that are on it.
+struct Found {
+  CurvedSurface surface;
+  Some points;
+  double area = 0, rms = 0;
+
+  [[nodiscard]] bool is_plane() const { return surface.kind == CurvedKind::plane; }
+};
+
+/// How near data is to a surface that it is on.
+struct Nearness {
+  double distance = 0;  ///< scene units
+  double turn = 0;      ///< radians, of the normal
+  double size = 0;      ///< of the mesh: its diagonal
+};
+
+/// The share of a full turn round an axis that some samples take.
+double turn_share(const CurvedSurface& surface, const Samples& samples);
+
+/// Whether a surface of revolution is seen over enough of a turn: a tube, whose profile is a ring, over less.
+bool is_seen(const CurvedSurface& surface, const Samples& samples);
+
+/// Planes and curved surfaces that explain the data: grown from many seeds, and chosen one after another, each the one
+/// with the most area and the least distance. Planes compete as well, so that no wall becomes part of a huge cylinder.
+/// The seeds are at equal steps among the points that are free: no random numbers.
+std::vector<Found> find_surfaces(const Points& points, const Nearness& near, Job& job);
+
+/// Joins neighbours that are one surface of revolution, takes in free points round each, and prefers a cylinder, a
+/// sphere or a cone to a revolution that it fits nearly as well. (join.cpp)
+std::vector<Found> joined(std::vector<Found> found, const Points& points, const Nearness& near, Job& job);
+
+}  // namespace isimp::curved

@@ -1,0 +1,242 @@
+#include "fit.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <cmath>
+
+namespace isimp::curved {
+namespace {
+
+using Eigen::Matrix3d;
+using Solver3 = Eigen::SelfAdjointEigenSolver<Matrix3d>;
+
+constexpr double kFlat = 0.01;  ///< a second eigenvalue of the normals below this: a plane
+constexpr double kThin = 1e-4;  ///< a least eigenvalue of normal lines below this: they do not meet
+constexpr double kTiny = 1e-300;
+constexpr double kMostTilt = 0.2;  ///< radians, of one step
+
+double sign(double x) { return x < 0 ? -1.0 : 1.0; }
+
+CurvedSurface plane(const Samples& s) {
+  CurvedSurface out;
+  Vec3 normal = Vec3::Zero();
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    out.point += s.weight[i] * s.place[i];
+    normal += s.weight[i] * s.normal[i];
+  }
+  Matrix3d spread = Matrix3d::Zero();
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const Vec3 v = s.place[i] - out.point;
+    spread += s.weight[i] * v * v.transpose();
+  }
+  const Solver3 solver(spread);
+  const Vec3 least = solver.eigenvectors().col(0);
+  const bool is_clear = solver.eigenvalues()[0] < 0.02 * solver.eigenvalues()[1];
+  out.axis = is_clear ? Vec3(sign(least.dot(normal)) * least) : Vec3(normal / std::max(normal.norm(), kTiny));
+  return out;
+}
+
+/// The point nearest to all lines along the normals, with those along `axis` projected out where there is one.
+std::optional<Vec3> meeting(const Samples& s, const Vec3* axis) {
+  Matrix3d a = Matrix3d::Zero();
+  Vec3 b = Vec3::Zero();
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    Vec3 n = s.normal[i], x = s.place[i];
+    if (axis != nullptr) {
+      n -= n.dot(*axis) * *axis;
+      n /= std::max(n.norm(), kTiny);
+      x -= x.dot(*axis) * *axis;
+    }
+    const Matrix3d p = Matrix3d::Identity() - n * n.transpose();
+    a += s.weight[i] * p;
+    b += s.weight[i] * p * x;
+  }
+  if (Solver3(a, Eigen::EigenvaluesOnly).eigenvalues()[0] < kThin) return std::nullopt;
+  return a.ldlt().solve(b);
+}
+
+CurvedSurface refined_sphere(CurvedSurface c, const Samples& s, int steps) {
+  for (int k = 0; k < steps; ++k) {
+    Eigen::Matrix4d m = 1e-12 * Eigen::Matrix4d::Identity();
+    Eigen::Vector4d b = Eigen::Vector4d::Zero();
+    double r = 0;
+    for (std::size_t i = 0; i < s.size(); ++i) r += s.weight[i] * (s.place[i] - c.point).norm();
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      const Vec3 v = s.place[i] - c.point;
+      const double l = std::max(v.norm(), kTiny);
+      Eigen::Vector4d j;
+      j << -v / l, -1;
+      m += s.weight[i] * j * j.transpose();
+      b -= s.weight[i] * (l - r) * j;
+    }
+    c.point += m.ldlt().solve(b).head<3>();
+  }
+  c.radius = 0;
+  for (std::size_t i = 0; i < s.size(); ++i) c.radius += s.weight[i] * (s.place[i] - c.point).norm();
+  return c;
+}
+
+/// Gauss-Newton on tilt, place across the axis, radius and, of a cone, slope.
+CurvedSurface refined_axial(CurvedSurface c, const Samples& s, int steps) {
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  Vec3 middle = Vec3::Zero();
+  for (std::size_t i = 0; i < s.size(); ++i) middle += s.weight[i] * s.place[i];
+  const bool is_cone = c.kind == CurvedKind::cone;
+  for (int k = 0; k < steps; ++k) {
+    const double to = (middle - c.point).dot(c.axis);
+    c.point += to * c.axis;
+    c.radius += c.slope * to;
+    const auto [u, w] = frame(c.axis);
+    Matrix6 m = Matrix6::Zero();
+    Vector6 b = Vector6::Zero();
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      const Polar p = polar(c, s.place[i]);
+      const double eu = p.out.dot(u), ew = p.out.dot(w), arm = p.z + c.slope * p.rho;
+      Vector6 j;
+      j << -eu * arm, -ew * arm, -eu, -ew, -1, is_cone ? -p.z : 0;
+      m += s.weight[i] * j * j.transpose();
+      b -= s.weight[i] * (p.rho - c.radius - c.slope * p.z) * j;
+    }
+    for (int d = 0; d < 6; ++d) m(d, d) += 1e-12 * m.trace() + (m(d, d) == 0 ? 1 : 0);
+    const Vector6 step = m.ldlt().solve(b);
+    if (!step.allFinite() || std::hypot(step[0], step[1]) > kMostTilt) break;
+    c.axis = (c.axis + step[0] * u + step[1] * w).normalized();
+    c.point += step[2] * u + step[3] * w;
+    c.radius += step[4];
+    c.slope += step[5];
+  }
+  return c;
+}
+
+void set_side(CurvedSurface& c, const Samples& s) {
+  double sum = 0;
+  for (std::size_t i = 0; i < s.size(); ++i) sum += s.weight[i] * s.normal[i].dot(polar(c, s.place[i]).out);
+  c.side = sign(sum);
+}
+
+std::optional<CurvedSurface> sphere(const Samples& s) {
+  const auto centre = meeting(s, nullptr);
+  if (!centre) return std::nullopt;
+  CurvedSurface c;
+  c.kind = CurvedKind::sphere;
+  c.point = *centre;
+  c = refined_sphere(c, s, 4);
+  double sum = 0;
+  for (std::size_t i = 0; i < s.size(); ++i) sum += s.weight[i] * s.normal[i].dot(s.place[i] - c.point);
+  c.side = sign(sum);
+  return c;
+}
+
+std::optional<CurvedSurface> cylinder(const Samples& s) {
+  Matrix3d sum = Matrix3d::Zero();
+  for (std::size_t i = 0; i < s.size(); ++i) sum += s.weight[i] * s.normal[i] * s.normal[i].transpose();
+  const Solver3 solver(sum);
+  if (solver.eigenvalues()[1] < kFlat) return std::nullopt;
+  CurvedSurface c;
+  c.kind = CurvedKind::cylinder;
+  c.axis = solver.eigenvectors().col(0);
+  const auto centre = meeting(s, &c.axis);
+  if (!centre) return std::nullopt;
+  c.point = *centre;
+  c.radius = 0;
+  for (std::size_t i = 0; i < s.size(); ++i) c.radius += s.weight[i] * polar(c, s.place[i]).rho;
+  c = refined_axial(c, s, 4);
+  set_side(c, s);
+  if (!(c.radius > 0)) return std::nullopt;
+  return c;
+}
+
+std::optional<CurvedSurface> cone(const Samples& s) {
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t i = 0; i < s.size(); ++i) mean += s.weight[i] * s.normal[i];
+  Matrix3d spread = Matrix3d::Zero(), a = Matrix3d::Zero();
+  Vec3 b = Vec3::Zero();
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const Vec3 &n = s.normal[i], v = n - mean;
+    spread += s.weight[i] * v * v.transpose();
+    a += s.weight[i] * n * n.transpose();
+    b += s.weight[i] * n.dot(s.place[i]) * n;
+  }
+  const Solver3 solver(spread);
+  if (solver.eigenvalues()[1] < kFlat || Solver3(a, Eigen::EigenvaluesOnly).eigenvalues()[0] < 3 * kThin)
+    return std::nullopt;
+  CurvedSurface c;
+  c.kind = CurvedKind::cone;
+  c.axis = solver.eigenvectors().col(0);
+  c.point = a.ldlt().solve(b);
+  double up = 0, across = 0, height = 0;
+  for (std::size_t i = 0; i < s.size(); ++i) up += s.weight[i] * (s.place[i] - c.point).dot(c.axis);
+  c.axis *= sign(up);
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const Polar p = polar(c, s.place[i]);
+    across += s.weight[i] * p.rho * p.z;
+    height += s.weight[i] * p.z * p.z;
+  }
+  c.slope = across / std::max(height, kTiny);
+  c = refined_axial(c, s, 4);
+  set_side(c, s);
+  if (!(c.radius > 0) || !std::isfinite(c.slope)) return std::nullopt;
+  return c;
+}
+
+}  // namespace
+
+void Samples::add(double w, const Vec3& x, const Vec3& n) {
+  weight.push_back(w);
+  place.push_back(x);
+  normal.push_back(n);
+}
+
+void Samples::normalise() {
+  double sum = 0;
+  for (const double w : weight) sum += w;
+  for (double& w : weight) w /= std::max(sum, kTiny);
+}
+
+Samples samples_of(const Points& points, std::span<const std::int32_t> some) {
+  Samples s;
+  for (const std::int32_t i : some) s.add(points.area[i], points.centre[i], points.normal[i]);
+  s.normalise();
+  return s;
+}
+
+Samples samples_of(const Faces& faces, std::span<const std::int32_t> some) {
+  Samples s;
+  for (const std::int32_t i : some) s.add(faces.area(i), faces.centre(i), faces.normal(i));
+  s.normalise();
+  return s;
+}
+
+std::optional<CurvedSurface> fit(CurvedKind kind, const Samples& samples) {
+  switch (kind) {
+    case CurvedKind::plane:
+      return plane(samples);
+    case CurvedKind::cylinder:
+      return cylinder(samples);
+    case CurvedKind::cone:
+      return cone(samples);
+    case CurvedKind::sphere:
+      return sphere(samples);
+    case CurvedKind::revolution:
+      return fit_revolution(samples);
+  }
+  return std::nullopt;
+}
+
+CurvedSurface refined(CurvedSurface surface, const Samples& samples, int steps) {
+  if (surface.kind == CurvedKind::sphere) return refined_sphere(std::move(surface), samples, steps);
+  return refined_axial(std::move(surface), samples, steps);
+}
+
+double rms(const CurvedSurface& surface, const Samples& samples) {
+  double sum = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double d = residual(surface, samples.place[i]).distance;
+    sum += samples.weight[i] * d * d;
+  }
+  return std::sqrt(sum);
+}
+
+}  // namespace isimp::curved

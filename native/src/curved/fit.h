@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "points.h"
+#include "surfaces.h"
+
+namespace isimp::curved {
+
+/// Samples of a surface to which one is fitted.
+struct Samples {
+  std::vector<double> weight;  ///< they add up to 1
+  std::vector<Vec3> place, normal;
+
+  [[nodiscard]] std::size_t size() const { return weight.size(); }
+  void add(double w, const Vec3& x, const Vec3& n);
+  void normalise();
+};
+
+Samples samples_of(const Points& points, std::span<const std::int32_t> some);
+Samples samples_of(const Faces& faces, std::span<const std::int32_t> some);
+
+/// The surface of a kind that fits some samples best; none where they do not determine one.
+///
+/// Sphere, cylinder and cone: the point nearest to all normal lines, then Gauss-Newton on distances. Revolution: the
+/// normals meet the axis, n.m + (x cross n).d = 0 for its Pluecker coordinates (d, m), a linear line complex.
+/// Source: Pottmann, Wallner 2001; Gelfand, Guibas 2004.
+std::optional<CurvedSurface> fit(CurvedKind kind, const Samples& samples);
+
+/// A cylinder, cone or sphere moved by Gauss-Newton on distances alone.
+CurvedSurface refined(CurvedSurface surface, const Samples& samples, int steps);
+
+/// (fit_revolution.cpp)
+std::optional<CurvedSurface> fit_revolution(const Samples& samples);
+/// The profile of samples round a known axis; none where they are no curve.
+std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& samples);
+
+/// Root mean square of the distances.
+double rms(const CurvedSurface& surface, const Samples& samples);
+
+}  // namespace isimp::curved

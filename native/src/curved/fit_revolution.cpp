@@ -1,0 +1,250 @@
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "fit.h"
+
+namespace isimp::curved {
+namespace {
+
+constexpr double kThin = 2e-3;         ///< eigenvalues of the normals below this are noise
+constexpr double kBins = 40;           ///< of a profile
+constexpr double kCluster = 1.0 / 80;  ///< of the profile's size: points nearer than that are one
+constexpr double kSameWay = 0.8;       ///< cosine of the normals of points that are one
+constexpr double kTurns = 4;           ///< by how much a difference of normals lengthens a step
+constexpr double kGap = 4;             ///< median steps: ends that are nearer make a ring
+constexpr std::size_t kLeastPoints = 12;
+constexpr double kTiny = 1e-300;
+
+/// Points of a profile that nearly coincide.
+struct Cluster {
+  Vec2 place = Vec2::Zero(), normal = Vec2::Zero();
+  double weight = 0;
+  std::vector<std::size_t> samples;
+};
+
+struct Half {  // of a plane through the axis
+  std::vector<Vec2> place, normal;
+};
+
+Half half_plane(const CurvedSurface& surface, const Samples& s) {
+  Half h;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const Polar p = polar(surface, s.place[i]);
+    const Vec2 m(s.normal[i].dot(p.out), s.normal[i].dot(surface.axis));
+    h.place.emplace_back(p.rho, p.z);
+    h.normal.emplace_back(m / std::max(m.norm(), kTiny));
+  }
+  return h;
+}
+
+std::vector<Cluster> clusters_of(const Half& h, const Samples& s) {
+  Vec2 low = h.place[0], high = h.place[0];
+  for (const Vec2& p : h.place) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double radius = kCluster * (high - low).norm();
+  std::vector<Cluster> all;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    Cluster* best = nullptr;
+    double least = radius;
+    for (Cluster& c : all) {
+      const double d = (c.place - h.place[i]).norm();
+      if (d >= least || c.normal.normalized().dot(h.normal[i]) < kSameWay) continue;
+      least = d;
+      best = &c;
+    }
+    if (best == nullptr) best = &all.emplace_back();
+    const double w = std::max(s.weight[i], kTiny);
+    best->place = (best->weight * best->place + w * h.place[i]) / (best->weight + w);
+    best->normal += w * h.normal[i];
+    best->weight += w;
+    best->samples.push_back(i);
+  }
+  for (Cluster& c : all) c.normal.normalize();
+  return all;
+}
+
+/// The shortest tree over the clusters, as lists of neighbours.
+std::vector<std::vector<std::size_t>> shortest_tree(const std::vector<Cluster>& all) {
+  std::vector<std::vector<std::size_t>> tree(all.size());
+  std::vector<double> to(all.size(), std::numeric_limits<double>::infinity());
+  std::vector<std::size_t> from(all.size(), 0);
+  std::vector<bool> is_in(all.size(), false);
+  std::size_t at = 0;
+  for (std::size_t k = 1; k < all.size(); ++k) {
+    is_in[at] = true;
+    std::size_t next = all.size();
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      if (is_in[j]) continue;
+      const double d = (all[at].place - all[j].place).norm() * (1 + kTurns * (1 - all[at].normal.dot(all[j].normal)));
+      if (d < to[j]) {
+        to[j] = d;
+        from[j] = at;
+      }
+      if (next == all.size() || to[j] < to[next]) next = j;
+    }
+    tree[next].push_back(from[next]);
+    tree[from[next]].push_back(next);
+    at = next;
+  }
+  return tree;
+}
+
+/// Distances over the tree from one cluster, and the cluster before each.
+struct Walk {
+  std::vector<double> distance;
+  std::vector<std::size_t> before, order;
+};
+
+Walk walk(const std::vector<Cluster>& all, const std::vector<std::vector<std::size_t>>& tree, std::size_t start) {
+  Walk w{std::vector<double>(all.size(), -1), std::vector<std::size_t>(all.size(), start), {start}};
+  w.distance[start] = 0;
+  for (std::size_t k = 0; k < w.order.size(); ++k) {
+    const std::size_t i = w.order[k];
+    for (const std::size_t j : tree[i]) {
+      if (w.distance[j] >= 0) continue;
+      w.distance[j] = w.distance[i] + (all[i].place - all[j].place).norm();
+      w.before[j] = i;
+      w.order.push_back(j);
+    }
+  }
+  return w;
+}
+
+/// The clusters in order along the longest path of the tree; one off the path comes at the place where it branches.
+std::vector<std::size_t> in_order(const std::vector<Cluster>& all) {
+  const auto tree = shortest_tree(all);
+  const auto furthest = [](const Walk& w) {
+    return static_cast<std::size_t>(std::max_element(w.distance.begin(), w.distance.end()) - w.distance.begin());
+  };
+  const std::size_t begin = furthest(walk(all, tree, 0));
+  const Walk w = walk(all, tree, begin);
+  std::vector<bool> is_on(all.size(), false);
+  for (std::size_t i = furthest(w);; i = w.before[i]) {
+    is_on[i] = true;
+    if (i == begin) break;
+  }
+  std::vector<double> place(all.size(), 0.0);
+  for (const std::size_t i : w.order) place[i] = is_on[i] ? w.distance[i] : place[w.before[i]];
+  std::vector<std::size_t> order(all.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return std::pair(place[a], a) < std::pair(place[b], b); });
+  return order;
+}
+
+struct Bin {
+  Vec2 place, normal;
+};
+
+std::vector<Bin> bins_of(const Half& h, const Samples& s) {
+  const std::vector<Cluster> all = clusters_of(h, s);
+  if (all.size() < 3) return {};
+  std::vector<std::size_t> order;
+  for (const std::size_t c : in_order(all)) order.insert(order.end(), all[c].samples.begin(), all[c].samples.end());
+  double total = 0;
+  for (const double w : s.weight) total += std::sqrt(w);
+  std::vector<Bin> bins;
+  double done = 0, weight = 0;
+  int last = -1;
+  for (const std::size_t i : order) {
+    const int bin = static_cast<int>(kBins * done / total);
+    done += std::sqrt(s.weight[i]);
+    if (bin != last) {
+      bins.push_back({Vec2::Zero(), Vec2::Zero()});
+      weight = 0;
+      last = bin;
+    }
+    const double w = std::max(s.weight[i], kTiny);
+    Bin& b = bins.back();
+    b.place = (weight * b.place + w * h.place[i]) / (weight + w);
+    b.normal += w * h.normal[i];
+    weight += w;
+  }
+  for (Bin& b : bins) b.normal /= std::max(b.normal.norm(), kTiny);
+  return bins;
+}
+
+bool is_ring(const std::vector<Bin>& bins) {
+  if (bins.size() <= 12) return false;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < bins.size(); ++i) steps.push_back((bins[i].place - bins[i - 1].place).norm());
+  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
+  const double gap = (bins.front().place - bins.back().place).norm();
+  return gap < kGap * steps[steps.size() / 2] && bins.front().normal.dot(bins.back().normal) > 0.5;
+}
+
+}  // namespace
+
+std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& samples) {
+  if (samples.size() < kLeastPoints) return std::nullopt;
+  const std::vector<Bin> bins = bins_of(half_plane(surface, samples), samples);
+  if (bins.size() < 3) return std::nullopt;
+  surface.closed = is_ring(bins);
+  std::vector<Vec2> corners;
+  for (const Bin& b : bins) corners.push_back(b.place);
+  if (!surface.closed) {
+    const auto beyond = [](const Vec2& end, const Vec2& inner) {
+      Vec2 p = end + 0.5 * (end - inner);
+      p.x() = std::max(p.x(), 0.0);
+      return p;
+    };
+    const Vec2 first = beyond(corners[0], corners[1]), last = beyond(corners.back(), corners[corners.size() - 2]);
+    corners.insert(corners.begin(), first);
+    corners.push_back(last);
+  }
+  double turn = 0;
+  const std::size_t shift = surface.closed ? 0 : 1;
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    const Vec2 t = corners[(i + shift + 1) % corners.size()] - corners[i + shift];
+    turn += bins[i].normal.dot(Vec2(t.y(), -t.x()));
+  }
+  surface.side = turn < 0 ? -1 : 1;
+  surface.kind = CurvedKind::revolution;
+  surface.profile.clear();
+  surface.radius = 0;
+  for (const Vec2& c : corners) {
+    surface.profile.insert(surface.profile.end(), {c.x(), c.y()});
+    surface.radius = std::max(surface.radius, c.x());
+  }
+  return surface;
+}
+
+std::optional<CurvedSurface> fit_revolution(const Samples& s) {
+  if (s.size() < kLeastPoints) return std::nullopt;
+  Vec3 centre = Vec3::Zero();
+  for (std::size_t i = 0; i < s.size(); ++i) centre += s.weight[i] * s.place[i];
+  double size = 0;
+  for (std::size_t i = 0; i < s.size(); ++i) size += s.weight[i] * (s.place[i] - centre).squaredNorm();
+  size = std::sqrt(size);
+  if (!(size > 0)) return std::nullopt;
+  Eigen::Matrix3d nn = Eigen::Matrix3d::Zero(), mm = nn, nm = nn;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const Vec3 &n = s.normal[i], m = ((s.place[i] - centre) / size).cross(n);
+    nn += s.weight[i] * n * n.transpose();
+    mm += s.weight[i] * m * m.transpose();
+    nm += s.weight[i] * n * m.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> normals(nn);
+  Vec3 inverse = Vec3::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (normals.eigenvalues()[k] > kThin) inverse[k] = 1 / normals.eigenvalues()[k];
+  const Eigen::Matrix3d& e = normals.eigenvectors();
+  const Eigen::Matrix3d g = -(e * inverse.asDiagonal() * e.transpose()) * nm;
+  Eigen::Matrix3d left = mm + nm.transpose() * g;
+  left = (left + left.transpose()).eval() / 2;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(left);
+  CurvedSurface c;
+  c.kind = CurvedKind::revolution;
+  c.axis = axes.eigenvectors().col(0);
+  const Vec3 moment = g * c.axis;
+  c.point = centre + size * c.axis.cross(moment - moment.dot(c.axis) * c.axis);
+  return with_profile(std::move(c), s);
+}
+
+}  // namespace isimp::curved

@@ -1,0 +1,228 @@
+#include "grid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+namespace isimp::curved {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr int kBins = 120;           ///< of the profile
+constexpr int kSteps = 72;           ///< of a turn, where it is looked at for gaps
+constexpr double kOccupied = 0.15;   ///< of the mean area of a step that is not empty
+constexpr double kFullTurn = 0.93;   ///< share of the steps that are occupied
+constexpr double kCapRadius = 0.12;  ///< of the largest radius: an end nearer to the axis may be a cap
+constexpr double kCapWeight = 1.5;   ///< of the distance of a cap, which counts as one cell
+constexpr double kMoreCells = 1.03, kHalfCell = 0.5;
+constexpr std::int32_t kLeastRound = 6;  ///< segments of a full turn: what has fewer is not round
+constexpr std::int32_t kMostSegments = 256, kMostRings = 64;
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+using Row = std::array<double, kBins + 1>;
+
+/// A quantile of some numbers.
+double quantile(std::vector<double> x, double share) {
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(x.size() - 1));
+  std::nth_element(x.begin(), x.begin() + at, x.end());
+  return x[static_cast<std::size_t>(at)];
+}
+
+/// Sums over the bins of a profile, and what ranges of them cost.
+class Profile {
+ public:
+  Profile(const CurvedProxy& proxy, const PatchFaces& f) : proxy_(proxy) {
+    low_ = quantile(f.along, 0.001);
+    high_ = quantile(f.along, 0.999);
+    if (proxy.closed) {
+      low_ = 0;
+      high_ = *std::max_element(f.along.begin(), f.along.end());
+    }
+    const double largest = quantile(f.rho, 0.9);
+    std::array<double, 2> end_rho{kNever, kNever};
+    for (std::size_t i = 0; i < f.area.size(); ++i) {
+      const int bin = std::clamp(static_cast<int>((f.along[i] - low_) / (high_ - low_) * kBins), 0, kBins - 1);
+      const double a = f.area[i], r = f.rho[i], z = f.z[i];
+      const std::array values = {a, a * f.out[i], a * f.up[i], a * r, a * z, a * r * r, a * r * z, a * z * z};
+      for (std::size_t k = 0; k < values.size(); ++k) sum_[k][bin + 1] += values[k];
+      if (bin == 0) end_rho[0] = std::min(end_rho[0], r);
+      if (bin == kBins - 1) end_rho[1] = std::min(end_rho[1], r);
+    }
+    for (Row& row : sum_)
+      for (int b = 0; b < kBins; ++b) row[b + 1] += row[b];
+    for (std::size_t k = 0; k < 2; ++k) may_cap_[k] = proxy.full && !proxy.closed && end_rho[k] < kCapRadius * largest;
+    for (int i = 0; i <= kBins; ++i)
+      for (int j = 0; j <= kBins; ++j) set(i, j);
+  }
+
+  /// The best rings for a number of segments.
+  /// \param caps  whether ends at the axis are caps, which count as one cell
+  [[nodiscard]] Grid best(std::int32_t segments, std::int32_t rings, bool caps) const {
+    const double d = proxy_.span / segments, sinc = std::sin(d / 2) / (d / 2);
+    const double chord = 0.5 + std::sin(d) / (2 * d) - sinc * sinc;
+    const auto cost = [&](int i, int j) { return straight_[i][j] + std::max(0.0, chord) * bent_[i][j]; };
+    const bool may = caps && rings > 2, low = may && may_cap_[0], high = may && may_cap_[1];
+    std::vector<Row> least(static_cast<std::size_t>(rings) + 1);
+    std::vector<std::array<int, kBins + 1>> from(least.size());
+    for (Row& row : least) row.fill(kNever);
+    least[0][0] = 0;
+    for (int k = 1; k <= rings; ++k)
+      for (int j = k; j <= kBins; ++j)
+        for (int i = k - 1; i < j; ++i) {
+          const double c = least[k - 1][i] + (k == 1 && low ? cap_[i][j] : cost(i, j));
+          if (c < least[k][j]) {
+            least[k][j] = c;
+            from[k][j] = i;
+          }
+        }
+    Grid out;
+    out.cost = kNever;
+    out.rings = rings;
+    out.low_cap = low;
+    out.high_cap = high;
+    int at = kBins;
+    for (int i = rings - 1; i < kBins; ++i) {
+      const double c = least[rings - 1][i] + (high ? cap_[i][kBins] : cost(i, kBins));
+      if (c >= out.cost) continue;
+      out.cost = c;
+      at = i;
+    }
+    out.knots.assign(static_cast<std::size_t>(rings) + 1, high_);
+    for (int k = rings - 1; k >= 0; --k) {
+      out.knots[k] = low_ + (high_ - low_) * at / kBins;
+      if (k > 0) at = from[k][at];
+    }
+    out.segments = segments;
+    out.cells = segments * (out.rings - out.low_cap - out.high_cap) + out.low_cap + out.high_cap;
+    return out;
+  }
+
+  [[nodiscard]] bool may_cap() const { return may_cap_[0] || may_cap_[1]; }
+
+ private:
+  void set(int i, int j) {
+    if (j <= i) {
+      straight_[i][j] = bent_[i][j] = cap_[i][j] = kNever;
+      return;
+    }
+    std::array<double, 8> s{};
+    for (std::size_t k = 0; k < s.size(); ++k) s[k] = sum_[k][j] - sum_[k][i];
+    const double w = std::max(s[0], 1e-300), length = std::max(std::hypot(s[1], s[2]), 1e-300);
+    const double m0 = s[1] / length, m1 = s[2] / length, r = s[3] / w, z = s[4] / w;
+    const double rr = s[5] / w - r * r, rz = s[6] / w - r * z, zz = s[7] / w - z * z;
+    straight_[i][j] = w * std::max(0.0, m0 * m0 * rr + 2 * m0 * m1 * rz + m1 * m1 * zz);
+    bent_[i][j] = w * m0 * m0 * (r * r + std::max(0.0, rr));
+    cap_[i][j] = kCapWeight * w * std::max(0.0, zz);
+  }
+
+  const CurvedProxy& proxy_;
+  double low_ = 0, high_ = 1;
+  std::array<bool, 2> may_cap_{};
+  std::array<Row, 8> sum_{};
+  std::vector<Row> straight_ = std::vector<Row>(kBins + 1), bent_ = straight_,
+                   cap_ = straight_;  // by first and last bin: of cells as wide as they may, and caps
+};
+
+bool is_straight(const CurvedProxy& proxy) {
+  return proxy.kind == CurvedKind::cylinder || proxy.kind == CurvedKind::cone;
+}
+
+}  // namespace
+
+PatchFaces::PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some) : face(std::move(some)) {
+  for (const std::int32_t i : face) {
+    const Vec3 x = faces.centre(i);
+    const Polar p = polar(proxy, x);
+    const Vec3 n = residual(proxy, x).normal;
+    area.push_back(faces.area(i));
+    angle.push_back(curved::angle(proxy, x));
+    rho.push_back(p.rho);
+    z.push_back(p.z);
+    along.push_back(curved::along(proxy, p));
+    out.push_back(n.dot(p.out));
+    up.push_back(n.dot(proxy.axis));
+  }
+}
+
+void set_span(CurvedProxy& proxy, const PatchFaces& f) {
+  std::array<double, kSteps> area{};
+  for (std::size_t i = 0; i < f.area.size(); ++i)
+    area[std::min(kSteps - 1, static_cast<int>(f.angle[i] / kTurn * kSteps))] += f.area[i];
+  double sum = 0;
+  int some = 0;
+  for (const double a : area) {
+    sum += a;
+    some += a > 0;
+  }
+  std::array<bool, kSteps> is_on{};
+  for (int k = 0; k < kSteps; ++k) is_on[k] = area[k] > kOccupied * sum / some;
+  proxy.full = std::count(is_on.begin(), is_on.end(), true) > kFullTurn * kSteps;
+  proxy.phase = 0;
+  proxy.span = kTurn;
+  if (proxy.full) return;
+  int run = 0, longest = 0, end = 0;
+  for (int k = 0; k < 2 * kSteps; ++k) {
+    run = is_on[k % kSteps] ? 0 : run + 1;
+    if (run > longest && run <= kSteps) {
+      longest = run;
+      end = k + 1;
+    }
+  }
+  const double begin = end % kSteps * (kTurn / kSteps), width = kTurn - longest * (kTurn / kSteps);
+  std::vector<double> on;
+  for (const double a : f.angle) {
+    const double t = std::fmod(a - begin + 2 * kTurn, kTurn);
+    if (t < width + 0.12) on.push_back(t);
+    if (t > kTurn - 0.12) on.push_back(t - kTurn);
+  }
+  const double low = quantile(on, 0.004), high = quantile(on, 0.996);
+  proxy.phase = begin + low;
+  proxy.span = std::max(high - low, 1e-6);
+}
+
+std::vector<Grid> grids(const CurvedProxy& proxy, const PatchFaces& patch, double cells, double rough) {
+  std::vector<Grid> all;
+  const Profile profile(proxy, patch);
+  const double largest = quantile(patch.rho, 0.9);
+  const std::int32_t least = proxy.full ? kLeastRound : 1;
+  const auto most = std::clamp(static_cast<std::int32_t>(cells * kMoreCells + kHalfCell), least, kMostSegments);
+  const double limit = std::max(cells * kMoreCells + kHalfCell, static_cast<double>(least));
+  for (std::int32_t n = least; n <= most; ++n) {
+    const bool is_fine = largest * (1 - std::cos(proxy.span / n / 2)) < rough;
+    if (is_fine && !all.empty()) break;
+    std::optional<Grid> best;
+    for (const bool caps : {false, true}) {
+      if (caps && !profile.may_cap()) continue;
+      std::int32_t rings =
+          is_straight(proxy) ? 1 : std::clamp(static_cast<std::int32_t>(limit / n) + 2 * caps, 1, kMostRings);
+      Grid grid = profile.best(n, rings, caps);
+      while (grid.cells > limit && rings > 1) grid = profile.best(n, --rings, caps);
+      if (grid.cells <= limit && (!best || grid.cost < best->cost)) best = std::move(grid);
+    }
+    if (best) all.push_back(std::move(*best));
+  }
+  return all;
+}
+
+Grid grid_of(const CurvedProxy& proxy, const PatchFaces& patch, std::int32_t segments, std::int32_t rings,
+             double cells) {
+  const Profile profile(proxy, patch);
+  if (is_straight(proxy)) return profile.best(segments, 1, false);
+  const bool caps = profile.may_cap();
+  if (rings > 0) return profile.best(segments, rings, caps);
+  const auto k = std::clamp(static_cast<std::int32_t>(cells / segments + kHalfCell), 1, kMostRings);
+  return profile.best(segments, k + (caps ? 1 : 0), caps);
+}
+
+void apply(CurvedProxy& proxy, const Grid& grid) {
+  proxy.segments = grid.segments;
+  proxy.rings = grid.rings;
+  proxy.knots = grid.knots;
+  proxy.low_cap = grid.low_cap;
+  proxy.high_cap = grid.high_cap;
+}
+
+}  // namespace isimp::curved

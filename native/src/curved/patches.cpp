@@ -1,0 +1,142 @@
+#include "patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "face_labels.h"
+
+namespace isimp::curved {
+namespace {
+
+constexpr double kOfTolerance = 0.3, kOfNoise = 2.5;  ///< how near data is to its surface
+constexpr double kTurn = 14 * std::numbers::pi / 180;
+constexpr std::size_t kLeastFaces = 20;
+constexpr double kSquare = 0.1;   ///< cosine: a plane along an axis
+constexpr double kTouches = 2.5;  ///< times the nearness: a plane that touches a cylinder
+constexpr double kNearEnd = 0.5;  ///< radians, of a plane that touches it at an end
+constexpr int kSteps = 3;         ///< of the last fit
+
+bool is_straight(const CurvedSurface& s) { return s.kind == CurvedKind::cylinder || s.kind == CurvedKind::cone; }
+
+/// Of each region the share of its area that some faces have, added up: regions that the partition has there.
+double regions_in(const Faces& faces, const Partition& part, const std::vector<double>& region_area, const Some& some) {
+  double sum = 0;
+  for (const std::int32_t i : some) {
+    const std::int32_t r = part.face_region[faces.graph().mesh_face[i]];
+    if (r != kNone && region_area[r] > 0) sum += faces.area(i) / region_area[r];
+  }
+  return sum;
+}
+
+/// The planes that lie beside a surface, by the number of edges between them.
+std::map<std::int32_t, int> planes_beside(const Faces& faces, const Scene& scene, const Some& some) {
+  std::map<std::int32_t, int> beside;
+  for (const std::int32_t i : some)
+    for (const std::int32_t j : faces.graph().neighbours[i]) {
+      const std::int32_t k = j == faces.size() ? kNone : scene.label[j];
+      if (k != kNone && scene.found[k].is_plane()) ++beside[k];
+    }
+  return beside;
+}
+
+/// A sphere's axis: the normal of the plane with the longest common border, else upright.
+Vec3 sphere_axis(const Scene& scene, const std::map<std::int32_t, int>& beside) {
+  std::int32_t best = kNone;
+  for (const auto& [k, edges] : beside)
+    if (best == kNone || edges > beside.at(best)) best = k;
+  return best == kNone ? Vec3::UnitZ() : scene.found[best].surface.axis;
+}
+
+/// The largest plane along an axis, at which a segment looks.
+Vec3 across(const Scene& scene, const Vec3& axis) {
+  const Found* best = nullptr;
+  for (const Found& f : scene.found)
+    if (f.is_plane() && std::abs(f.surface.axis.dot(axis)) < kSquare && (best == nullptr || f.area > best->area))
+      best = &f;
+  if (best == nullptr) return frame(axis)[0];
+  return (best->surface.axis - best->surface.axis.dot(axis) * axis).normalized();
+}
+
+void set_tangents(const Scene& scene, const std::map<std::int32_t, int>& beside, double near, RoundPatch& patch) {
+  CurvedProxy& p = patch.proxy;
+  if (p.kind != CurvedKind::cylinder || p.full) return;
+  for (const auto& [k, edges] : beside) {
+    const CurvedSurface& plane = scene.found[k].surface;
+    const double gap = std::abs((p.point - plane.point).dot(plane.axis)) - p.radius;
+    if (std::abs(plane.axis.dot(p.axis)) > 1.2 * kSquare || std::abs(gap) > kTouches * near) continue;
+    const Vec3 to = p.side * (plane.axis - plane.axis.dot(p.axis) * p.axis);
+    const double angle = std::atan2(to.dot(p.axis.cross(p.across)), to.dot(p.across));
+    const double first = turned(angle - p.phase), last = turned(angle - p.phase - p.span);
+    if (std::abs(first) < kNearEnd && std::abs(first) <= std::abs(last) && patch.tangent[0] == kNone) {
+      patch.tangent[0] = k;
+      patch.first_angle = p.phase + first;
+    } else if (std::abs(last) < kNearEnd && patch.tangent[1] == kNone) {
+      patch.tangent[1] = k;
+      patch.last_angle = p.phase + p.span + last;
+    }
+  }
+}
+
+/// The surface fitted once more, to the faces themselves: the centres of small regions lie a little inside a circle.
+CurvedSurface fitted(const Faces& faces, const CurvedSurface& surface, const Some& some) {
+  if (!is_straight(surface) && surface.kind != CurvedKind::sphere) return surface;
+  const Samples s = samples_of(faces, some);
+  CurvedSurface again = refined(surface, s, kSteps);
+  return again.radius > 0 && rms(again, s) < rms(surface, s) ? again : surface;
+}
+
+}  // namespace
+
+Scene find_patches(const Faces& faces, const Partition& part, const Partition& data, const RoundLengths& lengths,
+                   std::span<const std::uint8_t> stays, Job& job) {
+  const Nearness near{std::max(kOfTolerance * lengths.tolerance, kOfNoise * lengths.noise), kTurn,
+                      faces.mesh().diagonal()};
+  std::vector<std::uint8_t> locked;
+  if (!part.region_locked.empty() || !stays.empty()) {
+    locked.resize(static_cast<std::size_t>(faces.size()));
+    for (std::int32_t i = 0; i < faces.size(); ++i) {
+      const std::int32_t f = faces.graph().mesh_face[i], r = part.face_region[f];
+      const bool is_locked = r != kNone && !part.region_locked.empty() && part.region_locked[r] != 0;
+      locked[i] = is_locked || (!stays.empty() && stays[f] != 0);
+    }
+  }
+  Scene scene{points_of(faces, data, locked, job), {}, {}, {}};
+  scene.found = joined(find_surfaces(scene.points, near, job), scene.points, near, job);
+  if (std::all_of(scene.found.begin(), scene.found.end(), [](const Found& f) { return f.is_plane(); })) return scene;
+  scene.label = face_labels(faces, scene.points, scene.found, near, job);
+  const std::vector<bool> kept = kept_surfaces(faces, scene.points, scene.found, scene.label);
+  std::vector<Some> members(scene.found.size());
+  for (std::int32_t i = 0; i < faces.size(); ++i) {
+    std::int32_t& k = scene.label[i];
+    if (k == kNone) continue;
+    if ((!kept[k] && !scene.found[k].is_plane()) || part.face_region[faces.graph().mesh_face[i]] == kNone)
+      k = kNone;
+    else if (!scene.found[k].is_plane())
+      members[k].push_back(i);
+  }
+  std::vector<double> region_area(static_cast<std::size_t>(part.region_count()), 0.0);
+  for (std::int32_t i = 0; i < faces.size(); ++i)
+    if (const std::int32_t r = part.face_region[faces.graph().mesh_face[i]]; r != kNone)
+      region_area[r] += faces.area(i);
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    if (members[k].size() < kLeastFaces) continue;
+    CurvedProxy proxy;
+    static_cast<CurvedSurface&>(proxy) = fitted(faces, scene.found[k].surface, members[k]);
+    const auto beside = planes_beside(faces, scene, members[k]);
+    if (proxy.kind == CurvedKind::sphere) proxy.axis = sphere_axis(scene, beside);
+    proxy.across = across(scene, proxy.axis);
+    const double rough = rms(proxy, samples_of(faces, members[k]));
+    const double cells = std::max(1.0, std::round(regions_in(faces, part, region_area, members[k])));
+    PatchFaces patch(faces, proxy, std::move(members[k]));
+    set_span(proxy, patch);
+    scene.patches.push_back({std::move(proxy), static_cast<std::int32_t>(k), std::move(patch), cells, rough});
+    set_tangents(scene, beside, near.distance, scene.patches.back());
+  }
+  return scene;
+}
+
+}  // namespace isimp::curved

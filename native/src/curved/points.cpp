@@ -1,0 +1,56 @@
+#include "points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace isimp::curved {
+namespace {
+
+const double kJoins = std::cos(33 * std::numbers::pi / 180);  ///< of the normals of points that are joined
+
+}  // namespace
+
+Points points_of(const Faces& faces, const Partition& data, std::span<const std::uint8_t> locked, Job& job) {
+  const FaceGraph& graph = faces.graph();
+  const auto count = static_cast<std::size_t>(data.region_count());
+  Points points;
+  points.area.assign(count, 0.0);
+  points.centre.assign(count, Vec3::Zero());
+  points.normal.assign(count, Vec3::Zero());
+  points.of_face.resize(static_cast<std::size_t>(faces.size()));
+  for (std::int32_t i = 0; i < faces.size(); ++i) {
+    if ((i & 0xffff) == 0) job.poll();
+    const bool is_free = locked.empty() || locked[i] == 0;
+    const std::int32_t p = points.of_face[i] = is_free ? data.face_region[graph.mesh_face[i]] : kNone;
+    if (p == kNone) continue;
+    const double a = faces.area(i);
+    points.area[p] += a;
+    points.centre[p] += a * faces.centre(i);
+    points.normal[p] += a * faces.normal(i);
+  }
+  for (std::size_t p = 0; p < count; ++p) {
+    if (points.area[p] > 0) points.centre[p] /= points.area[p];
+    const double length = points.normal[p].norm();
+    if (length > 0) points.normal[p] /= length;
+  }
+  for (std::int32_t i = 0; i < faces.size(); ++i) {
+    const std::int32_t p = points.of_face[i];
+    if (p == kNone) continue;
+    for (const std::int32_t j : graph.neighbours[i]) {
+      const std::int32_t q = j == graph.size() ? kNone : points.of_face[j];
+      if (q != kNone && p < q) points.edges.push_back({p, q});
+    }
+  }
+  std::sort(points.edges.begin(), points.edges.end());
+  points.edges.erase(std::unique(points.edges.begin(), points.edges.end()), points.edges.end());
+  std::erase_if(points.edges, [&](const auto& e) { return points.normal[e[0]].dot(points.normal[e[1]]) <= kJoins; });
+  points.near.resize(count);
+  for (const auto& [p, q] : points.edges) {
+    points.near[p].push_back(q);
+    points.near[q].push_back(p);
+  }
+  return points;
+}
+
+}  // namespace isimp::curved

@@ -1,0 +1,228 @@
+#include "rounding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "cells.h"
+#include "face_labels.h"
+#include "isimp/partition/partition.h"
+
+namespace isimp::curved {
+namespace {
+
+constexpr double kOfCell = 0.25;     ///< of a cell's area: a part of one below that is no part of it
+constexpr double kOfRegion = 0.3;    ///< of a region's area: what patches leave of it below that goes to its neighbours
+constexpr std::int32_t kFewest = 3;  ///< segments of one that is no full turn
+constexpr double kNarrow = 1;        ///< radians, the least span of one
+constexpr double kBetter = 0.95;     ///< one that is no full turn must be that much better
+constexpr double kWorse = 1.2;       ///< a patch may be that much worse by squared distance than the regions before
+constexpr double kOfMean = 0.02;     ///< of the mean area of a region: a part of one
+
+/// Puts cells in the place of regions.
+class Rounding {
+ public:
+  Rounding(const Surface& surface, const Partition& part, Scene scene)
+      : surface_(surface), f_(surface), part_(part), scene_(std::move(scene)), count_(part.region_count()) {
+    label_.resize(static_cast<std::size_t>(f_.size()));
+    for (std::int32_t i = 0; i < f_.size(); ++i) label_[i] = part.face_region[f_.graph().mesh_face[i]];
+    before_.assign(static_cast<std::size_t>(count_), 0.0);
+    for (std::int32_t i = 0; i < f_.size(); ++i)
+      if (label_[i] != kNone) before_[label_[i]] += f_.area(i);
+  }
+
+  Partition run(Job& job) {
+    for (RoundPatch& p : scene_.patches)
+      if (p.proxy.segments > 0) add(p);
+    if (proxies_.empty()) return part_;
+    clean(job);
+    return made(job);
+  }
+
+ private:
+  void add(RoundPatch& patch) {
+    const std::vector<std::pair<std::int32_t, std::int32_t>> given = give_to_tangents(patch);
+    if (patch.faces.face.empty()) return;
+    Cells cells = cut(f_, patch.proxy, patch.faces);
+    if (!pays(patch, cells, given)) return;
+    for (const auto& [face, plane] : given) label_[face] = region_of(plane);
+    double area = 0;
+    for (std::size_t k = 0; k < patch.faces.face.size(); ++k) {
+      label_[patch.faces.face[k]] = count_ + first_ + cells.of_face[k];
+      area += patch.faces.area[k];
+    }
+    for (std::size_t c = 0; c < cells.cell.size(); ++c) {
+      cells.cell[c].proxy = static_cast<std::int32_t>(proxies_.size());
+      ideal_.push_back(area / static_cast<double>(cells.cell.size()));
+    }
+    first_ += static_cast<std::int32_t>(cells.cell.size());
+    cell_.insert(cell_.end(), cells.cell.begin(), cells.cell.end());
+    normal_.insert(normal_.end(), cells.normal.begin(), cells.normal.end());
+    offset_.insert(offset_.end(), cells.offset.begin(), cells.offset.end());
+    proxies_.push_back(patch.proxy);
+  }
+
+  /// Whether the cells are about as near to the faces as the regions that were there. A patch that was found must, one
+  /// that a person asked for need not.
+  [[nodiscard]] bool pays(const RoundPatch& patch, const Cells& cells,
+                          const std::vector<std::pair<std::int32_t, std::int32_t>>& given) {
+    if (scene_.found.empty()) return true;
+    if (!patch.proxy.full && (patch.proxy.segments < kFewest || patch.proxy.span < kNarrow)) return false;
+    if (middle_.empty()) set_middles();
+    double now = 0, before = 0;
+    const auto add = [&](std::int32_t i, const Vec3& normal, double offset) {
+      const Vec3 x = f_.centre(i);
+      const std::int32_t r = part_.face_region[f_.graph().mesh_face[i]];
+      now += f_.area(i) * std::pow(normal.dot(x) - offset, 2);
+      before += f_.area(i) * std::pow(part_.region_normal[r].dot(x - middle_[r]), 2);
+    };
+    for (std::size_t k = 0; k < patch.faces.face.size(); ++k)
+      add(patch.faces.face[k], cells.normal[cells.of_face[k]], cells.offset[cells.of_face[k]]);
+    for (const auto& [face, plane] : given) {
+      const CurvedSurface& s = scene_.found[plane].surface;
+      add(face, s.axis, s.axis.dot(s.point));
+    }
+    return now <= (patch.proxy.full ? kWorse : kBetter) * before;
+  }
+
+  void set_middles() {
+    middle_.assign(before_.size(), Vec3::Zero());
+    for (std::int32_t i = 0; i < f_.size(); ++i)
+      if (const std::int32_t r = part_.face_region[f_.graph().mesh_face[i]]; r != kNone)
+        middle_[r] += f_.area(i) / std::max(before_[r], 1e-300) * f_.centre(i);
+  }
+
+  /// Takes the first and the last half segment from a patch where planes touch it.
+  /// \return faces and the planes that get them
+  std::vector<std::pair<std::int32_t, std::int32_t>> give_to_tangents(RoundPatch& patch) {
+    std::vector<std::pair<std::int32_t, std::int32_t>> given;
+    CurvedProxy& p = patch.proxy;
+    const double halves = 0.5 * ((patch.tangent[0] != kNone) + (patch.tangent[1] != kNone));
+    if (halves == 0) return given;
+    const double width = p.span / (p.segments + halves), begin = p.phase, end = p.phase + p.span;
+    Some left;
+    for (std::size_t k = 0; k < patch.faces.face.size(); ++k) {
+      const double middle = begin + p.span / 2, at = middle + turned(patch.faces.angle[k] - middle);
+      const bool is_first = patch.tangent[0] != kNone && at < begin + width / 2;
+      const bool is_last = patch.tangent[1] != kNone && at > end - width / 2;
+      const std::int32_t plane = is_first || is_last ? patch.tangent[is_first ? 0 : 1] : kNone;
+      if (plane == kNone || region_of(plane) == kNone)
+        left.push_back(patch.faces.face[k]);
+      else
+        given.emplace_back(patch.faces.face[k], plane);
+    }
+    if (patch.tangent[0] != kNone) p.phase += width / 2;
+    p.span = width * p.segments;
+    patch.faces = PatchFaces(f_, p, std::move(left));
+    return given;
+  }
+
+  /// The region with most of a plane's area.
+  std::int32_t region_of(std::int32_t plane) {
+    const auto [at, is_new] = region_of_.try_emplace(plane, kNone);
+    if (!is_new) return at->second;
+    std::map<std::int32_t, double> area;
+    for (std::int32_t i = 0; i < f_.size(); ++i)
+      if (scene_.label[i] == plane) area[part_.face_region[f_.graph().mesh_face[i]]] += f_.area(i);
+    double most = 0;
+    for (const auto& [region, a] : area) {
+      if (region == kNone || a <= most) continue;
+      most = a;
+      at->second = region;
+    }
+    return at->second;
+  }
+
+  void clean(Job& job) {
+    std::vector<double> now(before_.size(), 0.0);
+    double all = 0;
+    for (std::int32_t i = 0; i < f_.size(); ++i) {
+      all += f_.area(i);
+      if (label_[i] >= 0 && label_[i] < count_) now[label_[i]] += f_.area(i);
+    }
+    const double least = kOfMean * all / (count_ + first_);
+    absorb_fragments(
+        f_, label_,
+        [&](std::int32_t label) {
+          if (label == kNone) return 0.0;
+          if (label >= count_) return kOfCell * ideal_[label - count_];
+          const bool is_same = now[label] >= before_[label] * (1 - 1e-9);
+          if (is_same) return 0.0;
+          return now[label] < kOfRegion * before_[label] ? std::numeric_limits<double>::infinity() : least;
+        },
+        job);
+  }
+
+  [[nodiscard]] Partition made(Job& job) const {
+    Some by_face(label_.size());
+    for (std::int32_t i = 0; i < f_.size(); ++i) by_face[f_.graph().mesh_face[i]] = label_[i];
+    Partition out = inherited(partition_from(surface_, by_face, job), part_);
+    out.proxies_asked = part_.proxies_asked;
+    const auto regions = static_cast<std::size_t>(out.region_count());
+    out.region_offset.resize(regions, 0.0);
+    out.region_held.resize(regions, 0);
+    out.region_cell.resize(regions);
+    const auto before = static_cast<std::int32_t>(out.curved.size());  // patches of locked regions
+    out.curved.insert(out.curved.end(), proxies_.begin(), proxies_.end());
+    for (std::size_t p = 0; p < proxies_.size(); ++p) out.curved[before + p].point += f_.mesh().origin();
+    for (std::size_t r = 0; r < regions; ++r) {
+      const std::int32_t label = by_face[out.region_seed[r]], c = label - count_;
+      if (c < 0) {
+        if (out.region_sum[r].faces != part_.region_sum[label].faces && out.region_held[r] != 0) {
+          out.region_held[r] = 0;
+          out.region_cell[r] = {};
+          out.region_normal[r] = out.region_sum[r].normal();
+        }
+        continue;
+      }
+      out.region_cell[r] = cell_[c];
+      out.region_cell[r].proxy += before;
+      out.region_held[r] = kPlaneRound;
+      out.region_normal[r] = normal_[c];
+      out.region_offset[r] = offset_[c];
+    }
+    return out;
+  }
+
+  const Surface& surface_;
+  Faces f_;
+  const Partition& part_;
+  Scene scene_;
+  std::int32_t count_, first_ = 0;  // regions of the partition; cells so far
+  Some label_;                      // (n) by graph index: a region, or count_ + a cell
+  std::vector<double> before_;      // area of each region
+  std::vector<Vec3> middle_;        // of each region, once it is needed
+  std::vector<CurvedProxy> proxies_;
+  std::vector<CurvedCell> cell_;
+  std::vector<Vec3> normal_;
+  std::vector<double> offset_, ideal_;
+  std::map<std::int32_t, std::int32_t> region_of_;
+};
+
+/// Drops the patches without a cell.
+void drop_empty(Partition& part) {
+  std::vector<std::int32_t> number(part.curved.size(), kNone);
+  for (const CurvedCell& c : part.region_cell)
+    if (c.proxy != kNone) number[c.proxy] = 0;
+  std::vector<CurvedProxy> left;
+  for (std::size_t p = 0; p < number.size(); ++p) {
+    if (number[p] == kNone) continue;
+    number[p] = static_cast<std::int32_t>(left.size());
+    left.push_back(std::move(part.curved[p]));
+  }
+  part.curved = std::move(left);
+  for (CurvedCell& c : part.region_cell)
+    if (c.proxy != kNone) c.proxy = number[c.proxy];
+}
+
+}  // namespace
+
+Partition with_cells(const Surface& surface, const Partition& part, Scene scene, Job& job) {
+  Partition out = Rounding(surface, part, std::move(scene)).run(job);
+  drop_empty(out);
+  return out;
+}
+
+}  // namespace isimp::curved

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "isimp/partition/curved.h"
+
+/// What a curved surface is at a point.
+namespace isimp::curved {
+
+using Vec2 = Eigen::Vector2d;
+
+/// A point seen from the axis of a surface.
+struct Polar {
+  double rho = 0, z = 0;
+  Vec3 out = Vec3::Zero();  ///< unit, away from the axis
+};
+
+struct Residual {
+  double distance = 0;         ///< signed; not for a revolution
+  Vec3 normal = Vec3::Zero();  ///< of the surface, as the scan's
+};
+
+/// Two unit vectors square to a unit vector, which they follow in a right-handed frame.
+std::array<Vec3, 2> frame(const Vec3& axis);
+
+Polar polar(const CurvedSurface& surface, const Vec3& p);
+Residual residual(const CurvedSurface& surface, const Vec3& p);
+
+/// The place of a point along the profile: height, angle from the lower pole of a sphere, or length along the profile.
+double along(const CurvedSurface& surface, const Polar& p);
+
+/// The angle of a point round the axis, from `across` on, in [0, 2 pi).
+double angle(const CurvedProxy& proxy, const Vec3& p);
+/// An angle made one in [-pi, pi).
+double turned(double angle);
+
+inline Vec2 corner(const CurvedSurface& s, std::size_t i) { return {s.profile[2 * i], s.profile[2 * i + 1]}; }
+inline std::size_t corners(const CurvedSurface& s) { return s.profile.size() / 2; }
+
+}  // namespace isimp::curved

@@ -1,0 +1,188 @@
+"""Round parts: cylinders, cones, spheres and surfaces of revolution as rings of segments."""
+
+import copy
+import json
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import shapes
+from isimp_engine import cli
+
+
+def turned(profile, steps=96):
+    """A closed solid of revolution round z; profile: (radius, height) from the bottom to the top."""
+    profile = np.asarray(profile, float)
+    angle = np.arange(steps) * 2 * np.pi / steps
+    rho, z = profile.T
+    vertices = np.stack(
+        [np.outer(rho, np.cos(angle)), np.outer(rho, np.sin(angle)), np.repeat(z[:, None], steps, 1)], -1
+    ).reshape(-1, 3)
+    i, k = (a.ravel() for a in np.meshgrid(np.arange(len(rho) - 1), np.arange(steps), indexing="ij"))
+    a, b = i * steps + k, i * steps + (k + 1) % steps
+    c, d = b + steps, a + steps
+    last, n = (len(rho) - 1) * steps, len(vertices)
+    ends = np.arange(steps)
+    after = (ends + 1) % steps
+    low, high = np.full(steps, n), np.full(steps, n + 1)
+    triangles = np.concatenate(
+        [np.stack(t, 1) for t in ((a, b, c), (a, c, d), (low, after, ends), (high, last + ends, last + after))]
+    )
+    return np.concatenate([vertices, [[0, 0, z[0]], [0, 0, z[-1]]]]), triangles.astype(np.int32)
+
+
+def can(upper=1.0):
+    lids = np.arange(1, 8) / 8
+    side = np.linspace(0, 1, 41)
+    return turned(
+        [(r, -1.5) for r in lids]
+        + [(1 + (upper - 1) * t, -1.5 + 3 * t) for t in side]
+        + [(upper * r, 1.5) for r in lids[::-1]]
+    )
+
+
+def vase():
+    lids = np.arange(1, 6) / 6
+    z = np.linspace(-2, 2, 60)
+    side = 0.9 + 0.35 * np.sin(1.3 * z + 0.4)
+    return turned(
+        [(r * side[0], -2) for r in lids] + list(zip(side, z, strict=True)) + [(r * side[-1], 2) for r in lids[::-1]]
+    )
+
+
+ROUND = engine.PartitionOptions(detail=0.005, noise=0, curved=True)
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return engine.Mesh(*can())
+
+
+@pytest.fixture(scope="module")
+def part(mesh):
+    return engine.partition(mesh, ROUND)
+
+
+def test_a_can_is_a_prism(part):
+    (found,) = part.curved
+    assert found.kind == found["kind"] == "cylinder"
+    assert abs(found.axis[2]) == pytest.approx(1, abs=1e-6)
+    assert found.radius == pytest.approx(1, abs=0.002)
+    assert (found.rings, len(found.regions)) == (1, found.segments)
+    assert part.report["curved"] == [dict(found)]
+    json.dumps(part.report["curved"])
+    with pytest.raises(AttributeError):
+        found.colour  # noqa: B018
+
+
+def test_a_can_far_from_zero_tells_its_place(part):
+    vertices, triangles = can()
+    far = engine.partition(engine.Mesh(vertices + [1e6, 0, 0], triangles), ROUND)
+    assert far.curved[0].point[0] == pytest.approx(1e6, abs=1e-3)
+    assert far.curved[0].segments == part.curved[0].segments
+
+
+def test_without_the_option_there_are_none(mesh):
+    plain = engine.partition(mesh, engine.PartitionOptions(detail=0.005, noise=0))
+    assert plain.curved == []
+    assert plain.report["curved"] == []
+
+
+def test_a_vase_is_rings_of_quads():
+    mesh = engine.Mesh(*vase())
+    plain = engine.partition(mesh, engine.PartitionOptions(detail=0.005, noise=0))
+    part = engine.partition(mesh, ROUND)
+    (found,) = part.curved
+    assert found.kind == "revolution"
+    assert found.rings > 1
+    assert len(found.regions) == found.segments * found.rings
+    assert part.region_count <= 1.08 * plain.region_count + 1
+    poly, before = engine.polygonize(mesh, part), engine.polygonize(mesh, plain)
+    corners = np.diff(np.append(poly.loop_start, len(poly.loops)))
+    cell = np.isin(poly.polygon_region, found.regions)
+    assert (corners[cell] == 4).mean() > 0.9
+    far, far_before = (engine.within.scan_distances(mesh, p, q).mean() for p, q in ((part, poly), (plain, before)))
+    assert far < far_before
+    assert poly.report["manifold"]
+    assert poly.report["closed"]
+
+
+def test_a_pickle_keeps_round_parts(mesh, part):
+    again = copy.deepcopy(part)  # by its pickle
+    assert [dict(p) for p in again.curved] == [dict(p) for p in part.curved]
+    face = int(part.region_seed[part.curved[0].regions[0]])
+    assert engine.with_segments(mesh, again, face, 9).curved[0].segments == 9
+
+
+def test_segments_and_explode(mesh, part):
+    face = int(part.region_seed[part.curved[0].regions[0]])
+    assert engine.patch_of(mesh, part, face) == 0
+    nine = engine.with_segments(mesh, part, face, 9)
+    assert nine.region_count == 11
+    assert len(nine.curved[0].regions) == 9
+    loose = engine.explode_round(mesh, nine, face)
+    assert loose.curved == []
+    assert np.array_equal(loose.face_region, nine.face_region)
+    assert engine.patch_of(mesh, loose, face) is None
+    with pytest.raises(engine.InvalidInput, match=f"face {face} is in no round part"):
+        engine.with_segments(mesh, loose, face, 9)
+    with pytest.raises(engine.InvalidInput, match=r"segments must be in \[3, 256\], got 2"):
+        engine.with_segments(mesh, part, face, 2)
+
+
+def test_regions_are_made_round(mesh):
+    plain = engine.partition(mesh, engine.PartitionOptions(detail=0.005, noise=0))
+    side = plain.region_seed[np.abs(plain.region_normal[:, 2]) < 0.5]
+    round_part = engine.make_round(mesh, plain, side, "cylinder")
+    assert round_part.curved[0].kind == "cylinder"
+    with pytest.raises(engine.InvalidInput, match="kind must be"):
+        engine.make_round(mesh, plain, side, "cube")
+    with pytest.raises(engine.InvalidInput, match="no face is given"):
+        engine.make_round(mesh, plain, np.zeros(0, np.int32))
+
+
+@pytest.mark.parametrize("other", [{"bound": 0.1}, {"symmetry": "x"}])
+def test_what_can_not_be_had_together_is_refused(mesh, other):
+    with pytest.raises(engine.InvalidInput, match="round parts can't be had with"):
+        engine.partition(mesh, engine.PartitionOptions(curved=True, **other))
+
+
+def test_regularise_keeps_the_planes_of_cells(mesh, part):
+    regular = engine.regularise(mesh, part)
+    cells = np.array(part.curved[0].regions)
+    assert np.array_equal(regular.region_normal[cells], part.region_normal[cells])
+    assert [dict(p) for p in regular.curved] == [dict(p) for p in part.curved]
+
+
+def test_free_forms_stay_as_they_are():
+    mesh = engine.Mesh(*shapes.bumpy())
+    plain = engine.partition(mesh, engine.PartitionOptions(detail=0.005))
+    assert np.array_equal(engine.partition(mesh, engine.PartitionOptions(curved=True)).face_region, plain.face_region)
+
+
+def test_the_command_reports_round_parts(tmp_path, capsys):
+    scan, report = tmp_path / "can.ply", tmp_path / "report.json"
+    vertices, triangles = can()
+    _write(scan, vertices, triangles)
+    options = ["--noise", "0", "--curved", "--report", str(report)]
+    assert cli.main(["simplify", str(scan), str(tmp_path / "out.obj"), *options]) == 0
+    (found,) = json.loads(report.read_text())["curved"]
+    assert found["kind"] == "cylinder"
+    assert len(found["regions"]) == found["segments"]
+    assert "round: 1 cylinder" in capsys.readouterr().out
+
+
+def _write(path, vertices, triangles):
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\n"
+    head += "".join(f"property double {axis}\n" for axis in "xyz")
+    head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+    rows = [" ".join(map(repr, map(float, v))) for v in vertices] + ["3 " + " ".join(map(str, t)) for t in triangles]
+    path.write_text(head + "\n".join(rows) + "\n")
+
+
+@pytest.mark.parametrize("name", ["scan/bunny_69k.ply", "scan/armadillo_86k.ply"])
+def test_scans_of_figures_stay_as_they_are(data, name):
+    mesh = engine.clean(*engine.read(str(data / name)))
+    plain = engine.partition(mesh, engine.PartitionOptions())
+    assert np.array_equal(engine.partition(mesh, engine.PartitionOptions(curved=True)).face_region, plain.face_region)
