@@ -1,3 +1,4 @@
+// The Python functions on curved patches: their cells, segments and surfaces.
 #include <pybind11/stl.h>
 
 #include <optional>

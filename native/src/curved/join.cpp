@@ -1,3 +1,4 @@
+// Joins adjacent patches that lie on one surface, and replaces surfaces by simpler ones that fit nearly as well.
 #include <algorithm>
 #include <cmath>
 #include <map>
