@@ -61,6 +61,33 @@ def _automatic_length(description: str, first: float):
     return BoolProperty(name="Automatic Limit", description=description, get=lambda self: self.length == 0, set=write)
 
 
+def _found_or_length(settings, name: str, label: str = "Automatic") -> dict:
+    """Two properties for a length that is below 0 where it is found: whether it is, and the length where it is not."""
+    own = _of(settings, name)
+
+    def find(self, value: bool) -> None:
+        setattr(self, name, -1.0 if value else max(0.0, getattr(self, name)))
+
+    return {
+        f"{name}_found": BoolProperty(
+            name=label,
+            description=own["description"],
+            get=lambda self: getattr(self, name) < 0,
+            set=find,
+        ),
+        f"{name}_length": FloatProperty(
+            name=own["name"],
+            description=own["description"],
+            unit="LENGTH",
+            min=0.0,
+            soft_max=own["soft_max"],
+            precision=4,
+            get=lambda self: max(0.0, getattr(self, name)),
+            set=lambda self, value: setattr(self, name, value),
+        ),
+    }
+
+
 def _set_automatic(self, value: bool) -> None:
     self.noise = -1.0 if value else max(0.0, self.noise)
 
@@ -151,6 +178,9 @@ SHOWN = {
             get=lambda self: self.sharp_edges >= 0,
             set=_set_sharpens,
         ),
+        "sharp_edges_length": _found_or_length(PartitionSettings, "sharp_edges")["sharp_edges_length"],
+        **_found_or_length(PartitionSettings, "stitch", "Automatic Stitch"),
+        **_found_or_length(PartitionSettings, "grid", "Automatic Grid Cell"),
         "detail_percent": _percent(PartitionSettings, "detail", 1.0, 0.05, 2),
         "leave_out_percent": _percent(PartitionSettings, "leave_out", 0.99, 0.05, 2, "Ignore Parts Below"),
         "angle_turn": _angle(PartitionSettings, 180),
@@ -172,6 +202,7 @@ SHOWN = {
         ),
     },
     rcp.Mesh: {
+        **_found_or_length(MeshSettings, "straight_rims", "Automatic Straight Rims"),
         "chord_percent": _percent(MeshSettings, "chord_tolerance", 10.0, 2.0, 0, "Corners"),
         "join_percent": _percent(MeshSettings, "join_junctions", 10.0, 2.0, 0, "Join Corners"),
     },
@@ -195,6 +226,10 @@ INSTEAD = {
     (rcp.Partition, "leave_out"): "leave_out_percent",
     (rcp.Partition, "angle"): "angle_turn",
     (rcp.Partition, "noise"): "noise_length",
+    (rcp.Partition, "sharp_edges"): "sharp_edges_length",
+    (rcp.Partition, "stitch"): "stitch_length",
+    (rcp.Partition, "grid"): "grid_length",
+    (rcp.Mesh, "straight_rims"): "straight_rims_length",
     (rcp.Mesh, "chord_tolerance"): "chord_percent",
     (rcp.Mesh, "join_junctions"): "join_percent",
     (rcp.Regularise, "angle"): "angle_turn",

@@ -186,7 +186,18 @@ def test_settings_that_are_not_in_the_sidebar_are_one_click_away():
     drawn = {name for kind, name in controls(*panel.CLASSES) if kind == "prop"}
     for cls in (rcp.Partition, rcp.Mesh, rcp.Regularise):
         shown = {settings.units.INSTEAD.get((cls, name), name) for name in settings.names(cls)}
-        by_way = {"detail_percent", "tolerance", "bound", "influence", "length", "noise_length", "snap"}
+        found = {"sharp_edges_length", "stitch_length", "grid_length", "straight_rims_length"}
+        by_way = {
+            "triangles",
+            *found,
+            "detail_percent",
+            "tolerance",
+            "bound",
+            "influence",
+            "length",
+            "noise_length",
+            "snap",
+        }
         methods = {"method", "seeding", "seed", "iterations", "face_sets"}
         assert shown - by_way - methods - drawn - {"noise"} == set()
 
@@ -435,7 +446,7 @@ def tube():
 
 
 def test_every_setting_of_mesh_is_drawn():
-    drawn = {"chord_tolerance", "join_junctions", "flatten", "planar", "planar_most"}
+    drawn = {"chord_tolerance", "join_junctions", "flatten", "straight_rims", "planar", "planar_most"}
     assert set(settings.names(rcp.Mesh)) == drawn, "draw a new one in panel/options.py"
 
 

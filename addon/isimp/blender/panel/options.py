@@ -82,8 +82,19 @@ def _draw_mended(layout, partition) -> None:
     ticks.use_property_split = False
     ticks.prop(partition, "close_openings")
     ticks.prop(partition, "sharpens")
+    if partition.sharpens:
+        layout.prop(partition, "sharp_edges_length")
     for name in ("stitch", "grid"):
-        layout.prop(partition, name)
+        draw_found(layout, partition, name)
+
+
+def draw_found(layout, group, name: str) -> None:
+    """Draws a length that is found, or given."""
+    place = layout.column(align=True)
+    place.use_property_split = False
+    place.prop(group, f"{name}_found")
+    if not getattr(group, f"{name}_found"):
+        layout.prop(group, f"{name}_length")
 
 
 class ISIMP_PT_borders(Popover, bpy.types.Panel):
@@ -110,8 +121,9 @@ class ISIMP_PT_polygons(Popover, bpy.types.Panel):
 
     def draw(self, context):
         layout, meshing = self.prepare(context), context.window_manager.isimp.mesh
-        for name in ("chord_tolerance", "join_junctions", "flatten", "straight_rims"):
+        for name in ("chord_tolerance", "join_junctions", "flatten"):
             settings.draw(layout, rcp.Mesh, meshing, name)
+        draw_found(layout, meshing, "straight_rims")
         most = layout.column()
         most.active = meshing.planar
         settings.draw(most, rcp.Mesh, meshing, "planar_most")
