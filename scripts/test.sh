@@ -133,11 +133,11 @@ stage_tsan() { # the data of threads, under the thread sanitizer, which can't se
   done
 }
 
-stage_tidy() { # clang-tidy, on the sources that changed in the last day, or that include such a file
+stage_tidy() { # clang-tidy, on the sources and headers whose code changed in the last day
   local since sources
   since=${ISIMP_TIDY_SINCE:-$(git rev-list -1 --before='24 hours ago' HEAD)}
   prepare_tidy
-  mapfile -t sources < <("$python" scripts/affected_sources.py build-test "$since")
+  mapfile -t sources < <("$python" scripts/tidy_sources.py build-test "$since")
   [ ${#sources[@]} = 0 ] || run-clang-tidy -quiet -p build-test -j2 "${sources[@]/%/\$}"
 }
 

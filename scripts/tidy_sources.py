@@ -1,0 +1,64 @@
+"""The sources that clang-tidy checks after a change: BUILD_DIR COMMIT -> one path a line.
+
+Each source of native/src whose code has changed since COMMIT, and one source for each header whose code has changed.
+Comments, blank lines and includes are no code: clang-tidy finds nothing in them. A moved file is compared with the file
+that it was.
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from affected_sources import ROOT, output, read_by_source
+from plain_words import OF_CPP
+
+SUFFIXES = (".cpp", ".h", ".cu")
+
+
+def code_of(text: str) -> list[str]:
+    """The lines of a C++ file without comments, blank lines and includes."""
+    bare = OF_CPP.sub(lambda found: " " if found["comment"] else found.group(), text)
+    lines = (" ".join(line.split()) for line in bare.splitlines())
+    return [line for line in lines if line and not line.startswith("#include")]
+
+
+def at(commit: str, name: str) -> str:
+    """A file's text at a commit; empty if it was not there."""
+    found = subprocess.run(["git", "show", f"{commit}:{name}"], cwd=ROOT, capture_output=True, text=True)
+    return found.stdout if found.returncode == 0 else ""
+
+
+def with_changed_code(commit: str) -> set[Path]:
+    """The C++ files whose code differs from that at a commit."""
+    changed = set()
+    for line in output("git", "diff", "--name-status", "-M", "-l0", commit).splitlines():
+        status, *names = line.split("\t")
+        if status != "D" and names[-1].endswith(SUFFIXES):
+            now = (ROOT / names[-1]).read_text()
+            if code_of(now) != code_of(at(commit, names[0])):
+                changed.add((ROOT / names[-1]).resolve())
+    return changed
+
+
+def chosen(read: dict[Path, set[Path]], changed: set[Path]) -> list[Path]:
+    """The changed sources, and sources that together read all changed headers: the one with the most left, in turn."""
+    picked = {source for source in read if source in changed}
+    left = {path for files in read.values() for path in files & changed}
+    for source in picked:
+        left -= read[source]
+    while left:
+        best = max(sorted(read), key=lambda source: len(read[source] & left))
+        picked.add(best)
+        left -= read[best]
+    return sorted(picked)
+
+
+def main(build: str, commit: str) -> None:
+    inside = ROOT / "native" / "src"
+    read = {source: files for source, files in read_by_source(ROOT / build).items() if source.is_relative_to(inside)}
+    for source in chosen(read, with_changed_code(commit)):
+        print(source)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,47 @@
+"""scripts/tidy_sources.py names the sources whose code has changed."""
+
+from pathlib import Path
+
+import pytest
+
+from conftest import script
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.fixture
+def tidy(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "scripts")
+    return script("tidy_sources")
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ('#include "b.h"\n\n/// Another comment.\nint a = 1;  // one\nchar b[] = "// no comment";\n', True),
+        ('#include "a.h"\nint a = 1; /* two\nlines */\nchar b[] = "// no comment";\n', True),
+        ('#include "a.h"\nint a = 2;\nchar b[] = "// no comment";\n', False),
+        ('#include "a.h"\nint a = 1;\nchar b[] = "// another text";\n', False),
+        ('#include "a.h"\n// int a = 1;\nchar b[] = "// no comment";\n', False),
+    ],
+)
+def test_comments_and_includes_are_no_code(tidy, text, same):
+    code = tidy.code_of('#include "a.h"\nint a = 1;\nchar b[] = "// no comment";\n')
+    assert (tidy.code_of(text) == code) == same
+
+
+def test_each_changed_header_is_read_once(tidy):
+    a, b, c, h, i, k = (Path(name) for name in ("a.cpp", "b.cpp", "c.cpp", "h.h", "i.h", "k.h"))
+    read = {a: {a, h}, b: {b, h, i}, c: {c, k}}
+    assert tidy.chosen(read, {h, i}) == [b]
+    assert tidy.chosen(read, {a, h}) == [a]
+    assert tidy.chosen(read, {a, h, i}) == [a, b]
+    assert tidy.chosen(read, {k, Path("unread.h")}) == [c]
+    assert tidy.chosen(read, set()) == []
+
+
+def test_a_moved_file_is_compared_with_its_old_text(tidy, monkeypatch):
+    monkeypatch.setattr(tidy, "output", lambda *command: "M\tnative/src/core/job.cpp\nR090\told.h\tnative/src/new.h\n")
+    monkeypatch.setattr(tidy, "at", lambda commit, name: "int moved;" if name == "old.h" else "")
+    monkeypatch.setattr(Path, "read_text", lambda self: "int moved;  // here" if self.name == "new.h" else "int job;")
+    assert tidy.with_changed_code("HEAD") == {ROOT / "native" / "src" / "core" / "job.cpp"}
