@@ -86,7 +86,7 @@ def against_truth(shape, part, truth, mesh_area):
 
 
 def of_cells(mesh, part, poly, plain_poly):
-    """What the polygons of the cells are like."""
+    """Measures of the polygons of the cells."""
     patch = np.full(part.region_count, -1)
     for k, p in enumerate(part.curved):
         patch[np.asarray(p["regions"])] = k

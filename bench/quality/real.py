@@ -6,8 +6,8 @@ A row a scan. Twins of each family are made by real_scans.py; scans of DIR/real 
 go to `isimp simplify`. With --against, the row of an earlier run stands above each.
 
 Columns:
-  P         regions asked for; - where the number is found
-  regions   that came out, beside the true number of planes where it is known
+  P         requested number of regions; - if the command finds the number
+  regions   number in the result, and the true number of planes if it is known
   polys     polygons; tris: triangles that they make; corners: mean of a polygon
   rim       corners of polygons at the rim that are on it, mean
   mean 99%  distance of the scan's vertices from the polygons, % of the diagonal
@@ -76,7 +76,7 @@ def write_ply(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> None:
 
 
 def distances(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Of points from the nearest of triangles (T, 3, 3)."""
+    """Returns the distance of each point from the nearest of triangles (T, 3, 3)."""
     middle = corners.mean(1)
     reach = np.linalg.norm(corners - middle[:, None], axis=2).max(1)
     best = np.full(len(points), np.inf)
@@ -88,7 +88,7 @@ def distances(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 
 def rim_corners(loops: list[np.ndarray]) -> float:
-    """Of the polygons at the rim: corners on it, mean."""
+    """Returns the mean number of corners on the rim, over the polygons at the rim."""
     ends = [np.stack([q, np.roll(q, -1)], 1) for q in loops]
     edges = np.sort(np.concatenate(ends), 1)
     _, index, used = np.unique(edges, axis=0, return_inverse=True, return_counts=True)

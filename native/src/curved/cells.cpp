@@ -12,7 +12,7 @@ namespace isimp::curved {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kNear = 0.35;  ///< of a segment's width: a vertex further from a grid's corner is not made one
+constexpr double kNear = 0.35;  ///< share of a segment's width: a vertex further from a corner does not become one
 
 class Cutter {
  public:
@@ -49,7 +49,7 @@ class Cutter {
     return std::min(static_cast<std::int32_t>(place(angle) / width_), p_.segments - 1);
   }
 
-  /// How far one place along the profile is beyond another one; round a ring the shorter way.
+  /// The signed distance along the profile between two places; on a ring, along the shorter arc.
   [[nodiscard]] double beyond(double along, double from) const {
     const double d = along - from, round = p_.knots.back();
     return p_.closed ? d - round * std::round(d / round) : d;
@@ -62,7 +62,7 @@ class Cutter {
   };
 
   void join_corners() {
-    std::unordered_map<std::int32_t, std::size_t> at;  // of each face of the patch
+    std::unordered_map<std::int32_t, std::size_t> at;  // index in the patch, by face
     for (std::size_t k = 0; k < patch_.face.size(); ++k) at[patch_.face[k]] = k;
     std::map<std::pair<std::int32_t, std::int32_t>, Nearest> nearest;  // by knot and side of a segment
     std::vector<std::int32_t> vertices;
@@ -102,7 +102,7 @@ class Cutter {
     if (d < n.distance) n = {v, d, angle, along, polar.rho};
   }
 
-  /// Whether all faces round a vertex are in the patch, and none lies beyond a border of the scan.
+  /// Whether all faces at a vertex are in the patch, and the vertex is not on the border of the scan.
   [[nodiscard]] bool is_inside(std::int32_t v, const std::unordered_map<std::int32_t, std::size_t>& at) const {
     bool is = true;
     for_each_leaving(f_.mesh(), v, [&](std::int32_t h) {

@@ -6,11 +6,11 @@
 
 namespace isimp::curved {
 
-/// What a patch is cut into.
+/// The cells of a patch.
 struct Cells {
   Some of_face;                  ///< by PatchFaces: ring * segments + segment
   std::vector<CurvedCell> cell;  ///< by that number; `proxy` is not set
-  std::vector<Vec3> normal;      ///< of the plane of each
+  std::vector<Vec3> normal;      ///< normal of the plane of each cell
   std::vector<double> offset;    ///< the plane is where normal * x is this
 };
 

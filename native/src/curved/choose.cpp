@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kSameAxis = 0.9995;  ///< cosine
 constexpr double kBesideAxis = 2;     ///< times the nearness, of one point from the other axis
-constexpr int kTries = 3;             ///< of cells that together are no more than before
-constexpr double kSpeck = 0.25;       ///< of a cell's area
+constexpr int kTries = 3;             ///< tries to find cells whose number is not larger than before
+constexpr double kSpeck = 0.25;       ///< share of a cell's area
 constexpr double kMoreCells = 1.03;
 
 /// Patches that have the same axis and touch each other.

@@ -17,7 +17,7 @@ namespace {
 using namespace curved;
 
 constexpr std::int32_t kMostSegments = 256, kMostRings = 64;
-constexpr std::size_t kMostSamples = 1500;  ///< of faces, for a surface of revolution
+constexpr std::size_t kMostSamples = 1500;  ///< number of faces that a surface of revolution is fitted to, about
 constexpr double kNearlyAsWell = 1.3;       ///< a simpler kind may be that much worse
 
 void check_face(const Mesh& mesh, std::int32_t face) {

@@ -13,15 +13,15 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kSweeps = 12;
 constexpr int kFilters = 3;                       ///< averages of the normals
 constexpr double kFilters53 = 0.6;                ///< cosine: neighbours further apart are not averaged
-const double kNoCrease = std::cos(30 * kDegree);  ///< of the normals of the points of two faces
+const double kNoCrease = std::cos(30 * kDegree);  ///< cosine between the normals of two faces' points
 constexpr double kNoSurface = 1.2;                ///< cost of a face on none
 constexpr double kMostCost = 8;
-constexpr double kSame = 0.25;        ///< what a neighbour of the same label is worth
-constexpr double kSmallPart = 0.004;  ///< of the whole area: a part on no surface below that is given away easily
-constexpr double kSmallHole = 0.05, kInside = 0.95;  ///< the same of one that a single surface is round, by edges
+constexpr double kSame = 0.25;        ///< reduction of the cost by each neighbour of the same label
+constexpr double kSmallPart = 0.004;  ///< share of the whole area: a smaller part on no surface may fit less well
+constexpr double kSmallHole = 0.05, kInside = 0.95;  ///< this share if one surface has kInside of its border edges
 constexpr double kFitsWell = 1.6, kFitsAtAll = 4;
-constexpr double kFragment = 0.0015;  ///< of the whole area
-constexpr double kSpeck = 0.02;       ///< of what is small: even the only part of a label
+constexpr double kFragment = 0.0015;  ///< share of the whole area
+constexpr double kSpeck = 0.02;       ///< share of a small part's area: a label's only part below it is removed too
 
 std::vector<Vec3> filtered_normals(const Faces& faces, Job& job) {
   const FaceGraph& graph = faces.graph();
@@ -94,8 +94,8 @@ class Borders {
     return std::min(kMostCost, 0.5 * d * d + (1 - r.normal.dot(normal_[i])) / (1 - std::cos(near_.turn)));
   }
 
-  /// Gives each of some faces the cheapest label of those round it.
-  /// \return the faces at the borders round the ones that moved
+  /// Sets the label of each of some faces to the cheapest label among its own and its neighbours' ones.
+  /// \return the faces that changed or have a changed neighbour, and are at a border
   Some moved(const Some& active) {
     std::vector<bool> next(static_cast<std::size_t>(f_.size()), false);
     for (const std::int32_t i : active) {
@@ -128,7 +128,7 @@ class Borders {
     return faces;
   }
 
-  /// Gives parts that are on no surface to the neighbour that fits them.
+  /// Adds parts without a surface to the neighbour that fits them.
   bool give_rest_away(Job& job) {
     const LabelParts parts = parts_of_labels(f_, label_, job);
     std::vector<Some> members(parts.label.size());

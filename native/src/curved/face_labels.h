@@ -29,9 +29,9 @@ struct LabelParts {
 };
 LabelParts parts_of_labels(const Faces& faces, const Some& labels, Job& job);
 
-/// The surfaces that are kept, so that free-form parts stay as they are: planes; a curved patch of whose border most
-/// lies at creases, planes, other kept patches or the border of the scan; one that goes all the way round, of whose
-/// border a quarter does; and more than half a sphere. (gates.cpp)
+/// The surfaces that are kept, so that free-form parts stay as they are: planes; a curved patch with most of its
+/// border at creases, planes, other kept patches or the border of the scan; a full turn, or more than half a sphere,
+/// with a quarter of its border there. (gates.cpp)
 std::vector<bool> kept_surfaces(const Faces& faces, const Points& points, const std::vector<Found>& found,
                                 const Some& labels);
 

@@ -10,14 +10,14 @@ namespace isimp::curved {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr std::int32_t kSeeds = 20;                    ///< a round
-constexpr int kFails = 3;                              ///< rounds of seeds without a find, after which the search ends
-constexpr int kGrows = 4;                              ///< times that a surface is fitted again to what it reaches
-constexpr std::size_t kLeastPoints = 6;                ///< of a curved surface
-constexpr double kLeastArea = 0.01;                    ///< of the whole surface's
-constexpr double kBent = 0.015;                        ///< 1 - |mean normal|: what is less is a plane
-constexpr double kLeastTurn = 0.2, kLeastBend = 0.15;  ///< of a full turn, to be seen of a revolution, of a tube
-constexpr double kWorst = 0.35;     ///< what a surface loses if all its points are at the greatest distance
+constexpr std::int32_t kSeeds = 20;      ///< a round
+constexpr int kFails = 3;                ///< rounds of seeds without a find, after which the search ends
+constexpr int kGrows = 4;                ///< times that a surface is fitted again to the points that it reaches
+constexpr std::size_t kLeastPoints = 6;  ///< least number of points of a curved surface
+constexpr double kLeastArea = 0.01;      ///< share of the area of the whole mesh
+constexpr double kBent = 0.015;          ///< 1 - |mean normal|: points with less form a plane
+constexpr double kLeastTurn = 0.2, kLeastBend = 0.15;  ///< least seen share of a full turn: of a revolution, of a tube
+constexpr double kWorst = 0.35;     ///< share of the score that a surface loses at the greatest mean distance
 constexpr double kStillFree = 0.7;  ///< share of a candidate's area that others have not taken
 constexpr double kLargest = 1;      ///< diagonals: the largest radius
 constexpr double kPlaneTurn = 9 * kDegree;
@@ -85,7 +85,7 @@ class Search {
     return sum;
   }
 
-  /// Free points round one, by steps.
+  /// Free points near a given point, in the order of a breadth-first search.
   [[nodiscard]] Some ball(std::int32_t seed, std::size_t count) const {
     Some some = {seed};
     std::vector<bool> met(is_free_.size(), false);

@@ -20,10 +20,10 @@ struct Found {
 struct Nearness {
   double distance = 0;  ///< scene units
   double turn = 0;      ///< radians, of the normal
-  double size = 0;      ///< of the mesh: its diagonal
+  double size = 0;      ///< diagonal of the mesh
 };
 
-/// The share of a full turn round an axis that some samples take.
+/// The share of a full turn about an axis that some samples cover.
 double turn_share(const CurvedSurface& surface, const Samples& samples);
 
 /// Whether a surface of revolution is seen over enough of a turn: a tube, whose profile is a ring, over less.
@@ -34,7 +34,7 @@ bool is_seen(const CurvedSurface& surface, const Samples& samples);
 /// The seeds are at equal steps among the points that are free: no random numbers.
 std::vector<Found> find_surfaces(const Points& points, const Nearness& near, Job& job);
 
-/// Joins neighbours that are one surface of revolution, takes in free points round each, and prefers a cylinder, a
+/// Joins neighbours that are one surface of revolution, adds nearby free points to each, and prefers a cylinder, a
 /// sphere or a cone to a revolution that it fits nearly as well. (join.cpp)
 std::vector<Found> joined(std::vector<Found> found, const Points& points, const Nearness& near, Job& job);
 

@@ -34,7 +34,7 @@ CurvedSurface refined(CurvedSurface surface, const Samples& samples, int steps);
 
 /// (fit_revolution.cpp)
 std::optional<CurvedSurface> fit_revolution(const Samples& samples);
-/// The profile of samples round a known axis; none where they are no curve.
+/// The profile of samples about a known axis; none if they form no curve.
 std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& samples);
 
 /// Root mean square of the distances.

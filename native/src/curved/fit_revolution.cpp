@@ -11,8 +11,8 @@ namespace isimp::curved {
 namespace {
 
 constexpr double kThin = 2e-3;         ///< eigenvalues of the normals below this are noise
-constexpr double kBins = 40;           ///< of a profile
-constexpr double kCluster = 1.0 / 80;  ///< of the profile's size: points nearer than that are one
+constexpr double kBins = 40;           ///< number of bins of a profile
+constexpr double kCluster = 1.0 / 80;  ///< share of the profile's size: points at a smaller distance are merged
 constexpr double kSameWay = 0.8;       ///< cosine of the normals of points that are one
 constexpr double kTurns = 4;           ///< by how much a difference of normals lengthens a step
 constexpr double kGap = 4;             ///< median steps: ends that are nearer make a ring
@@ -26,7 +26,7 @@ struct Cluster {
   std::vector<std::size_t> samples;
 };
 
-struct Half {  // of a plane through the axis
+struct Half {  // half of a plane through the axis
   std::vector<Vec2> place, normal;
 };
 

@@ -7,15 +7,15 @@
 namespace isimp::curved {
 namespace {
 
-const double kCrease = std::cos(24 * std::numbers::pi / 180);  ///< of the normals of points on both sides
-constexpr double kNearlyAll = 0.85;   ///< of the border of a patch that is no sphere and goes not all round
-constexpr double kMost = 0.62;        ///< of a patch's border, at creases or what is kept
-constexpr double kAllRound = 0.92;    ///< of a full turn
-constexpr double kSome = 0.25;        ///< of the border of a patch that goes all round
-constexpr double kLargePlane = 0.02;  ///< of the whole area: free forms have smaller ones
+const double kCrease = std::cos(24 * std::numbers::pi / 180);  ///< cosine between normals of points on both sides
+constexpr double kNearlyAll = 0.85;   ///< least good share of the border of a patch that is no sphere and no full turn
+constexpr double kMost = 0.62;        ///< least good share of a sphere's border, see good_share
+constexpr double kAllRound = 0.92;    ///< share of a full turn that counts as a full turn
+constexpr double kSome = 0.25;        ///< least good share of the border of a full turn, or of more than half a sphere
+constexpr double kLargePlane = 0.02;  ///< share of the whole area: planes of free forms are smaller
 constexpr double kHalfSphere = 0.42;  ///< 1 - |mean normal|, which is half of a half sphere's normals
 
-/// The border of a patch: pairs of its faces and those beside them; kNone where the scan ends.
+/// The border of a patch: pairs of a face and its neighbour outside; kNone at the border of the scan.
 struct Beside {
   std::int32_t face, other;
 };
@@ -65,7 +65,7 @@ class Gates {
   }
 
  private:
-  /// The share of a full turn or, of a sphere, of what makes its normals cancel.
+  /// The covered share of a full turn; of a sphere, 1 - |mean normal|, which is 1 if all of it is covered.
   [[nodiscard]] double round_of(std::size_t k) const {
     const Samples s = samples_of(f_, members_[k]);
     if (found_[k].surface.kind != CurvedKind::sphere) return turn_share(found_[k].surface, s);

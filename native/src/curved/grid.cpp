@@ -11,14 +11,14 @@ namespace isimp::curved {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr int kBins = 120;           ///< of the profile
-constexpr int kSteps = 72;           ///< of a turn, where it is looked at for gaps
-constexpr double kOccupied = 0.15;   ///< of the mean area of a step that is not empty
+constexpr int kBins = 120;           ///< number of bins of the profile
+constexpr int kSteps = 72;           ///< number of steps of a full turn in the search for gaps
+constexpr double kOccupied = 0.15;   ///< share of the mean area of steps that are not empty
 constexpr double kFullTurn = 0.93;   ///< share of the steps that are occupied
-constexpr double kCapRadius = 0.12;  ///< of the largest radius: an end nearer to the axis may be a cap
-constexpr double kCapWeight = 1.5;   ///< of the distance of a cap, which counts as one cell
+constexpr double kCapRadius = 0.12;  ///< share of the largest radius: an end nearer to the axis may be a cap
+constexpr double kCapWeight = 1.5;   ///< weight of the distance of a cap, which counts as one cell
 constexpr double kMoreCells = 1.03, kHalfCell = 0.5;
-constexpr std::int32_t kLeastRound = 6;  ///< segments of a full turn: what has fewer is not round
+constexpr std::int32_t kLeastRound = 6;  ///< least number of segments of a full turn
 constexpr std::int32_t kMostSegments = 256, kMostRings = 64;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -31,7 +31,7 @@ double quantile(std::vector<double> x, double share) {
   return x[static_cast<std::size_t>(at)];
 }
 
-/// Sums over the bins of a profile, and what ranges of them cost.
+/// Sums over the bins of a profile, and the costs of ranges of bins.
 class Profile {
  public:
   Profile(const CurvedProxy& proxy, const PatchFaces& f) : proxy_(proxy) {

@@ -11,7 +11,7 @@ namespace isimp::curved {
 struct PatchFaces {
   Some face;  ///< by graph index
   std::vector<double> area, angle, rho, z, along;
-  std::vector<double> out, up;  ///< of the surface's normal: its part away from the axis, and along it
+  std::vector<double> out, up;  ///< parts of the surface's normal: away from the axis, and along it
 
   PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some);
 };
@@ -24,18 +24,18 @@ struct Grid {
   double cost = 0;  ///< sum of area times squared distance from the planes of the cells
 };
 
-/// Sets whether the faces go all the way round the axis, else where they begin and how far they go.
+/// Sets whether the faces cover a full turn; if not, sets their first angle and the covered angle.
 void set_span(CurvedProxy& proxy, const PatchFaces& patch);
 
 /// For each number of segments the best rings along the profile within a number of cells: dynamic programming over bins
 /// of the profile, VSA in one dimension, by squared distances in both directions.
 /// \param cells  the number of cells; a cut may have 3 % more
 /// \param rough  root mean square distance of the faces from the surface: no chord error is below it
-/// \return those that fit, by rising number of segments
+/// \return the grids that fit, by rising number of segments
 /// Cost: O(bins^2 cells log cells).
 std::vector<Grid> grids(const CurvedProxy& proxy, const PatchFaces& patch, double cells, double rough);
 
-/// The same for a number of segments and, if above 0, of rings, which need not fit any number of cells.
+/// The best grid with a given number of segments and, if above 0, of rings. The number of cells is no limit to these.
 Grid grid_of(const CurvedProxy& proxy, const PatchFaces& patch, std::int32_t segments, std::int32_t rings,
              double cells);
 

@@ -14,9 +14,9 @@ constexpr std::size_t kSmall = 8;  ///< points of a plane that may be part of a 
 constexpr double kKept = 0.85;     ///< share of each that the common surface must explain
 constexpr double kFurther = 1.5;   ///< times the nearness, to be explained
 constexpr double kTurnsMore = 1.3;
-constexpr double kAllRound = 0.9;      ///< of a full turn, of which two that are no revolutions may become one
-constexpr double kWorst = 0.8;         ///< of the nearness: root mean square distance of the common surface
-constexpr double kReach = 1.4;         ///< times the nearness, to be taken in
+constexpr double kAllRound = 0.9;  ///< least share of a full turn to join two that are no revolutions
+constexpr double kWorst = 0.8;     ///< share of the nearness: largest root mean square distance of the common surface
+constexpr double kReach = 1.4;     ///< times the nearness, to be taken in
 constexpr double kNearlyAsWell = 1.3;  ///< a simpler kind may be that much worse ...
 constexpr double kAnyway = 0.2;        ///< ... or this share of the nearness
 
@@ -91,7 +91,7 @@ class Joiner {
     return true;
   }
 
-  /// Gives planes to a larger revolution or sphere beside them that explains them, as the flat top of a torus.
+  /// Joins planes with a larger adjacent revolution or sphere that explains them, as the flat top of a torus.
   void dissolve_planes() {
     for (std::size_t k = 0; k < found_.size();) {
       const std::size_t into = found_[k].is_plane() ? dissolves_in(k) : found_.size();

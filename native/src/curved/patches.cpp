@@ -18,11 +18,11 @@ constexpr std::size_t kLeastFaces = 20;
 constexpr double kSquare = 0.1;   ///< cosine: a plane along an axis
 constexpr double kTouches = 2.5;  ///< times the nearness: a plane that touches a cylinder
 constexpr double kNearEnd = 0.5;  ///< radians, of a plane that touches it at an end
-constexpr int kSteps = 3;         ///< of the last fit
+constexpr int kSteps = 3;         ///< steps of the last fit
 
 bool is_straight(const CurvedSurface& s) { return s.kind == CurvedKind::cylinder || s.kind == CurvedKind::cone; }
 
-/// Of each region the share of its area that some faces have, added up: regions that the partition has there.
+/// The number of regions that some faces make up: the sum of the share of each region's area that is theirs.
 double regions_in(const Faces& faces, const Partition& part, const std::vector<double>& region_area, const Some& some) {
   double sum = 0;
   for (const std::int32_t i : some) {
@@ -32,7 +32,7 @@ double regions_in(const Faces& faces, const Partition& part, const std::vector<d
   return sum;
 }
 
-/// The planes that lie beside a surface, by the number of edges between them.
+/// The planes that are adjacent to a surface, and the number of edges to each.
 std::map<std::int32_t, int> planes_beside(const Faces& faces, const Scene& scene, const Some& some) {
   std::map<std::int32_t, int> beside;
   for (const std::int32_t i : some)

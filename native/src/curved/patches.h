@@ -21,7 +21,7 @@ struct RoundPatch {
   double first_angle = 0, last_angle = 0;      ///< where they touch it
 };
 
-/// What was found on a scan.
+/// The surfaces found on a scan.
 struct Scene {
   Points points;
   std::vector<Found> found;

@@ -14,7 +14,7 @@ constexpr double kSquare = 0.1;    ///< cosine of the axes of a pipe and its ben
 constexpr double kSameRadius = 3;  ///< times the nearness
 constexpr double kMoreCells = 1.03;
 constexpr std::int32_t kMostSegments = 128;
-constexpr int kLeastEdges = 6;  ///< of a common border
+constexpr int kLeastEdges = 6;  ///< least number of edges of a common border
 
 /// The mean square distance of an arc of radius 1 from its chord through the mean.
 double of_chord(double angle) {

@@ -7,7 +7,7 @@
 namespace isimp::curved {
 namespace {
 
-const double kJoins = std::cos(33 * std::numbers::pi / 180);  ///< of the normals of points that are joined
+const double kJoins = std::cos(33 * std::numbers::pi / 180);  ///< least cosine between normals of joined points
 
 }  // namespace
 

@@ -42,7 +42,7 @@ class Faces {
 struct Points {
   std::vector<double> area;  ///< shares of the whole surface's
   std::vector<Vec3> centre, normal;
-  std::vector<Some> near;                          ///< those that share an edge and have a normal within 33 degrees
+  std::vector<Some> near;                          ///< points that share an edge and have a normal within 33 degrees
   std::vector<std::array<std::int32_t, 2>> edges;  ///< pairs in `near`, the lower one first, in rising order
   std::vector<std::int32_t> of_face;               ///< (n) by graph index; kNone where the face is not free
 

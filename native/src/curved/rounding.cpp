@@ -13,13 +13,13 @@
 namespace isimp::curved {
 namespace {
 
-constexpr double kOfCell = 0.25;     ///< of a cell's area: a part of one below that is no part of it
-constexpr double kOfRegion = 0.3;    ///< of a region's area: what patches leave of it below that goes to its neighbours
+constexpr double kOfCell = 0.25;   ///< share of a cell's area: a smaller part, if not the largest, joins a neighbour
+constexpr double kOfRegion = 0.3;  ///< share of a region's area: if patches leave less of it, the rest joins neighbours
 constexpr std::int32_t kFewest = 3;  ///< segments of one that is no full turn
 constexpr double kNarrow = 1;        ///< radians, the least span of one
 constexpr double kBetter = 0.95;     ///< one that is no full turn must be that much better
 constexpr double kWorse = 1.2;       ///< a patch may be that much worse by squared distance than the regions before
-constexpr double kOfMean = 0.02;     ///< of the mean area of a region: a part of one
+constexpr double kOfMean = 0.02;     ///< share of a mean region: a smaller part of a cut region joins a neighbour
 
 /// Puts cells in the place of regions.
 class Rounding {
@@ -64,8 +64,8 @@ class Rounding {
     proxies_.push_back(patch.proxy);
   }
 
-  /// Whether the cells are about as near to the faces as the regions that were there. A patch that was found must, one
-  /// that a person asked for need not.
+  /// Whether the cells are about as near to the faces as the regions that were there. A patch that was found must
+  /// pass, an edit of the user need not.
   [[nodiscard]] bool pays(const RoundPatch& patch, const Cells& cells,
                           const std::vector<std::pair<std::int32_t, std::int32_t>>& given) {
     if (scene_.found.empty()) return true;
@@ -94,7 +94,7 @@ class Rounding {
         middle_[r] += f_.area(i) / std::max(before_[r], 1e-300) * f_.centre(i);
   }
 
-  /// Takes the first and the last half segment from a patch where planes touch it.
+  /// Removes the first and the last half segment from a patch if planes touch it there.
   /// \return faces and the planes that get them
   std::vector<std::pair<std::int32_t, std::int32_t>> give_to_tangents(RoundPatch& patch) {
     std::vector<std::pair<std::int32_t, std::int32_t>> given;
@@ -190,10 +190,10 @@ class Rounding {
   Faces f_;
   const Partition& part_;
   Scene scene_;
-  std::int32_t count_, first_ = 0;  // regions of the partition; cells so far
+  std::int32_t count_, first_ = 0;  // number of regions of the partition; number of added cells
   Some label_;                      // (n) by graph index: a region, or count_ + a cell
   std::vector<double> before_;      // area of each region
-  std::vector<Vec3> middle_;        // of each region, once it is needed
+  std::vector<Vec3> middle_;        // centre of each region, once it is needed
   std::vector<CurvedProxy> proxies_;
   std::vector<CurvedCell> cell_;
   std::vector<Vec3> normal_;

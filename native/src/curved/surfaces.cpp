@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kTiny = 1e-300;
-constexpr double kBeyond = 3;  ///< times its first and its last edge, by which an open profile goes on
+constexpr double kBeyond = 3;  ///< times its first and its last edge: an open profile is extended by this
 
 /// The place on a profile that is nearest to a point.
 struct OnProfile {
@@ -26,7 +26,7 @@ OnProfile nearest_on_profile(const CurvedSurface& s, const Vec2& p) {
   for (std::size_t i = 0; i < ends; ++i) {
     const Vec2 a = corner(s, i), t = corner(s, (i + 1) % n) - a;
     const double length = t.norm();
-    // An open profile goes on straight at its ends, since its corners are means of points.
+    // An open profile is extended straight at its ends, since its corners are means of points.
     const double from = !s.closed && i == 0 ? -kBeyond : 0, to = !s.closed && i + 1 == ends ? 1 + kBeyond : 1;
     const double u = length > 0 ? std::clamp((p - a).dot(t) / (length * length), from, to) : 0.0;
     const double d = (p - a - u * t).squaredNorm();

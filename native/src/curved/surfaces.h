@@ -5,7 +5,7 @@
 
 #include "isimp/partition/curved.h"
 
-/// What a curved surface is at a point.
+/// Geometry of a curved surface at a point.
 namespace isimp::curved {
 
 using Vec2 = Eigen::Vector2d;
@@ -18,7 +18,7 @@ struct Polar {
 
 struct Residual {
   double distance = 0;         ///< signed; not for a revolution
-  Vec3 normal = Vec3::Zero();  ///< of the surface, as the scan's
+  Vec3 normal = Vec3::Zero();  ///< normal of the surface, on the side of the scan's
 };
 
 /// Two unit vectors square to a unit vector, which they follow in a right-handed frame.
@@ -30,7 +30,7 @@ Residual residual(const CurvedSurface& surface, const Vec3& p);
 /// The place of a point along the profile: height, angle from the lower pole of a sphere, or length along the profile.
 double along(const CurvedSurface& surface, const Polar& p);
 
-/// The angle of a point round the axis, from `across` on, in [0, 2 pi).
+/// The angle of a point about the axis, from `across` on, in [0, 2 pi).
 double angle(const CurvedProxy& proxy, const Vec3& p);
 /// An angle made one in [-pi, pi).
 double turned(double angle);

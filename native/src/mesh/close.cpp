@@ -59,8 +59,8 @@ class Closer {
   Closer(MeshArrays& arrays, const Topology& topology, const Components* components, const Threads& threads, Job& job)
       : arrays_(arrays), topology_(topology), components_(components), threads_(threads), job_(job) {}
 
-  /// Adds patches for those that can be closed, and returns these; the faces to be removed are still there. May be called
-  /// again for openings apart from those.
+  /// Adds patches for openings that can be closed, and returns these openings. The faces to be removed stay for now. A
+  /// further call may close openings that are apart from these.
   /// \param meeting  whether a patch may meet other faces where no patch of any plan meets none
   std::vector<Opening> close(std::vector<Opening> openings, bool meeting) {
     if (openings.empty()) return {};
@@ -69,7 +69,7 @@ class Closer {
     for (int round = 0; round < (meeting ? 2 * kPlans : kPlans); ++round) {
       std::vector<Opening> covered, left;
       for (Opening& o : openings) (find_patches(o, round % kPlans) ? covered : left).push_back(std::move(o));
-      for (bool all = round >= kPlans; !all;) {  // those that drop out keep their faces, which others may now meet
+      for (bool all = round >= kPlans; !all;) {  // dropped openings keep their faces, which other patches may now meet
         std::vector<Opening> dropped = drop_crossed(covered);
         all = dropped.empty();
         std::move(dropped.begin(), dropped.end(), std::back_inserter(left));
@@ -84,8 +84,8 @@ class Closer {
   }
 
  private:
-  /// Finds the faces that patches of some openings may meet: patches are inside the boxes of their loops. Where openings
-  /// are near those of a call before, only faces found then are looked at.
+  /// Finds the faces that patches of some openings may meet: patches are inside the boxes of their loops. If all
+  /// openings are near the openings of an earlier call, only the faces found then, and faces added since, are searched.
   void find_faces_near(const std::vector<Opening>& openings) {
     std::vector<Eigen::AlignedBox3d> boxes;
     for (const Opening& o : openings)
@@ -186,7 +186,7 @@ class Closer {
       }
   }
 
-  /// Takes those out of `openings` whose patches meet something, and returns them.
+  /// Removes each opening whose patches meet other faces from `openings`, and returns the removed ones.
   std::vector<Opening> drop_crossed(std::vector<Opening>& openings) {
     if (openings.empty()) return {};
     const std::size_t vertices = arrays_.vertices.size(), faces = arrays_.triangles.size();
@@ -216,23 +216,23 @@ class Closer {
     return dropped;
   }
 
-  static constexpr double kLargestShare = 0.5;  // of its part that a hole may be
-  static constexpr double kWider = 0.5;         // of a box's diagonal: where another loop of the handle may be
+  static constexpr double kLargestShare = 0.5;  // share of the area of its component: a hole has less
+  static constexpr double kWider = 0.5;  // share of a box's diagonal: another loop of the handle may be that far away
 
   MeshArrays& arrays_;
   const Topology& topology_;
-  const Components* components_;  // where holes are told from outlines
+  const Components* components_;  // to distinguish holes from outlines
   const Threads& threads_;
   Job& job_;
   std::vector<Opening> closed_;
-  std::vector<std::int32_t> near_;          // faces that patches may meet, those of patches too
-  std::vector<Eigen::AlignedBox3d> wider_;  // of a call before ...
-  std::vector<std::int32_t> among_;         // ... and the faces near these ...
-  std::size_t looked_at_ = 0;               // ... of so many
+  std::vector<std::int32_t> near_;          // faces that patches may meet, faces of patches too
+  std::vector<Eigen::AlignedBox3d> wider_;  // widened boxes of the last full search
+  std::vector<std::int32_t> among_;         // faces near these boxes
+  std::size_t looked_at_ = 0;               // number of faces at the last search
 };
 
-/// Drops the faces that openings take out, and the vertices that nothing uses any more.
-/// \return (V) the vertices' new numbers, kNone of those that went
+/// Removes the faces of openings, and the vertices that have no face left.
+/// \return (V) the vertices' new numbers, kNone of removed ones
 std::vector<std::int32_t> drop_removed(MeshArrays& arrays, const std::vector<Opening>& closed) {
   std::vector<char> removed(arrays.triangles.size(), 0), used(arrays.vertices.size(), 0);
   for (const Opening& o : closed)
@@ -262,7 +262,7 @@ std::vector<std::int32_t> drop_removed(MeshArrays& arrays, const std::vector<Ope
 }
 
 /// Where handles may be that are left.
-/// \param renamed  (V) the vertices' new numbers, kNone of those that went
+/// \param renamed  (V) the vertices' new numbers, kNone of removed ones
 HandleSearch search_again(const HandleSearch& before, const Handles& found, const std::vector<std::int32_t>& renamed) {
   HandleSearch search;
   for (const auto& loop : found.loops) {

@@ -16,7 +16,7 @@
 
 namespace isimp::detail {
 
-/// Triangles that cover a loop. Their vertices are those of the loop, by position in it, then `inner`.
+/// Triangles that cover a loop. Their vertices are the loop's, by position in it, then `inner`.
 struct Patch {
   std::vector<std::array<std::int32_t, 3>> triangles;
   std::vector<Vec3> inner;  ///< its own vertices
@@ -29,8 +29,8 @@ struct Opening {
   std::vector<std::int32_t> removed;             ///< faces, rising
   std::vector<std::vector<std::int32_t>> loops;  ///< vertices in the order in which a patch runs along them
   std::vector<Patch> patches;                    ///< one a loop, once found
-  double length = 0;                             ///< of a hole's border, or of the loop round a handle
-  std::vector<std::int32_t> round;               ///< vertices of the loop round a handle
+  double length = 0;                             ///< length of a hole's border, or of a handle's loop
+  std::vector<std::int32_t> round;               ///< vertices of a handle's loop
 };
 
 // close.cpp
@@ -46,11 +46,11 @@ Patch cover(const std::vector<Vec3>& loop, const std::vector<Vec3>& beyond, int 
 
 // crossings.cpp
 /// The faces whose boxes touch one of some boxes, rising.
-/// \param among  faces to look at; null: all
+/// \param among  faces to search; null: all
 /// Cost: O(these).
 std::vector<std::int32_t> find_near(const MeshArrays& arrays, const std::vector<std::int32_t>* among,
                                     const std::vector<Eigen::AlignedBox3d>& boxes, const Threads& threads, Job& job);
-/// For each of the last `fresh` triangles whether it intersects one of some others outside what they share.
+/// For each of the last `fresh` triangles whether it intersects one of some others, outside common vertices and edges.
 /// \param others  triangles, may be some of the last ones too
 /// \param removed  (F) marks of triangles to ignore
 std::vector<char> find_crossed(const MeshArrays& arrays, const std::vector<std::int32_t>& others,
@@ -61,7 +61,7 @@ std::vector<char> find_crossed(const MeshArrays& arrays, const std::vector<std::
 double length(const MeshArrays& arrays, const std::vector<std::int32_t>& loop);
 
 // kept_openings.cpp
-/// What `clean_keeping` tells of an opening.
+/// The description of an opening that `clean_keeping` returns.
 FoundOpening found_opening(const MeshArrays& arrays, const Opening& opening, bool kept);
 /// Whether one of the places means the opening; see clean_keeping.
 bool is_kept(const MeshArrays& arrays, const Opening& opening, const std::vector<Vec3>& keep);
@@ -71,19 +71,19 @@ bool is_kept(const MeshArrays& arrays, const Opening& opening, const std::vector
 struct Handles {
   std::vector<Opening> closed, kept;
   std::vector<std::vector<std::int32_t>> loops;   ///< vertices of all loops that were found, those left alone too
-  std::vector<std::vector<std::int32_t>> failed;  ///< those of loops that can't be closed
+  std::vector<std::vector<std::int32_t>> failed;  ///< vertices of loops that can't be closed
 };
 /// Where to search, once it is known.
 struct HandleSearch {
   std::vector<std::int32_t> near;              ///< vertices near which handles may be
   std::set<std::vector<std::int32_t>> failed;  ///< loops to leave alone, each as rising vertices
 };
-/// Finds handles with a loop round them or through them of at most `longest`, no two of them near each other, and closes
-/// them. Where one loop of a handle can't be closed, the next one is tried; at last patches may meet other faces.
+/// Closes handles that have a loop of at most `longest`; no two of these handles are near each other. If one loop of a
+/// handle can't be closed, the next one is tried; in the last try patches may meet other faces.
 /// \param search  null: everywhere
 /// \param keep  places whose handles are not closed
-/// \param close  closes openings, with patches that meet other faces if its second argument is true, and returns those
-///               that could be
+/// \param close  closes openings, with patches that meet other faces if its second argument is true, and returns the
+///               closed ones
 /// Cost: that of `find_loops`, and of the patches.
 Handles close_handles(const MeshArrays& arrays, const Topology& topology, double longest, const HandleSearch* search,
                       const std::vector<Vec3>& keep,
@@ -91,7 +91,7 @@ Handles close_handles(const MeshArrays& arrays, const Topology& topology, double
                       const Threads& threads, Job& job);
 
 // close.cpp
-/// Fills holes and cuts handles as the options say. `arrays` are sound, and `topology` is theirs, before and after.
+/// Fills holes and cuts handles by the options. `arrays` are sound, and `topology` is theirs, before and after.
 /// \return the openings that were closed or kept
 std::vector<FoundOpening> close_small(MeshArrays& arrays, Topology& topology, const CleanOptions& options,
                                       const std::vector<Vec3>& keep, RepairLog& log, const Threads& threads, Job& job);

@@ -15,10 +15,10 @@
 namespace isimp::detail {
 namespace {
 
-constexpr double kSame = 1e-4;        // of the extent: values that near are one
+constexpr double kSame = 1e-4;        // share of the extent: values at a smaller distance are equal
 constexpr std::size_t kLeast = 8;     // values along an axis, with fewer there is no grid to be found
-constexpr double kOffLattice = 0.02;  // of half a cell
-constexpr double kShare = 0.98;       // of the vertices that are where a grid of occupancy has them
+constexpr double kOffLattice = 0.02;  // share of half a cell
+constexpr double kShare = 0.98;       // least share of the vertices at places of a grid of occupancy
 constexpr int kRounds = 100;
 
 /// The distance that most of the different values of an axis are apart; 0 where few vertices share a value.
@@ -84,7 +84,7 @@ double find_cell(const std::vector<Vec3>& vertices) {
 /// The directions of a grid that a mesh was cut on and turned with, as columns; nothing where it was not. An edge of
 /// such a mesh joins middles of edges of one cell, so it has one of four lengths, and the second of them along an axis.
 std::optional<Eigen::Matrix3d> find_axes(const MeshArrays& arrays) {
-  constexpr double kSameLength = 2e-3;  // of a cell
+  constexpr double kSameLength = 2e-3;  // share of a cell
   const std::array lengths{std::sqrt(0.5), 1.0, std::sqrt(1.5), std::sqrt(2.0)};
   std::vector<Vec3> edges;
   edges.reserve(3 * arrays.triangles.size());
@@ -136,7 +136,7 @@ Grid find_grid(const MeshArrays& arrays) {
   return {.cell = find_cell(along), .axes = *axes};
 }
 
-/// The vertices beside each, each once for each face.
+/// The neighbours of each vertex, each once for each common face.
 struct Beside {
   std::vector<std::int32_t> start, vertex;
 

@@ -11,8 +11,8 @@ namespace isimp::detail {
 
 /// Smooths the stair steps of a mesh that marching cubes made of occupied and empty cells.
 ///
-/// Each vertex stays within half a cell of its place along every axis, which is what such a grid does not know; vertices
-/// of the border stay. A mesh of signed distances, whose vertices lie anywhere along the edges of the grid, has no steps
+/// Each vertex stays within half a cell of its place along every axis, since such a grid is not more exact; vertices of
+/// the border stay. A mesh of signed distances, whose vertices lie anywhere along the edges of the grid, has no steps
 /// and is left alone.
 /// \param cell  scene units; nothing: found, with the grid along the axes or turned; 0: steps stay
 /// \return whether it was such a mesh

@@ -19,7 +19,7 @@
 
 /// A tree over the vertices by distance, and a tree over faces and holes that crosses none of its edges and takes those
 /// first whose loops are long: each edge left over closes a loop over the first tree that does not part the surface,
-/// two a handle. Grown from anywhere they tell where handles are; grown again from there, how short the loops are.
+/// two a handle. Trees from any start show the places of handles. Trees from these places show the lengths of loops.
 /// Source: Erickson and Whittlesey 2005.
 namespace isimp::detail {
 namespace {
@@ -69,16 +69,16 @@ class HandleLoops {
     return starts;
   }
 
-  /// Edges, a half-edge each, rising, and the nodes on both sides of each: faces and holes, or what is one for all
-  /// that will be asked.
+  /// Edges, a half-edge each, rising, and the nodes on both sides of each. A node is a face, a hole, or a set of
+  /// them that is joined for all later queries.
   struct Dual {
     std::vector<std::int32_t> edges;
     std::vector<std::array<std::int32_t, 2>> sides;
     std::size_t nodes = 0;
   };
 
-  /// The edges near some vertices. All others are crossed wherever the first tree grows from one of these, so what
-  /// they join is one node.
+  /// The edges near some vertices. A first tree that grows from one of these vertices, up to the radius, has no other
+  /// edge. So the faces that the other edges join are one node.
   [[nodiscard]] Dual near_edges(const std::vector<std::int32_t>& starts, double radius) {
     std::vector<char> near(distance_.size(), 0);
     for (const std::int32_t v : starts) {
@@ -126,7 +126,7 @@ class HandleLoops {
 
  private:
   static constexpr double kFar = std::numeric_limits<double>::infinity();
-  static constexpr std::size_t kAhead = 8;        // of the vertex that is taken, what is beside another is fetched
+  static constexpr std::size_t kAhead = 8;        // vertices ahead of the current one whose neighbours are prefetched
   static constexpr std::size_t kSample = 16;      // faces from one edge that is measured to the next
   static constexpr std::size_t kMostReached = 4;  // edges reached by starts that are halved together, of all and starts
   static constexpr std::size_t kMostBuckets = 1U << 16;  // the last one has all that is farther
@@ -181,7 +181,7 @@ class HandleLoops {
     return to_integer(d * per_length_, std::size_t{0}, kMostBuckets);
   }
 
-  /// One node for each border loop, after those of the faces.
+  /// One node for each border loop, after the nodes of the faces.
   void number_holes() {
     nodes_ = arrays_.triangles.size();
     for (const std::int32_t h : topology_.border) {
@@ -213,8 +213,8 @@ class HandleLoops {
     return a == h || b == h || (other != kNone && (a == other || b == other));
   }
 
-  /// The edges that the tree over all vertices does not hold, without those that any tree over the faces has to cross:
-  /// a face with one such edge left is taken off, again and again. Few are left, round the handles and between holes.
+  /// The edges that the tree over all vertices does not hold, without edges that any tree over the faces has to cross:
+  /// a face with one such edge left is removed, repeatedly. Few edges are left, at handles and between holes.
   [[nodiscard]] Dual core() const {
     std::vector<std::uint8_t> open(arrays_.triangles.size(), 7);  // a bit for each such edge of a face
     for_each_index(edge_.size(), job_, [&](std::size_t v) {
@@ -228,7 +228,7 @@ class HandleLoops {
     while (!ends.empty()) {
       const std::int32_t f = ends.back();
       ends.pop_back();
-      if (!std::has_single_bit(open[f])) continue;  // its last edge went with the other face
+      if (!std::has_single_bit(open[f])) continue;  // its last edge was removed with the other face
       const std::int32_t other = topology_.opposite[3 * f + std::countr_zero(open[f])];
       if (other == kNone) continue;
       open[f] = 0;
@@ -284,7 +284,7 @@ class HandleLoops {
     return edges;
   }
 
-  /// What is known while starts are halved: the edges that no start at hand reaches are joined.
+  /// The state of a search that halves the starts: edges that no current start reaches are joined.
   struct Halving {
     const Dual& dual;
     double longest;

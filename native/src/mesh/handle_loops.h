@@ -9,7 +9,7 @@
 
 namespace isimp::detail {
 
-/// A loop of edges that goes round a handle or through it.
+/// A loop of edges about a handle or through it.
 struct HandleLoop {
   double length = 0;
   std::vector<std::int32_t> vertices;
@@ -17,7 +17,7 @@ struct HandleLoop {
 
 /// Loops of at most `longest`, shortest first; several of each handle.
 /// \param search  null: everywhere
-/// Cost: O(F) but for the two trees of shortest ways over all vertices that a search everywhere takes.
+/// Cost: O(F), and two trees of shortest paths over all vertices for a search everywhere.
 std::vector<HandleLoop> find_loops(const MeshArrays& arrays, const Topology& topology, double longest,
                                    const HandleSearch* search, const Threads& threads, Job& job);
 

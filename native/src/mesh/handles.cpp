@@ -28,7 +28,7 @@ class Rings {
         gone_(arrays.triangles.size(), 0),
         seen_(arrays.triangles.size(), 0) {}
 
-  /// \return no loops if the faces round the loop are no ring, reach a border of the mesh or one taken before
+  /// \return no loops if the faces along the loop are no ring, or reach a border of the mesh or an opening taken before
   Opening take(const Loop& loop) { return take(ring_of(loop)); }
 
   /// Makes an opening that was taken one that was not.
@@ -39,8 +39,8 @@ class Rings {
     }
   }
 
-  /// The same as `take`, but only where one of the places means it. It counts as gone for those that are taken after it,
-  /// so that no other loop closes what stays: neither one that crosses it nor one in the same tunnel.
+  /// Calls `take` if one of the places selects the opening. Its faces count as removed for openings that are taken
+  /// later, so that no other loop closes this opening: neither a loop that crosses it nor a loop in the same tunnel.
   Opening hold(const Loop& loop, const std::vector<Vec3>& keep) {
     Opening o = ring_of(loop);
     return o.loops.empty() || !is_kept(arrays_, o, keep) ? Opening{} : take(std::move(o));
@@ -68,8 +68,8 @@ class Rings {
     return o;
   }
 
-  /// Takes the ring's next faces on both sides, as far as they are in the same tunnel or on the same handle: were it cut
-  /// in the middle alone, a dent would stay on both sides.
+  /// Adds the next faces on both sides to the ring, if they are in the same tunnel or on the same handle: a cut in the
+  /// middle alone would leave a dent on both sides.
   /// \return whether there were any
   bool widen(Opening& o, const Loop& loop) const {
     bool any = false;
@@ -99,7 +99,7 @@ class Rings {
     return a.size() == b.size() && std::find(b.begin(), b.end(), a[0]) != b.end();
   }
 
-  /// The faces round some vertices are added to rising ones.
+  /// Adds the faces at some vertices to a rising list of faces.
   void add_fans(const std::vector<std::int32_t>& vertices, std::vector<std::int32_t>& faces) const {
     for (const std::int32_t v : vertices) add_fan(v, faces);
     std::sort(faces.begin(), faces.end());
@@ -123,7 +123,8 @@ class Rings {
     });
   }
 
-  /// The loops round the removed faces, each vertex once in all: two of them.
+  /// Finds the border loops of the removed faces.
+  /// \return whether there are two, with no vertex twice and no vertex of `loop`
   [[nodiscard]] bool find_borders(Opening& o, const Loop& loop) const {
     std::unordered_map<std::int32_t, std::int32_t> next;
     std::vector<std::int32_t> starts;
@@ -149,8 +150,8 @@ class Rings {
     return o.loops.size() == 2;
   }
 
-  /// Whether no way leads from one border of the ring to the other any more; if there is one, the ring's faces are
-  /// gone. Searches from both, so that a handle costs what its faces are, and not the whole surface.
+  /// Whether no path outside the ring joins its borders. If a path does, the ring's faces are marked as removed. The
+  /// search starts from both borders, so that its cost depends on the handle's faces and not on the whole surface.
   [[nodiscard]] bool parts_surface(const Opening& o) {
     for (const std::int32_t f : o.removed) gone_[f] = 1;
     std::array<std::vector<std::int32_t>, 2> front;

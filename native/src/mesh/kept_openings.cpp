@@ -1,4 +1,4 @@
-// Describes openings, and finds those that the caller keeps.
+// Describes openings, and finds the openings that the caller keeps.
 #include <algorithm>
 
 #include "close.h"
@@ -7,7 +7,7 @@ namespace isimp::detail {
 namespace {
 
 constexpr double kReach =
-    0.25;  // of an opening's length: a circle's radius is .16 of it, its neighbour's center .32 off
+    0.25;  // share of an opening's length: a circle's radius is .16 of it, its neighbour's center .32 off
 
 /// The center of a loop's length, which does not depend on how its vertices are spread.
 Vec3 center_of(const MeshArrays& arrays, const std::vector<std::int32_t>& loop) {

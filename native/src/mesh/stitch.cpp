@@ -14,17 +14,17 @@ namespace isimp::detail {
 namespace {
 
 constexpr double kEdges = 2.0;       // mean edges: the distance where none is given
-constexpr double kShare = 0.1;       // of the border that must have another border near then
+constexpr double kShare = 0.1;       // least share of the border near another component, if no distance is given
 constexpr double kLeast = 100;       // vertices that go to another component then: fewer are no chunks of a scan
-constexpr double kNearEnd = 0.35;    // of an edge: a vertex nearer to its end becomes one with that
+constexpr double kNearEnd = 0.35;    // share of an edge: a vertex nearer to its end is merged with the end
 constexpr double kFacing = 0.5;      // cosine of the angle between faces that are joined
-constexpr double kCell = 1.3;        // times the distance: cells in which edges are looked up
+constexpr double kCell = 1.3;        // times the distance: size of the cells of the search for edges
 constexpr std::int32_t kApart = 12;  // places along a border from which it counts as another one
 
-/// Where a border vertex goes.
+/// The target of a border vertex.
 struct Hit {
   std::int32_t vertex, edge;  // the latter by its place among the border's half-edges
-  double along;               // of the edge, from 0 to 1
+  double along;               // place on the edge, from 0 to 1
   bool joins_components;
 };
 
@@ -93,7 +93,7 @@ class Stitcher {
     };
     std::vector<std::pair<std::int32_t, std::vector<std::int32_t>>> fans;
     for (auto& [h, points] : put) {
-      if (gone[h / 3]) continue;  // of a face with two edges at the border one is divided, the other in the next pass
+      if (gone[h / 3]) continue;  // the second border edge of a face is divided in the next pass
       gone[h / 3] = 1;
       std::sort(points.begin(), points.end());
       std::vector<std::int32_t> line{from(h)};
@@ -189,7 +189,7 @@ class Stitcher {
   Job& job_;
   std::vector<std::int32_t> loop_, place_;  // by vertex, of the border
   std::vector<std::int32_t> loop_size_;
-  mutable Forest component_;  // of vertices
+  mutable Forest component_;  // components of vertices
   double distance_ = 0;
   std::vector<std::pair<Key, std::int32_t>> cells_;  // sorted
 };

@@ -17,9 +17,9 @@ struct Stitched {
   double distance;                        ///< up to which borders were joined, scene units
 };
 
-/// Joins borders of chunks of a scan whose vertices do not match: each border vertex goes to the nearest edge of another
-/// border, that of another component or one beyond a gap, whose face lies the same way within 60 degrees, either side
-/// up. Near an end of that edge both become one vertex, else the vertex is put into the edge.
+/// Joins borders of chunks of a scan whose vertices do not match: each border vertex moves to the nearest edge of
+/// another border, that of another component or one beyond a gap, whose face lies the same way within 60 degrees,
+/// either side up. Near an end of that edge both become one vertex, else the vertex is put into the edge.
 /// \param distance  scene units; nothing: two mean edges, if a tenth of the border has the border of another component
 ///                 that near
 /// \param log  gets the stitched vertices

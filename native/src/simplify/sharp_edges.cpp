@@ -18,13 +18,13 @@ namespace {
 
 constexpr double kEdges = 3.0;        // mean edges: the width where none is given
 constexpr double kZigzag = 1.3;       // a border along faces is that much longer than the line that it follows
-constexpr double kOfRim = 0.2;        // of its perimeter that a strip may have on the border
-constexpr double kBeside = 0.7;       // of its perimeter that is beside wider regions
+constexpr double kOfRim = 0.2;        // largest share of a strip's perimeter on the border
+constexpr double kBeside = 0.7;       // least share of a strip's perimeter along wider regions
 constexpr double kWider = 1.5;        // times a strip's width, from which a region is wider
 constexpr double kLeastAngle = 25.0;  // degrees between the planes that meet at a strip
 constexpr double kSpareAngle = 20.0;  // degrees that the angles to both may be more than that
-constexpr double kOfNormal = 0.25;    // of the squared difference of normals, beside that of widths
-constexpr double kOff = 0.5;          // of the width: how far a strip's faces may be from their planes
+constexpr double kOfNormal = 0.25;    // weight of the squared difference of normals; the distance in widths has 1
+constexpr double kOff = 0.5;          // share of the width: largest distance of a strip's faces from their planes
 constexpr double kMostOff = 0.9;      // share of the faces that are
 constexpr int kRounds = 3, kFits = 12;
 constexpr std::size_t kBesideLooked = 3;
@@ -58,7 +58,7 @@ class Sharpener {
     }
   }
 
-  /// \return whether any strip went
+  /// \return whether any strip was removed
   bool run() {
     bool any = false;
     std::set<std::int32_t> stay;
@@ -103,7 +103,7 @@ class Sharpener {
     }
   }
 
-  /// From the narrowest on, so that strips beside strips are seen.
+  /// Checks the narrowest regions first, so that strips next to strips are found.
   [[nodiscard]] std::vector<std::int32_t> find_strips() const {
     std::vector<std::int32_t> order, strips;
     for (std::size_t r = 0; r < regions_.size(); ++r)
@@ -140,7 +140,7 @@ class Sharpener {
     return false;
   }
 
-  /// By least squares, reweighted: what lies further off than two deviations counts little.
+  /// Fits a plane by reweighted least squares: faces beyond two deviations have a small weight.
   [[nodiscard]] Plane robust_plane(std::span<const std::int32_t> faces, const Vec3& facing) const {
     std::vector<double> area, weight;
     for (const std::int32_t f : faces) area.push_back(vector_[f].norm());
@@ -197,7 +197,7 @@ class Sharpener {
     return kOfNormal * turned + off * off;
   }
 
-  /// Gives the faces of strips to the regions round them, the cheapest first.
+  /// Adds the faces of strips to the adjacent regions, the cheapest first.
   void flood(std::span<const std::int32_t> strips) {
     std::vector<bool> free(regions_.size(), false);
     for (const std::int32_t r : strips) free[r] = true;
@@ -235,8 +235,8 @@ class Sharpener {
     }
   }
 
-  /// Gives strips back their faces that are too far from the planes they went to.
-  /// \return how many
+  /// Restores strips whose faces are too far from the planes of their new regions.
+  /// \return the number of restored strips
   std::size_t take_back(std::span<const std::int32_t> strips, const std::vector<std::int32_t>& before,
                         std::set<std::int32_t>& stay) {
     std::map<std::int32_t, std::vector<double>> off;
@@ -260,7 +260,7 @@ class Sharpener {
     return back.size();
   }
 
-  /// Of a region that fell apart only the largest piece stays; the others go to the region they touch most.
+  /// Keeps only the largest piece of a region in several pieces. Each other piece joins the region it touches most.
   void join_pieces() {
     std::vector<std::int32_t> piece(label_.size(), kNone), of, largest;
     std::vector<std::vector<std::int32_t>> faces;
@@ -304,7 +304,7 @@ class Sharpener {
     }
   }
 
-  static constexpr std::int32_t kFree = -2;  // of a strip, not given to a region yet
+  static constexpr std::int32_t kFree = -2;  // label of a strip's face without a region yet
 
   const Mesh& mesh_;
   double width_;

@@ -11,7 +11,7 @@ namespace isimp {
 
 /// Lengths by which curved patches are found, scene units.
 struct RoundLengths {
-  double tolerance = 0;  ///< of the partition; its default where the number of regions was given
+  double tolerance = 0;  ///< the partition's tolerance; the default if the partition has a given number of regions
   double noise = 0;      ///< standard deviation of the scan's noise
 };
 
@@ -19,9 +19,9 @@ struct RoundLengths {
 std::int32_t round_points(std::int32_t faces);
 
 /// Makes round parts round: finds cylinders, cones, spheres and surfaces of revolution, and cuts each into segments
-/// round its axis and rings along its profile, as many as the partition has regions there. Each cell is a region with a
-/// plane that polygons keep to (kPlaneRound). Regions elsewhere stay as they are, but for what patches leave of those at
-/// their borders; where nothing is found the partition comes back as it is.
+/// about its axis and rings along its profile. A patch has as many cells as the partition has regions there. Each cell
+/// is a region with a plane that polygons keep to (kPlaneRound). Other regions stay unchanged, except that a region at
+/// the border of a patch loses its part within the patch. Without a patch the partition is returned unchanged.
 ///
 /// \param part  the partition by planes; locked regions stay as they are
 /// \param data  the same surface in round_points() regions

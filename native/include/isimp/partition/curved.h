@@ -9,8 +9,8 @@ namespace isimp {
 
 enum class CurvedKind : std::uint8_t { plane, cylinder, cone, sphere, revolution };
 
-/// A surface round an axis, or a plane. Lengths in scene units. Of a partition `point` is in the caller's coordinates;
-/// while patches are searched and cut it is relative to the mesh's origin.
+/// A surface with an axis, or a plane. Lengths in scene units. In a partition, `point` is in the caller's coordinates;
+/// while patches are searched and cut, it is relative to the mesh's origin.
 struct CurvedSurface {
   CurvedKind kind = CurvedKind::plane;
   Vec3 point = Vec3::Zero();  ///< on the axis; the centre of a sphere; of a cone and a cylinder amid their faces
@@ -23,7 +23,7 @@ struct CurvedSurface {
   bool operator==(const CurvedSurface&) const = default;
 };
 
-/// A curved patch of a partition: one surface, cut into segments round its axis and rings along its profile.
+/// A curved patch of a partition: one surface, cut into segments about its axis and rings along its profile.
 struct CurvedProxy : CurvedSurface {
   Vec3 across = Vec3::UnitX();  ///< unit, square to the axis: where angles begin
   double phase = 0, span = 0;   ///< the first segment's begin and the angle of all segments, radians
