@@ -23,7 +23,6 @@ LIMITS = {  # folders that are still to be reworded
     "addon": 21.0,
     "native/include/isimp/meshing": 30.0,
     "native/src/meshing": 42.0,
-    "python/isimp_engine/cli": 44.0,
 }
 OF_C = {".h", ".cpp", ".cu", ".cuh", ".in"}
 

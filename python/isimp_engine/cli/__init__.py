@@ -1,6 +1,6 @@
 """The command `isimp`: `isimp simplify INPUT OUTPUT`, `isimp batch ...`, `isimp tiles ...` and `isimp info INPUT`.
 
-Exit status: 0; 2 for wrong usage; 3 for input that can't be used, with one line that says what and where; 4 if some
+Exit status: 0; 2 for wrong usage; 3 for unusable input, with one line that names the error and its place; 4 if some
 scans of a batch failed; 130 after Ctrl-C and 143 after SIGTERM, with nothing half-written.
 """
 

@@ -21,7 +21,7 @@ from .files import show
 from .options import simplify_options
 from .progress import Screen, wanted
 
-_LINES = 20  # of problems and of results in the summary; the page has all
+_LINES = 20  # largest number of problems, and of results, in the summary; the page has all
 
 
 def add_options(command: argparse.ArgumentParser) -> None:
@@ -42,7 +42,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
 
 
 def add_workers(command: argparse.ArgumentParser) -> None:
-    """The options that say where children run."""
+    """Adds the options for the place where children run."""
     command.add_argument("--dask", metavar="ADDRESS", help="scheduler of a cluster that does the work: tcp://HOST:PORT")
     started = f"start a cluster for this, of {', '.join(KINDS)}; needs isimp[cluster]"
     command.add_argument("--cluster", metavar="KIND", help=started)

@@ -1,4 +1,4 @@
-"""Close what scanning left open: holes and tunnels that are smaller than what the regions can show."""
+"""Close openings that scanning left: holes and tunnels that are smaller than the regions can show."""
 
 import argparse
 import math
@@ -9,11 +9,11 @@ from .. import CleanOptions, Job, Mesh, PartitionOptions, partition
 from ..openings import Lengths, lengths_for
 
 Place = tuple[float, float, float]
-_NEAR = 0.5  #: of an opening's length: a place beyond it means none
+_NEAR = 0.5  #: share of an opening's length: a place that is further from all openings selects none
 
 
 def is_wanted(arguments: argparse.Namespace) -> bool:
-    """Not where the user has said what to close, nor with a bound: that promises each vertex of the scan."""
+    """False if the user has chosen openings, and with a bound: a bound is a promise for each vertex of the scan."""
     kept = arguments.keep_openings or (arguments.recipe is not None and not arguments.recipe.close_openings)
     given = arguments.clean.fill_holes > 0 or arguments.clean.cut_handles > 0
     return not (kept or given or arguments.options.bound)
@@ -44,7 +44,7 @@ def told(mesh: Mesh) -> list[dict[str, Any]]:
 
 
 def lines(openings: list[dict[str, Any]], places: list[Place], below: float | None) -> Iterator[str]:
-    """What the summary says of openings."""
+    """The lines of the summary about openings."""
     closed = [opening for opening in openings if not opening["kept"]]
     if closed and below:
         longest = f"the longest, a {closed[0]['kind']} of {closed[0]['length']:.4g}, at {_at(closed[0]['center'])}"
@@ -63,7 +63,7 @@ def _at(place: Place) -> str:
 
 
 def lengths_of(mesh: Mesh, options: PartitionOptions, regions: int | None, job: Job) -> Lengths:
-    """Up to which length openings are closed. regions: the number, where it is known; of none the partition tells."""
+    """The lengths up to which openings are closed. regions: their number; None or 0: the partition finds it."""
     return lengths_for(mesh, options, regions or None, lambda: partition(mesh, options, job).region_count, job)
 
 

@@ -1,6 +1,6 @@
 """The command `isimp` with its commands simplify, batch, tiles, report and info.
 
-Exit status: 0; 2 for wrong usage; 3 for input that can't be used, with one line that says what and where; 4 if some
+Exit status: 0; 2 for wrong usage; 3 for unusable input, with one line that names the error and its place; 4 if some
 scans of a batch failed; 130 after Ctrl-C and 143 after SIGTERM, with nothing half-written.
 """
 
@@ -18,7 +18,7 @@ from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, USAGE, UsageError
 from .files import place
 from .options import settle, simplify_options
 
-EXPECTED = (UsageError, FileError, OSError, MemoryError, InvalidInput, RuntimeError)  #: what wrong input raises
+EXPECTED = (UsageError, FileError, OSError, MemoryError, InvalidInput, RuntimeError)  #: errors that wrong input raises
 
 
 def parser() -> argparse.ArgumentParser:
@@ -110,7 +110,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def problem(error: Exception, path: Path) -> tuple[str, int]:
-    """The line that says what is wrong with an input, and the exit status; `error` is one of EXPECTED."""
+    """Returns the error message for an input, and the exit status; `error` is one of EXPECTED."""
     if isinstance(error, UsageError):
         return str(error), USAGE
     if isinstance(error, FileError):  # names the file itself
@@ -123,6 +123,6 @@ def problem(error: Exception, path: Path) -> tuple[str, int]:
 
 
 def _say(message: str, status: int) -> int:
-    if sys.stderr is not None:  # it is where it was closed: then the status alone says it
+    if sys.stderr is not None:  # a closed stderr is None: only the status reports the error then
         print("isimp:", " ".join(message.split()), file=sys.stderr)
     return status

@@ -77,7 +77,7 @@ def deferrable() -> Iterator[Interrupts]:
 
 
 def _endings() -> list[signal.Signals]:
-    """Those that ask a process to end, but for Ctrl-C."""
+    """The signals that request the end of a process, except Ctrl-C."""
     return [signal.SIGTERM] + ([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])
 
 
@@ -100,6 +100,6 @@ def _handled(numbers: list[signal.Signals], handler: Callable[[int, FrameType | 
 
 @contextmanager
 def too_late() -> Iterator[None]:
-    """Signals that come in the block change nothing: what it does is short, and must not be done in part."""
+    """Ignores signals during the block: its work is short, and must not be done in part."""
     with _handled([*_endings(), signal.SIGINT], lambda number, frame: None):
         yield

@@ -1,4 +1,4 @@
-"""What only the command line can do wrong, and how it ends."""
+"""The errors of the command line alone, and the exit statuses."""
 
 import signal
 

@@ -30,7 +30,7 @@ def check(path: Path) -> None:
 
 
 def show(text: str, beside: bool = False) -> None:
-    """Print a text. beside: to stderr, since stdout has another one. What is wrong with stdout is not the input's."""
+    """Print a text. beside: to stderr, since stdout has another one. An error of stdout is no error of the input."""
     stream = sys.stderr if beside else sys.stdout
     if stream is None:
         return
@@ -46,9 +46,9 @@ def is_same(path: Path, other: Path) -> bool:
 
 
 class Outputs:
-    """Files written beside their places under other names, and moved there together by `commit`.
+    """Files written next to their places under other names. `commit` moves all of them to their places.
 
-    Whatever ends the `with` block before that removes them, so that nothing half-written is left.
+    A `with` block that ends before `commit` removes the files, so that no file is half-written.
     """
 
     def __init__(self) -> None:

@@ -16,7 +16,7 @@ from .progress import Steps, wanted
 
 ANGLE = 0.01  #: degrees; the engine's default
 
-#: what chooses regions or changes polygons, which --flat does not do: the name of the argument and its flag
+#: options that choose regions or change polygons, which --flat does not do: the name of the argument and its flag
 _OTHERS = {
     "texture": "--texture",
     "lods": "--lods",

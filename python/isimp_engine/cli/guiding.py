@@ -21,7 +21,7 @@ _FILES = {
     "base": ("L.npy", "one region per face of INPUT, as --labels wrote it; without it the others have none"),
 }
 
-NO_FILES = dict.fromkeys(_FILES)  #: what the command line says of them where it gives none
+NO_FILES = dict.fromkeys(_FILES)  #: the arguments of a command line without guides
 
 
 def add_angle(command: argparse.ArgumentParser) -> None:
@@ -36,13 +36,13 @@ def add_files(command: argparse.ArgumentParser) -> None:
 
 
 def as_dict(arguments: argparse.Namespace) -> dict[str, Any]:
-    """What was given, for the report."""
+    """The given arguments, for the report."""
     files = {name: getattr(arguments, name) for name in _FILES}
     return {"angle": arguments.angle} | {name: path and str(path) for name, path in files.items()}
 
 
 def guides_of(arguments: argparse.Namespace, source: Input, mesh: Mesh, job: Job) -> Guides:
-    """The guides that the command line asks for, by faces and vertices of the mesh."""
+    """Returns the guides of the command line, by faces and vertices of the mesh."""
     face = np.where(mesh.source_face >= 0, source.polygon[mesh.source_face], -1)
     barriers = []
     if arguments.angle is not None:
@@ -93,7 +93,7 @@ def _load(arguments: argparse.Namespace, name: str, shape: tuple[int | None, ...
     try:
         with path.open("rb") as file:  # not np.load, which opens archives and pickles too
             values = np.lib.format.read_array(file, allow_pickle=False)
-    except (ValueError, EOFError, SyntaxError, tokenize.TokenError):  # whatever the header may hold
+    except (ValueError, EOFError, SyntaxError, tokenize.TokenError):  # all errors that a wrong header can raise
         raise UsageError(f"{path}: is not a .npy file of numbers") from None
     except MemoryError:
         raise UsageError(f"{path}: there is not enough memory for it") from None

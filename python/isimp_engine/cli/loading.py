@@ -32,7 +32,7 @@ class Input:
     triangles: NDArray[np.int32]
     polygon: NDArray[np.int32]
     faces: int
-    soup: TexturedSoup | None = None  #: with what the faces show, if that was asked for
+    soup: TexturedSoup | None = None  #: faces with their texture, if the caller requested it
 
 
 def load(path: Path, job: Job, threads: int = 0, textured: bool = False) -> Input:
@@ -68,7 +68,7 @@ def clean_mesh(source: Input, options: CleanOptions, job: Job, keep: Places = ()
 
 
 def close_mesh(source: Input, cleaned: Cleaned, options: CleanOptions, job: Job, keep: Places = ()) -> Cleaned:
-    """The same with openings closed."""
+    """Returns the cleaned mesh with its openings closed."""
     places = np.array(keep, np.float64).reshape(-1, 3)
     return _told(source, close_openings(cleaned[0], options, job, keep=places))
 
@@ -83,7 +83,7 @@ def _told(source: Input, mesh: Mesh) -> Cleaned:
 
 
 def facts(mesh: Mesh) -> dict[str, Any]:
-    """What the mesh is, without what was repaired."""
+    """Properties of the mesh, without its repairs."""
     report = mesh.report
     return {
         key: value for key, value in report.items() if key not in report["repairs"] and not key.startswith("repair")
@@ -91,8 +91,8 @@ def facts(mesh: Mesh) -> dict[str, Any]:
 
 
 def labels(source: Input, mesh: Mesh, regions: NDArray[np.int32]) -> NDArray[np.int32]:
-    """The region of each of the file's faces, as those of the mesh: the one with most of its area; -1: none has any."""
-    kept = np.flatnonzero((regions >= 0) & (mesh.source_face >= 0))  # what covers a hole is in no file
+    """The region of each face of the file: the region with the largest share of its area; -1: no region has any."""
+    kept = np.flatnonzero((regions >= 0) & (mesh.source_face >= 0))  # a face that covers a hole is in no file
     face, region = source.polygon[mesh.source_face[kept]], regions[kept]
     result = np.full(source.faces, -1, dtype=np.int32)
     result[face] = region

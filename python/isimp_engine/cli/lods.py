@@ -26,14 +26,14 @@ def counts(text: str) -> list[int]:
 
 
 def check(arguments: argparse.Namespace) -> None:
-    """Refuse what contradicts levels."""
+    """Refuse arguments that contradict levels."""
     given = [flag for flag in _COUNTS if getattr(arguments, flag) is not None]
     if given:
         raise UsageError(f"--lods says how many regions each level has: leave out --{given[0]}")
 
 
 def levels(arguments: argparse.Namespace) -> list[argparse.Namespace]:
-    """What the command line says of each level; itself alone without --lods."""
+    """The arguments of each level; the given arguments alone without --lods."""
     if arguments.lods is None:
         return [arguments]
     check(arguments)
@@ -43,7 +43,7 @@ def levels(arguments: argparse.Namespace) -> list[argparse.Namespace]:
 def _level(arguments: argparse.Namespace, number: int, regions: int) -> argparse.Namespace:
     level = copy.copy(arguments)
     level.options = copy.copy(arguments.options)
-    for name in _COUNTS:  # of the recipe
+    for name in _COUNTS:  # the counts of the recipe
         setattr(level.options, name, None)
     level.options.proxies = regions
     level.output = named(arguments.output, number)

@@ -1,4 +1,4 @@
-"""The options of `isimp simplify`, which batches take too: flags made from the engine's table, and what they mean."""
+"""The options of `isimp simplify`, which batches take too: flags made from the engine's table, and their values."""
 
 import argparse
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from .errors import UsageError
 
 Options = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions] | type[RegulariseOptions]
 _COUNTS = ("proxies", "triangles", "detail", "tolerance", "bound")  # at most one of them
-# Lengths that may be left out of their flags, and what the flag alone means.
+# Flags whose length may be left out, and the value of the flag alone.
 _BARE: dict[str, float | None] = {"sharp_edges": 0.0, "stitch": None, "straight_rims": None}
 _SHARED = ("threads",)  # one flag for all steps
 _OF_RECIPE = ("angle", "texture", "ao", "height", "tiles", "materials")  # taken from the recipe where not given
@@ -148,7 +148,7 @@ def options_of(arguments: argparse.Namespace, kind: Options) -> Any:
 
 
 def _of_recipe(arguments: argparse.Namespace, given: dict[str, Any]) -> dict[str, Any]:
-    """The recipe's options of a partition, without those that are given, and without its count if one is given."""
+    """The recipe's options of a partition, without the given ones, and without its count if a count is given."""
     if arguments.recipe is None:
         return {}
     counted = any(name in given for name in _COUNTS)
@@ -157,7 +157,7 @@ def _of_recipe(arguments: argparse.Namespace, given: dict[str, Any]) -> dict[str
 
 
 def settle(arguments: argparse.Namespace) -> None:
-    """Replace what the command line gave by what the steps take: the recipe and the engine's options."""
+    """Replace the arguments of the command line by arguments of the steps: the recipe and the engine's options."""
     arguments.clean = options_of(arguments, CleanOptions)
     if isinstance(arguments.recipe, Path):
         try:

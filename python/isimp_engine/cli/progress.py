@@ -31,7 +31,7 @@ class Steps:
 
 
 class _Step:
-    """Gives a job, shows what it is doing on one line of a terminal, and clears the line at the end.
+    """A context that returns a job, shows its progress on one line of a terminal, and clears the line at the end.
 
     The line is redrawn by a thread of its own, since the engine's calls wait on the main thread, where Ctrl-C arrives.
     This is a class because a Ctrl-C that arrives as a generator's context is entered would leave the context open.
@@ -89,7 +89,7 @@ def line(name: str, job: Job) -> str:
 
 
 class Screen:
-    """One line on stderr that is drawn anew some times a second."""
+    """One line on stderr that is redrawn several times a second."""
 
     def __init__(self) -> None:
         self._drawn = 0.0

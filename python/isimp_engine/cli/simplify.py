@@ -41,7 +41,7 @@ OUTPUT_KINDS = (".ply", ".obj", *exporting.KINDS)
 
 @dataclass(frozen=True)
 class Done:
-    """What a run made, for callers in the same process."""
+    """The results of a run, for callers in the same process."""
 
     source: Input
     partition: Partition
@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> Done:
 
 @dataclass(frozen=True)
 class Regions:
-    """The regions of a scan, and what they were made of."""
+    """The regions of a scan, and the inputs that they were made of."""
 
     mesh: Mesh
     partition: Partition
@@ -89,7 +89,7 @@ class Regions:
     repaired: dict[str, int]
     repaired_at: dict[str, list[int]]
     closed: CleanOptions | None  #: how openings were closed; None where none were
-    expected: dict[str, int]  #: of polygons, before they are made: see `expected_polygons`
+    expected: dict[str, int]  #: estimated counts of polygons: see `expected_polygons`
     meshing: MeshingOptions
     regular: RegulariseOptions | None
 
@@ -102,9 +102,9 @@ class Model(Regions):
 
 
 def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Regions:
-    """Repair and partition, as the command line says, and foresee the polygons.
+    """Repair and partition by the arguments, and estimate the number of polygons.
 
-    cleaned: the repaired scan, where it is known already; what a mesh keeps of one partition serves the next.
+    cleaned: the repaired scan, if it is known already; a mesh caches data of a partition for the next one.
     """
     options, recipe = arguments.options, arguments.recipe
     meshing = MeshingOptions(**(recipe.meshing if recipe else {}) | {"threads": options.threads})
@@ -164,11 +164,11 @@ def _partition(
 
 
 def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Model:
-    """Repair, partition and mesh, as the command line says. cleaned: see `make_regions`."""
+    """Repair, partition and mesh by the arguments. cleaned: see `make_regions`."""
     made = make_regions(arguments, source, steps, cleaned)
     recipe = arguments.recipe
     with steps("mesh") as job:
-        # Made anew, edits and planes would be lost.
+        # Another partition would lose edits and planes.
         edited = made.regular is not None or (recipe is not None and recipe.edits)
         anew = None if edited else Made(arguments.options, made.guides)
         found = polygonize_within(made.mesh, made.partition, made.meshing, job, anew)
@@ -237,7 +237,7 @@ def _make(
 
 @contextmanager
 def refused(arguments: argparse.Namespace) -> Iterator[None]:
-    """The mesh is sound by now, so what the engine refuses is the options."""
+    """Reports an error of the engine as an error of the options, since the mesh is sound at this point."""
     try:
         yield
     except InvalidInput as error:
@@ -245,12 +245,12 @@ def refused(arguments: argparse.Namespace) -> Iterator[None]:
 
 
 def output_kinds(arguments: argparse.Namespace) -> tuple[str, ...]:
-    """What OUTPUT may end in, with these options."""
+    """The allowed endings of OUTPUT, with these options."""
     return OUTPUT_KINDS if arguments.texture is None else TEXTURED_KINDS
 
 
 def check_places(arguments: argparse.Namespace) -> list[Path]:
-    """Refuse before the work what would fail after it; returns the files that can come beside the output."""
+    """Check the output paths before the computation; returns the files that can be written next to the output."""
     if not arguments.output.name.lower().endswith(kinds := output_kinds(arguments)):
         more = "with a texture " if arguments.texture is not None else ""
         raise UsageError(f"{arguments.output}: {more}OUTPUT must end in one of {', '.join(kinds)}")
@@ -273,7 +273,7 @@ def check_places(arguments: argparse.Namespace) -> list[Path]:
 
 
 def peak_mb() -> float | None:
-    """The most memory this process had so far; None where the system does not say."""
+    """The peak memory of this process until now; None if the system has no such number."""
     try:
         import resource
     except ImportError:  # Windows
@@ -284,7 +284,7 @@ def peak_mb() -> float | None:
 
 def summary(source: Input, done: list[Done]) -> Iterator[str]:
     yield f"{source.path}: {words.count(source.faces, 'face')}, {words.shape(done[0].report['mesh'])}"
-    said: list[str] = []  # what holds for every level is said once
+    said: list[str] = []  # lines that hold for every level are printed once
     for level in done:
         for line in _summary(level.partition, level.report):
             if line not in said:

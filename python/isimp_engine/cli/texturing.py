@@ -1,4 +1,4 @@
-"""The texture of `isimp simplify`: its size, its files, and what may not be overwritten."""
+"""The texture of `isimp simplify`: its size, its files, and the files that may not be overwritten."""
 
 import argparse
 import math
@@ -45,7 +45,7 @@ def distance(text: str) -> float:
 
 
 def check_output(arguments: argparse.Namespace) -> list[Path]:
-    """The files that can come beside the output; refuses those that can't be written."""
+    """Returns the files that can be written next to the output; refuses paths that can't be written."""
     if arguments.texture is None:
         return []
     if why := refusal(arguments.output):
@@ -57,7 +57,7 @@ def check_output(arguments: argparse.Namespace) -> list[Path]:
 
 
 def check_source(source: Input, beside: list[Path]) -> None:
-    """Refuse, before the work, a scan without a texture, and to overwrite what belongs to it."""
+    """Refuse, before the work, a scan without a texture, and to overwrite the files of its texture."""
     if source.soup is None:
         return
     for path in beside:
@@ -74,7 +74,7 @@ def make(
     arguments: argparse.Namespace, source: Input, mesh: Mesh, part: Partition, poly: PolygonMesh, job: Job
 ) -> Texture:
     """The texture of the polygons."""
-    assert source.soup is not None  # read since it was asked for
+    assert source.soup is not None  # read, since the arguments request a texture
     options = TextureOptions(
         size=arguments.texture or None,
         tiles=arguments.tiles,

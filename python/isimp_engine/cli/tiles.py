@@ -24,7 +24,7 @@ from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, UsageError
 from .files import STDOUT, Outputs, check, place, show
 from .progress import Screen, wanted
 
-_WORDS = {  # what a step does
+_WORDS = {  # the names of steps for the user
     "split": "cutting",
     "prepare": "reading",
     "mend": "fitting borders",

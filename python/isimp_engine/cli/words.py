@@ -106,7 +106,7 @@ def found(partition: dict[str, Any]) -> str:
 
 
 def symmetry(wanted: str, plane: dict[str, Any] | None, regions: int, out: dict[str, Any]) -> Iterator[str]:
-    """`mirrors across x: 290 of 300 regions, 530 of 560 corners`, where symmetry was asked for."""
+    """`mirrors across x: 290 of 300 regions, 530 of 560 corners`, if symmetry was requested."""
     if wanted == "none":
         return
     if plane is None:

@@ -1,4 +1,4 @@
-"""What people hand on: the planes of a model as tables, and a page with pictures."""
+"""Reports about a model: tables of its planes, and a page with pictures."""
 
 from .page import numbers_of, write_page
 from .planes import PlaneTable, angle_rows, plane_table, write_csv, write_geojson

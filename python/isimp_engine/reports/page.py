@@ -12,7 +12,7 @@ from .._core import Mesh, Partition, __version__
 from .planes import PlaneTable
 
 _BINS = 40
-_WIDE, _HIGH = 640, 220  # of the histogram, in pixels
+_WIDE, _HIGH = 640, 220  # size of the histogram, in pixels
 _ROWS = 500  # planes on the page at most, the largest first
 _STYLE = """
 body { font: 15px/1.4 system-ui, sans-serif; margin: 2em; color: #222; background: #fff }
@@ -24,7 +24,7 @@ _SHOWN = ("region", "class", "area", "tilt", "azimuth", "distance_mean", "distan
 
 
 def numbers_of(mesh: Mesh, part: Partition, report: dict[str, Any], table: PlaneTable) -> dict[str, Any]:
-    """What the page says of the whole model, in scene units. report: of the polygons."""
+    """The numbers of the whole model on the page, in scene units. report: the report of the polygons."""
     away = table.away[np.isfinite(table.away)]
     return {
         "isimp": __version__,

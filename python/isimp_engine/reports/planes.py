@@ -15,7 +15,7 @@ from .._core import Job, Mesh, Partition, PolygonMesh
 from ..exporting.surfaces import rings, surfaces_of
 from ..within import scan_distances
 
-_LEVEL = np.sin(np.radians(0.05))  # of the horizontal part of a normal: below, a plane has no azimuth
+_LEVEL = np.sin(np.radians(0.05))  # least horizontal part of a normal: a plane with less has no azimuth
 
 COLUMNS = (
     *("region", "class", "polygons", "area", "tilt", "azimuth", "normal_x", "normal_y", "normal_z"),
@@ -29,7 +29,7 @@ class PlaneTable:
 
     rows: list[dict[str, Any]]  #: keys: COLUMNS; scene units, degrees; None where there is no value
     away: NDArray[np.float64]  #: (V,) of the vertices of the mesh; NaN: in no region
-    corners: list[NDArray[np.float64]]  #: those of each polygon, in the coordinates of the table
+    corners: list[NDArray[np.float64]]  #: corners of each polygon, in the coordinates of the table
     polygon_region: list[int]
 
 
@@ -45,7 +45,7 @@ def plane_table(
     area: of its polygons. tilt: of the plane from level, in [0, 180] degrees; 90 is a wall, above it faces down.
     azimuth: the compass direction in which it faces, clockwise from +Y, in [0, 360) degrees; none if it is level.
     distance: of the region's vertices of the scan from the polygons. class: as in `exporting.surfaces_of`, of the
-    largest polygon. place: (4, 4), a rotation and a shift to the coordinates of the table; None: those of the mesh.
+    largest polygon. place: (4, 4), a rotation and a shift to the coordinates of the table; None: the mesh's own.
     """
     away = scan_distances(mesh, part, poly, job=job)
     place = np.eye(4) if place is None else np.asarray(place, np.float64)
