@@ -8,6 +8,8 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "isimp/core/to_integer.h"
+
 namespace isimp::curved {
 namespace {
 
@@ -46,7 +48,7 @@ class Cutter {
     return t > p_.span + (kTurn - p_.span) / 2 ? 0 : std::min(t, p_.span);
   }
   [[nodiscard]] std::int32_t segment_of(double angle) const {
-    return std::min(static_cast<std::int32_t>(place(angle) / width_), p_.segments - 1);
+    return to_integer(place(angle) / width_, 0, p_.segments - 1);
   }
 
   /// The signed distance along the profile between two places; on a ring, along the shorter arc.
@@ -89,7 +91,7 @@ class Cutter {
     const Vec3& x = f_.mesh().vertices()[v];
     const Polar polar = curved::polar(p_, x);
     const double angle = curved::angle(p_, x), along = curved::along(p_, polar);
-    auto side = static_cast<std::int32_t>(std::floor(place(angle) / width_ + 0.5));
+    auto side = to_integer(place(angle) / width_ + 0.5, 0, p_.segments);
     if (p_.full) side %= p_.segments;
     if (!p_.full && (side <= 0 || side >= p_.segments)) return;
     const double to = turned(angle - p_.phase - side * width_) * polar.rho;

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "fit.h"
+#include "isimp/core/to_integer.h"
 
 namespace isimp::curved {
 namespace {
@@ -153,7 +154,7 @@ std::vector<Bin> bins_of(const Half& h, const Samples& s) {
   double done = 0, weight = 0;
   int last = -1;
   for (const std::size_t i : order) {
-    const int bin = static_cast<int>(kBins * done / total);
+    const int bin = to_integer(kBins * done / total, 0, static_cast<int>(kBins));
     done += std::sqrt(s.weight[i]);
     if (bin != last) {
       bins.push_back({Vec2::Zero(), Vec2::Zero()});

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <optional>
 
+#include "isimp/core/to_integer.h"
+
 namespace isimp::curved {
 namespace {
 
@@ -44,7 +46,7 @@ class Profile {
     const double largest = quantile(f.rho, 0.9);
     std::array<double, 2> end_rho{kNever, kNever};
     for (std::size_t i = 0; i < f.area.size(); ++i) {
-      const int bin = std::clamp(static_cast<int>((f.along[i] - low_) / (high_ - low_) * kBins), 0, kBins - 1);
+      const int bin = to_integer((f.along[i] - low_) / (high_ - low_) * kBins, 0, kBins - 1);
       const double a = f.area[i], r = f.rho[i], z = f.z[i];
       const std::array values = {a, a * f.out[i], a * f.up[i], a * r, a * z, a * r * r, a * r * z, a * z * z};
       for (std::size_t k = 0; k < values.size(); ++k) sum_[k][bin + 1] += values[k];
@@ -150,7 +152,7 @@ PatchFaces::PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some) 
 void set_span(CurvedProxy& proxy, const PatchFaces& f) {
   std::array<double, kSteps> area{};
   for (std::size_t i = 0; i < f.area.size(); ++i)
-    area[std::min(kSteps - 1, static_cast<int>(f.angle[i] / kTurn * kSteps))] += f.area[i];
+    area[to_integer(f.angle[i] / kTurn * kSteps, 0, kSteps - 1)] += f.area[i];
   double sum = 0;
   int some = 0;
   for (const double a : area) {
@@ -188,7 +190,7 @@ std::vector<Grid> grids(const CurvedProxy& proxy, const PatchFaces& patch, doubl
   const Profile profile(proxy, patch);
   const double largest = quantile(patch.rho, 0.9);
   const std::int32_t least = proxy.full ? kLeastRound : 1;
-  const auto most = std::clamp(static_cast<std::int32_t>(cells * kMoreCells + kHalfCell), least, kMostSegments);
+  const auto most = to_integer(cells * kMoreCells + kHalfCell, least, kMostSegments);
   const double limit = std::max(cells * kMoreCells + kHalfCell, static_cast<double>(least));
   for (std::int32_t n = least; n <= most; ++n) {
     const bool is_fine = largest * (1 - std::cos(proxy.span / n / 2)) < rough;
@@ -197,7 +199,7 @@ std::vector<Grid> grids(const CurvedProxy& proxy, const PatchFaces& patch, doubl
     for (const bool caps : {false, true}) {
       if (caps && !profile.may_cap()) continue;
       std::int32_t rings =
-          is_straight(proxy) ? 1 : std::clamp(static_cast<std::int32_t>(limit / n) + 2 * caps, 1, kMostRings);
+          is_straight(proxy) ? 1 : std::clamp(to_integer(limit / n, 0, kMostRings) + 2 * caps, 1, kMostRings);
       Grid grid = profile.best(n, rings, caps);
       while (grid.cells > limit && rings > 1) grid = profile.best(n, --rings, caps);
       if (grid.cells <= limit && (!best || grid.cost < best->cost)) best = std::move(grid);
@@ -213,7 +215,7 @@ Grid grid_of(const CurvedProxy& proxy, const PatchFaces& patch, std::int32_t seg
   if (is_straight(proxy)) return profile.best(segments, 1, false);
   const bool caps = profile.may_cap();
   if (rings > 0) return profile.best(segments, rings, caps);
-  const auto k = std::clamp(static_cast<std::int32_t>(cells / segments + kHalfCell), 1, kMostRings);
+  const auto k = to_integer(cells / segments + kHalfCell, 1, kMostRings);
   return profile.best(segments, k + (caps ? 1 : 0), caps);
 }
 

@@ -10,6 +10,7 @@
 #include "close.h"
 #include "grid.h"
 #include "isimp/core/errors.h"
+#include "isimp/core/forest.h"
 #include "isimp/mesh/found_opening.h"
 #include "soup.h"
 #include "stitch.h"
@@ -108,15 +109,33 @@ Cleaning make_manifold(std::vector<Vec3> vertices, std::vector<Triangle> triangl
   return {std::move(arrays), std::move(topology), std::move(soup.log)};
 }
 
+/// The number of connected components of the triangles.
+std::int32_t components(const MeshArrays& arrays) {
+  Forest forest(arrays.vertices.size());
+  for (const Triangle& t : arrays.triangles) {
+    forest.join(t[0], t[1]);
+    forest.join(t[0], t[2]);
+  }
+  return static_cast<std::int32_t>(
+      std::count_if(arrays.triangles.begin(), arrays.triangles.end(),
+                    [&, seen = std::vector<char>(arrays.vertices.size(), 0)](const Triangle& t) mutable {
+                      return std::exchange(seen[forest.root(t[0])], 1) == 0;
+                    }));
+}
+
 /// The borders of chunks joined, in two passes: joining makes faces that are not manifold, and these are repaired.
 void stitch_chunks(Cleaning& sound, const CleanOptions& options, const Threads& threads, Job& job) {
   constexpr int kPasses = 2;
   std::optional<double> distance = options.stitch;
   for (int pass = 0; pass < kPasses; ++pass) {
-    std::optional<Stitched> joined = stitch(sound.arrays, sound.topology, distance, sound.log, job);
+    RepairLog log = sound.log;
+    std::optional<Stitched> joined = stitch(sound.arrays, sound.topology, distance, log, job);
     if (!joined) return;
     Cleaning next = make_manifold(std::move(joined->vertices), std::move(joined->triangles),
                                   {.threads = options.threads}, threads, job);
+    // Drawn models of large triangles have borders near each other that belong to no chunks.
+    if (!distance && components(next.arrays) >= components(sound.arrays)) return;
+    sound.log = std::move(log);
     const auto through = [](Array<std::int32_t>& names, const auto& before, std::size_t count) {
       if (before.empty()) return;
       if (names.empty()) {

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "isimp/core/to_integer.h"
 #include "isimp/mesh/mesh.h"
 
 namespace isimp::detail {
@@ -50,7 +51,7 @@ bool is_of_grid(const std::vector<Vec3>& vertices, double half) {
     const Vec3 place = (v - box.min()).cwiseQuotient(step), whole = place.array().round();
     if ((place - whole).cwiseAbs().maxCoeff() > kOffLattice) continue;
     int odd = 0;
-    for (int k = 0; k < 3; ++k) odd |= (static_cast<int>(whole[k]) & 1) << k;
+    for (int k = 0; k < 3; ++k) odd |= (to_integer(whole[k], 0, std::numeric_limits<int>::max()) & 1) << k;
     for (int way = 0; way < 8; ++way) {
       const int parity = odd ^ way;
       if (parity == 1 || parity == 2 || parity == 4) ++odd_along[way][parity / 2];

@@ -8,18 +8,20 @@
 #include <utility>
 
 #include "isimp/core/forest.h"
+#include "isimp/core/to_integer.h"
 #include "isimp/mesh/mesh.h"
 
 namespace isimp::detail {
 namespace {
 
-constexpr double kEdges = 2.0;       // mean edges: the distance where none is given
-constexpr double kShare = 0.1;       // least share of the border near another component, if no distance is given
-constexpr double kLeast = 100;       // vertices that go to another component then: fewer are no chunks of a scan
-constexpr double kNearEnd = 0.35;    // share of an edge: a vertex nearer to its end is merged with the end
-constexpr double kFacing = 0.5;      // cosine of the angle between faces that are joined
-constexpr double kCell = 1.3;        // times the distance: size of the cells of the search for edges
-constexpr std::int32_t kApart = 12;  // places along a border from which it counts as another one
+constexpr double kEdges = 2.0;     // mean edges: the distance where none is given
+constexpr double kShare = 0.1;     // least share of the border near another component, if no distance is given
+constexpr double kLeast = 100;     // vertices that go to another component then: fewer are no chunks of a scan
+constexpr double kNearEnd = 0.35;  // share of an edge: a vertex nearer to its end is merged with the end
+constexpr double kFacing = 0.5;    // cosine of the angle between faces that are joined
+constexpr double kCell = 1.3;      // times the distance: size of the cells of the search for edges
+constexpr std::int64_t kFarthest = std::int64_t{1} << 52;  // cell along an axis
+constexpr std::int32_t kApart = 12;                        // places along a border from which it counts as another one
 
 /// The target of a border vertex.
 struct Hit {
@@ -84,27 +86,27 @@ class Stitcher {
     Stitched result;
     result.vertices = arrays_.vertices;
     result.distance = distance_;
-    std::vector<char> gone(arrays_.triangles.size(), 0);
     const auto add = [&](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t source) {
       const Triangle t{same.root(a), same.root(b), same.root(c)};
       if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return;
       result.triangles.push_back(t);
       result.source_face.push_back(source);
     };
-    std::vector<std::pair<std::int32_t, std::vector<std::int32_t>>> fans;
-    for (auto& [h, points] : put) {
-      if (gone[h / 3]) continue;  // the second border edge of a face is divided in the next pass
-      gone[h / 3] = 1;
+    auto divided = put.begin();
+    for (std::int32_t f = 0; f < static_cast<std::int32_t>(arrays_.triangles.size()); ++f) {
+      if (divided == put.end() || divided->first / 3 != f) {
+        const auto& [a, b, c] = arrays_.triangles[f];
+        add(a, b, c, f);
+        continue;
+      }
+      auto& [h, points] = *divided;
       std::sort(points.begin(), points.end());
-      std::vector<std::int32_t> line{from(h)};
-      for (const auto& [along, v] : points) line.push_back(v);
-      line.push_back(to(h));
-      fans.emplace_back(h, std::move(line));
+      std::int32_t last = from(h);
+      for (const auto& [along, v] : points) add(std::exchange(last, v), v, apex(h), f);
+      add(last, to(h), apex(h), f);
+      // The next pass divides the other border edges of this face.
+      while (divided != put.end() && divided->first / 3 == f) ++divided;
     }
-    for (std::size_t f = 0; f < arrays_.triangles.size(); ++f)
-      if (const auto& [a, b, c] = arrays_.triangles[f]; !gone[f]) add(a, b, c, static_cast<std::int32_t>(f));
-    for (const auto& [h, line] : fans)
-      for (std::size_t k = 0; k + 1 < line.size(); ++k) add(line[k], line[k + 1], apex(h), h / 3);
     return result;
   }
 
@@ -124,7 +126,7 @@ class Stitcher {
   [[nodiscard]] Key key(const Vec3& cell) const {
     Key hash = 0;
     for (int k = 0; k < 3; ++k) {
-      hash = (hash ^ static_cast<Key>(static_cast<std::int64_t>(cell[k]))) * 0x9e3779b97f4a7c15ULL;
+      hash = (hash ^ static_cast<Key>(to_integer(cell[k], -kFarthest, kFarthest))) * 0x9e3779b97f4a7c15ULL;
       hash ^= hash >> 32;
     }
     return hash;
@@ -136,7 +138,7 @@ class Stitcher {
     cells_.clear();
     for (std::size_t i = 0; i < topology_.border.size(); ++i) {
       const Vec3 &a = at(from(topology_.border[i])), &b = at(to(topology_.border[i]));
-      const int steps = 1 + static_cast<int>(std::min(1e4, (b - a).norm() / (distance_ / 2)));
+      const int steps = 1 + to_integer((b - a).norm() / (distance_ / 2), 0, 10000);
       Key last = 0;
       for (int k = 0; k < steps; ++k) {
         const Key here = key(cell(a + (k + 0.5) / steps * (b - a)));

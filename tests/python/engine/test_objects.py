@@ -86,10 +86,10 @@ def test_a_damaged_pickle_gives_no_object():
             with pytest.raises(engine.InvalidInput, match="pickle is damaged"):
                 kind.__new__(kind).__setstate__(damaged)
     part = made()[1]
-    numbers, guided = part.__getstate__()
+    numbers, guided, *curved = part.__getstate__()
     outside = (np.full(len(part.face_region), 10**6, np.int32).tobytes(), *numbers[1:])
     with pytest.raises(engine.InvalidInput, match="pickle is damaged"):
-        part.__new__(type(part)).__setstate__((outside, guided))
+        part.__new__(type(part)).__setstate__((outside, guided, *curved))
 
 
 def changed(state, at, k, value):
@@ -110,7 +110,7 @@ def test_a_pickle_whose_numbers_do_not_fit_together_gives_no_object():
     mesh, part, polygons = made()[:3]
     refuses(mesh, changed(mesh.__getstate__(), 2, 0, np.int32(-2)))  # source_face
     refuses(mesh, changed(mesh.__getstate__(), 3, 0, np.int32(-2)))  # source_vertex
-    numbers, guided = part.__getstate__()
+    numbers, guided, *curved = part.__getstate__()
     for at, k, value in [
         (0, 3, np.int32(part.face_region[3] ^ 1)),  # a region has another number of faces than its sum
         (1, 1, np.int32(part.region_seed[0])),  # a seed outside its region
@@ -118,11 +118,11 @@ def test_a_pickle_whose_numbers_do_not_fit_together_gives_no_object():
         (2, 0, np.float64(np.nan)),
         (12, 0, np.float64(np.inf)),  # an offset
     ]:
-        refuses(part, (changed(numbers, at, k, value), guided))
-    refuses(part, ((*numbers[:8], float("nan"), *numbers[9:]), guided))  # noise
+        refuses(part, (changed(numbers, at, k, value), guided, *curved))
+    refuses(part, ((*numbers[:8], float("nan"), *numbers[9:]), guided, *curved))  # noise
     # labels, neighbours, and the two orders of faces of the guided graph
-    refuses(part, (numbers, changed(guided, 5, 0, np.int32(np.frombuffer(guided[5], np.int32)[1]))))
-    refuses(part, (numbers, changed(guided, 3, 3, np.float32(np.nan))))
+    refuses(part, (numbers, changed(guided, 5, 0, np.int32(np.frombuffer(guided[5], np.int32)[1])), *curved))
+    refuses(part, (numbers, changed(guided, 3, 3, np.float32(np.nan)), *curved))
     arrays, report = polygons.__getstate__()
     refuses(polygons, (changed(arrays, 0, 0, np.float64(np.inf)), report))
     refuses(polygons, (changed(arrays, 2, 0, np.int32(1)), report))

@@ -198,3 +198,9 @@ def test_wrong_values_are_wrong_usage(tmp_path, flags, capsys):
         raise SystemExit(main(["simplify", str(tmp_path / "scan.ply"), str(tmp_path / "out.obj"), *flags]))
     assert ended.value.code == 2
     assert flags[0].strip("-") in capsys.readouterr().err
+
+
+def test_a_drawn_model_is_not_stitched_by_itself(data):
+    """Its triangles are large, so walls and grounds of other components are within two edges of its borders."""
+    mesh = engine.clean(*engine.read(data / "building" / "frankfurt_tile_49k.ply"))
+    assert mesh.report["stitched_vertices"] == 0
