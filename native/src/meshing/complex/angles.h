@@ -12,10 +12,10 @@ constexpr double kReflex = 190;  ///< degrees: from here on a corner counts as r
 
 constexpr double kNeedle = 20;  ///< degrees: below, a corner is sharp
 
-/// What the corners of some polygons are like, in degrees.
+/// Measures of the corner angles of some polygons, in degrees.
 struct Angles {
   double least = 360;
-  double excess = 0, lack = 0;  ///< of all of them together: over kReflex, and up to kNeedle
+  double excess = 0, lack = 0;  ///< sums over all corners: degrees above kReflex, and degrees missing to kNeedle
   int reflex = 0;
   bool faces_away = false;  ///< from the normal
 
@@ -28,10 +28,10 @@ struct Angles {
   }
 };
 
-/// The angle at p of a polygon that comes from a point and goes on to another, seen along a normal; degrees.
+/// The angle at corner `p` of a polygon between its neighbours `from` and `to`, seen along a normal; degrees.
 double angle_at(const Vec3& from, const Vec3& p, const Vec3& to, const Vec3& normal);
 
-/// Of a polygon, seen along a normal.
+/// The measures of one polygon, seen along a normal.
 Angles angles_of(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal);
 
 }  // namespace isimp::meshing

@@ -11,9 +11,9 @@
 
 namespace isimp::meshing {
 namespace {
-constexpr double kSharpCosine = 0.94;  ///< of 20 degrees: a triangle with a sharper corner is a needle
-// Of its piece's area, what a triangle may leave out or add, also one between three junctions that is no needle. The
-// largest triangle in a rectangle leaves out half of it.
+constexpr double kSharpCosine = 0.94;  ///< cosine of 20 degrees: a triangle with a sharper corner is a needle
+// Share of its piece's area that a triangle may leave out or add; the second is for a triangle between three junctions
+// that is no needle. The largest triangle in a rectangle leaves out half of it.
 constexpr double kOfTriangle = 0.2, kOfThree = 0.45;
 }  // namespace
 
@@ -64,8 +64,8 @@ void Complex::refresh(std::span<const std::int32_t> pieces, std::vector<std::vec
   }
 }
 
-/// Those where what is across changes: a disc is at a vertex but once, so where it does not, only two pieces meet
-/// there.
+/// Adds a corner at each vertex where the piece across changes. A disc touches a vertex only once, so at all other
+/// vertices only two pieces meet.
 void Complex::add_anchors(std::span<const std::int32_t> loop) {
   std::int32_t last = labels_.across(loop.back());
   for (const std::int32_t h : loop) {
@@ -131,7 +131,7 @@ void Complex::collect_line(std::span<const std::int32_t> loop, std::size_t at, s
     line.push_back(mesh_.vertices()[v]);
     if (++at == loop.size()) at = 0;
     v = mesh_.from(loop[at]);
-  } while (!is_corner(v) && at != start);  // all round, where corners have gone and none has come for them yet
+  } while (!is_corner(v) && at != start);  // the whole loop, if its corners were dropped and not yet replaced
   line.push_back(mesh_.vertices()[v]);
 }
 
@@ -177,7 +177,7 @@ bool Complex::bend(std::int32_t chord) {
   return true;
 }
 
-/// Chooses corners on the chords of a piece that leave their paths too far, but for those that the other side does.
+/// Chooses corners on the chords of a piece that leave their paths too far, except chords that the other side handles.
 void Complex::subdivide_chords(std::int32_t piece, std::span<const std::int32_t> pieces) {
   const auto& loop = loops_[piece];
   std::size_t at = 0;
@@ -281,7 +281,7 @@ std::vector<std::int32_t> Complex::make_regular() {
   return std::exchange(changed_, {});
 }
 
-/// Some pieces and those that have a corner in common with one of them, in rising order.
+/// Some pieces and all pieces that have a corner in common with one of them, in rising order.
 std::vector<std::int32_t> Complex::with_neighbours(std::span<const std::int32_t> pieces) const {
   std::vector<bool> near(labels_.pieces.size(), false);
   for (const std::int32_t l : pieces)

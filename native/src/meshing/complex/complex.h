@@ -18,7 +18,7 @@ namespace isimp::meshing {
 struct ChordTolerance {
   double most = 0;            ///< between two pieces
   double most_on_border = 0;  ///< on the border of the mesh
-  double rim = 0;             ///< the same for nine tenths of a ragged border; 0: the border is not ragged
+  double rim = 0;             ///< tolerance for nine tenths of a ragged border; 0: the border is not ragged
   double of_area = 0;         ///< the chords of a piece may leave out or add this share of its area
   double least_sine = 0;      ///< distances count the less, the flatter the two pieces meet, but at least this much
 };
@@ -39,8 +39,8 @@ class Complex {
   /// \param loops  the boundary half-edges of each, in order
   void refresh(std::span<const std::int32_t> pieces, std::vector<std::vector<std::int32_t>> loops, const Job& job);
   /// Adds corners until every polygon has three, no two chords have the same ends, no two polygons the same corners.
-  /// Where no corner is left to add (two triangles of the mesh), polygons may stay alike: see `judge`. Only what has a
-  /// corner in common with a piece that has changed is looked at, as nothing else can have become irregular.
+  /// Where no corner is left to add (two triangles of the mesh), polygons may stay alike: see `judge`. The check covers
+  /// only pieces that have a corner in common with a changed piece, as no other can have become irregular.
   /// \return the pieces whose corners have changed since this was last called, in rising order
   std::vector<std::int32_t> make_regular();
   /// Makes a boundary vertex a corner.
@@ -59,7 +59,7 @@ class Complex {
   /// First half-edges of a piece's chords, in order.
   [[nodiscard]] std::span<const std::int32_t> chords(std::int32_t piece) const { return chords_[piece]; }
   [[nodiscard]] std::span<const std::int32_t> loop(std::int32_t piece) const { return loops_[piece]; }
-  /// How many of the edges at a vertex are boundary, those of the mesh included.
+  /// The number of boundary edges at a vertex, edges on the border of the mesh included.
   [[nodiscard]] int boundary_edges(std::int32_t vertex) const;
   [[nodiscard]] bool is_corner(std::int32_t vertex) const { return corner_[vertex] != 0; }
   /// The vertices that `bend` made corners, some of them perhaps more than once or dropped since.
@@ -70,7 +70,7 @@ class Complex {
   // Within a transaction:
   [[nodiscard]] std::span<const std::int32_t> loop_before(std::int32_t piece) const { return loops_.before(piece); }
   [[nodiscard]] bool was_corner(std::int32_t vertex) const { return corner_.before(vertex) != 0; }
-  /// Makes a boundary vertex a corner or none, as it was.
+  /// Restores whether a boundary vertex is a corner.
   void restore_corner(std::int32_t vertex) {
     corner_.restore(vertex);
     mark_dirty(vertex);
@@ -107,7 +107,7 @@ class Complex {
   void seed_ring(std::int32_t piece);
   void subdivide_chords(std::int32_t piece, std::span<const std::int32_t> pieces);
   void keep_shape(std::int32_t piece);
-  /// Of the angle at which the two pieces of a chord meet, but at least tolerance.least_sine; 1 on the border.
+  /// The sine of the angle at which the two pieces of a chord meet, at least tolerance.least_sine; 1 on the border.
   [[nodiscard]] double sine_at(std::int32_t chord) const;
   void mark_dirty(std::int32_t vertex);
   void collect_dirty();
@@ -121,11 +121,11 @@ class Complex {
   const Logged<Plane>& planes_;
   Logged<std::uint8_t> corner_;               ///< (V)
   Logged<std::vector<std::int32_t>> loops_;   ///< boundary half-edges of each piece, in order
-  Logged<std::vector<std::int32_t>> chords_;  ///< those of them that start at a corner
+  Logged<std::vector<std::int32_t>> chords_;  ///< the half-edges of loops_ that start at a corner
   Logged<std::int32_t> bent_;
   std::vector<std::int32_t> dirty_;    ///< pieces whose chords_ are out of date
   std::vector<std::int32_t> changed_;  ///< pieces whose chords_ were, and were not yet made regular
-  std::vector<Vec3> line_;             ///< of the chord that is looked at
+  std::vector<Vec3> line_;             ///< points of the current chord
 };
 
 }  // namespace isimp::meshing

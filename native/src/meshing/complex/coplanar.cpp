@@ -35,7 +35,7 @@ class Joiner {
   }
 
  private:
-  /// Of two in one plane the one that comes first is larger.
+  /// The order of two pieces in one plane: the larger one is first.
   [[nodiscard]] bool is_before(std::int32_t a, std::int32_t b) const {
     return s_.planes[a].area > s_.planes[b].area || (s_.planes[a].area == s_.planes[b].area && a < b);
   }
@@ -48,7 +48,7 @@ class Joiner {
     return both.normal.dot(both.spread * both.normal) <= off * off;
   }
 
-  /// Finds of each piece that may go the largest one beside it in its plane.
+  /// Finds, for each piece that may be united, its largest neighbour in its plane.
   void find_onto() {
     std::vector<std::array<std::int32_t, 2>> pairs;
     const Labels& labels = s_.labels;
@@ -69,7 +69,7 @@ class Joiner {
     return order;
   }
 
-  /// Gives a piece to what the larger one beside it is part of by now.
+  /// Unites a piece with its larger neighbour, or with the piece that has already absorbed that neighbour.
   void give(std::int32_t l, std::vector<std::int32_t>& takers) {
     std::int32_t to = onto_[l];
     while (s_.labels.pieces[to].face == kNone) to = onto_[to];
@@ -82,8 +82,8 @@ class Joiner {
   const State& s_;
   Labels& labels_;
   const Job& job_;
-  std::vector<std::vector<std::int32_t>> faces_;  // by piece that may go, in rising order
-  std::vector<std::int32_t> onto_;                // by piece: the one beside it that it may go to, kNone if it stays
+  std::vector<std::vector<std::int32_t>> faces_;  // by piece that may be united, in rising order
+  std::vector<std::int32_t> onto_;                // by piece: the neighbour that may absorb it, kNone if it stays
 };
 
 }  // namespace

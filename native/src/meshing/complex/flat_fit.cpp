@@ -6,7 +6,7 @@
 namespace isimp::meshing {
 namespace {
 
-/// Of the largest eigenvalue: with the two smaller ones below it, a spread is a line, on which no plane is fixed.
+/// Share of the largest eigenvalue. If both smaller ones are below it, the spread is a line, which fixes no plane.
 constexpr double kLine = 1e-4;
 
 }  // namespace
@@ -45,7 +45,7 @@ bool Fit::refine(const Spread& k) {
     turned = (next / length - n).squaredNorm();
     n = next / length;
   }
-  // Of the other two the sum and the product.
+  // The sum and the product of the other two eigenvalues.
   const double least = n.dot(k.times(n)), sum = 1 - least, product = k.minors() - least * sum;
   const bool is_least = 2 * least < sum && product - least * sum + least * least > 0;
   return turned <= kSmall && is_least && product >= kLine * sum * sum;
@@ -72,7 +72,7 @@ void Fit::to(std::span<const std::int32_t> polygon, std::span<const Vec3> positi
     centre = plane.centre;
     return;
   }
-  constexpr double kOfSpread = 0.05;  // how much the piece's own spread counts beside the corners'
+  constexpr double kOfSpread = 0.05;  // weight of the piece's own spread, relative to that of the corners
   constexpr double kOfPlane = 0.1;    // how far towards the plane of the piece that of the corners is shifted
   const double share = 1 / static_cast<double>(polygon.size());
   centre = Vec3::Zero();

@@ -9,7 +9,7 @@
 
 namespace isimp::meshing {
 
-/// How much further than to the mean of its projections a corner goes in a turn; from 2 on it would not settle.
+/// Over-relaxation: the step of a corner per turn, in steps to the mean of its projections; from 2 on it would diverge.
 constexpr double kRelax = 1.7;
 /// A corner may move by this times the length of its shortest edge.
 constexpr double kOfEdge = 1.5;
@@ -22,7 +22,7 @@ inline Vec3 within(const Vec3& p, const Vec3& home, double radius) {
 }
 
 /// A plane fitted to the corners of a polygon, held near that of the piece: flat polygons could else settle anywhere,
-/// and those of a bulge would drift inwards. Where the corners do not fix a plane, that of the piece.
+/// and polygons on a bulge would drift inwards. If the corners do not fix a plane, the fit is the plane of the piece.
 struct Fit {
   Vec3 normal, centre;
   bool fixed = false;

@@ -57,13 +57,13 @@ bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>&
   const Labels& labels = state.labels;
   const auto is_faulty = [&](std::int32_t l) { return static_cast<bool>(faulty[l]); };
   std::vector<Join> kept;
-  labels.vertex_marks.clear();  // of the faces of those that go
+  labels.vertex_marks.clear();  // the vertices of faces that undone joins moved
   std::vector<bool> goes(joins.size(), false);
   const auto vertices = [&](const Join& join, auto fn) {
     for (const std::int32_t f : join.faces)
       for (const std::int32_t v : state.mesh.triangles()[f]) fn(v);
   };
-  // A join on top of one that goes must go first.
+  // A join on top of an undone one must be undone before it.
   for (std::size_t i = 0; i < joins.size(); ++i) {
     goes[i] = joins[i].alone || std::any_of(joins[i].pieces.begin(), joins[i].pieces.end(), is_faulty);
     vertices(joins[i], [&](std::int32_t v) { goes[i] = goes[i] || labels.vertex_marks.has(v); });

@@ -12,7 +12,7 @@ namespace isimp::meshing {
 struct Join {
   std::int32_t giver, taker;         ///< pieces
   std::int32_t gone;                 ///< vertex that is no junction any more
-  std::vector<std::int32_t> faces;   ///< that went from the one piece to the other
+  std::vector<std::int32_t> faces;   ///< faces moved from the giver to the taker
   std::vector<std::int32_t> pieces;  ///< all that meet in the junction
   bool alone = false;                ///< its image should have been made too, and was not
 };
@@ -29,9 +29,9 @@ bool parts_wall(const State& state, std::int32_t a, std::int32_t b);
 /// Cost: O(faces).
 bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const std::vector<std::int32_t>& faces);
 
-/// Takes back the joins at faulty pieces and those that are alone, and those that were made on top of them. `update` must follow.
+/// Undoes the joins at faulty pieces, the joins that are alone, and all joins on top of these. `update` must follow.
 /// \param faulty  by piece
-/// \param joins   loses them
+/// \param joins   the undone joins are removed
 /// \return whether there were any
 /// Cost: O(faces that the joins moved).
 bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>& joins);

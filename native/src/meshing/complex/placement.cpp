@@ -11,7 +11,7 @@ namespace {
 
 /// Eigenvalues below this share of the largest do not fix a point.
 constexpr double kTruncate = 0.2;
-// What one thread does at a time, worth waking another:
+// The least work that is worth another thread:
 constexpr std::int32_t kTogether = 64;  ///< corners that are placed
 constexpr std::int32_t kFitted = 192,
                        kMoved = 384;  ///< in a turn, polygons that are fitted and corners that are moved
@@ -38,8 +38,8 @@ Vec3 trusted_step(const Eigen::Matrix3d& a, const Vec3& g, double radius) {
   return damped.norm() <= radius ? damped : Vec3(damped * (radius / damped.norm()));
 }
 
-/// The step of a corner from a place to where the planes round it meet, at most `radius` long.
-/// \param held_only  only those that are held count
+/// The step of a corner from a place to where the planes at the corner meet, at most `radius` long.
+/// \param held_only  only held planes count
 Vec3 step_to(std::span<const Plane> planes, const Polygons& polygons, std::int32_t corner, const Vec3& from,
              double radius, bool held_only) {
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
@@ -53,10 +53,10 @@ Vec3 step_to(std::span<const Plane> planes, const Polygons& polygons, std::int32
   return trusted_step(a, g, radius);
 }
 
-/// Corners of which each may follow others in the turns of flattening, and the polygons round them.
+/// Corners that depend on each other in the turns of flattening, and the polygons at these corners.
 struct Group {
   std::vector<std::int32_t> corners, polygons;
-  std::vector<std::int32_t> round, round_start{0};  ///< by corner: the polygons round it, by their places here
+  std::vector<std::int32_t> round, round_start{0};  ///< by corner: its polygons, as indices into `polygons`
   std::vector<Fit> fits;                            ///< by polygon
 
   [[nodiscard]] std::span<const std::int32_t> round_of(std::int32_t i) const {
@@ -154,7 +154,7 @@ void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> 
   std::vector<Group> groups = groups_of(polygons, moving);
   const std::span<Vec3> position = corners.position.edit_all(moving);
   const double still = corners.still * corners.still;
-  // Those that are large first, so that no thread is left with one at the end.
+  // Large groups come first, so that no thread is left with one at the end.
   std::stable_sort(groups.begin(), groups.end(),
                    [](const Group& a, const Group& b) { return a.corners.size() > b.corners.size(); });
   const auto fit = [&](Group& g, std::int32_t begin, std::int32_t end) {
@@ -173,7 +173,7 @@ void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> 
                   corners.radius[c]);
     }
   };
-  // A large one is shared in each turn, of the others each is done by one thread.
+  // All threads share a large group in each turn. One thread computes all turns of a smaller group.
   std::int32_t large = 0;
   for (Group& g : groups) {
     const auto fits = static_cast<std::int32_t>(g.fits.size()), moves = static_cast<std::int32_t>(g.corners.size());

@@ -14,19 +14,19 @@ namespace isimp::meshing {
 void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::span<const std::int32_t> moving,
                Corners& corners);
 
-/// Puts the given corners where the planes of the pieces round them meet, by least squares from the mesh vertex;
+/// Puts the given corners where the planes of the adjacent pieces meet, by least squares from the mesh vertex;
 /// directions in which the planes hardly fix a point are left out, and no corner is moved further than its radius.
 /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 4; the truncation as in Kobbelt et al. 2001.
 void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
            std::span<const std::int32_t> moving, const Threads& threads, Corners& corners);
 
-/// Moves the given corners from where they are onto the planes round them that are held, as far as these meet and the
-/// radius allows it.
+/// Moves the given corners from their places onto the held planes of adjacent pieces, as far as these planes meet and
+/// the radius allows it.
 void place_on_held(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
                    std::span<const std::int32_t> moving, const Threads& threads, Corners& corners);
 
-/// Makes the polygons round the given corners flat by turns: a plane for each polygon, then each corner to the mean of
-/// its projections on the planes round it and on beyond, within its radius. Polygons that are flat already do not move.
+/// Makes the polygons at the given corners flat by turns. A turn fits a plane to each polygon, then moves each corner
+/// past the mean of its projections on the planes at the corner, within its radius. Flat polygons do not move.
 void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
              std::span<const std::int32_t> moving, int rounds, const Threads& threads, Corners& corners);
 

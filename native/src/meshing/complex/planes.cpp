@@ -7,7 +7,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kAhead = 12;        ///< of the face that is looked at, the corners of another are fetched
+constexpr std::int32_t kAhead = 12;        ///< faces between the current one and the one whose corners are prefetched
 constexpr std::int32_t kStride = 1 << 14;  ///< faces from one poll to the next
 
 /// Integrals over a set of faces, about an origin that keeps the numbers small.

@@ -11,15 +11,15 @@
 
 namespace isimp::meshing {
 
-/// What a piece is as a plane.
+/// The plane of a piece, with the moments of its surface.
 struct Plane {
   Vec3 normal = Vec3::UnitZ();  ///< unit; area-weighted mean of its faces'
   Vec3 centre = Vec3::Zero();
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  ///< covariance of the surface round the centre
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  ///< covariance of the surface about the centre
   double area = 0;
   bool held = false;     ///< the plane is given, through `centre`
   bool snapped = false;  ///< it is by `regularise`, held or not
-  double projected = 0;  ///< length of the vector area; 0 where the faces do not tell a direction
+  double projected = 0;  ///< length of the vector area; 0 where the faces define no direction
 };
 
 /// The planes of all pieces.
@@ -33,13 +33,13 @@ Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<
 /// Turns the plane of a piece into the one that the partition holds for its region, if it does.
 void hold(Plane& plane, const Partition& partition, std::int32_t region);
 
-/// The same, if the plane was set by hand. Snapped planes come in when all else is done, since those at fault are let go.
+/// Calls `hold` if the plane was set by hand. Snapped planes are applied last, because defects can release them.
 void hold_by_hand(Plane& plane, const Partition& partition, std::int32_t region);
 
 /// The plane of two pieces together, both with `projected` above 0.
 Plane united(const Plane& a, const Plane& b);
 
-/// The plane of a piece without a part of it, which has less than all of its area.
+/// The plane of `piece` minus `part`. Pre: part.area < piece.area.
 Plane without(const Plane& piece, const Plane& part);
 
 }  // namespace isimp::meshing

@@ -46,7 +46,7 @@ std::vector<Edge> chord_ends(const Complex& complex, const Mesh& mesh, std::span
   return ends;
 }
 
-/// Whether the polygons of a piece are among those round each of their corners.
+/// Whether the polygons of a piece are listed at each of their corners.
 [[maybe_unused]] bool is_listed(const Polygons& polygons, std::int32_t piece) {
   bool all = true;
   polygons.for_each_of(piece, [&](std::int32_t q) {

@@ -28,7 +28,7 @@ struct Corners {
   Logged<std::int32_t> vertex;     ///< (C) the mesh vertex
   Logged<double> radius;           ///< (C) how far it may be from its mesh vertex
   Logged<Vec3> position;           ///< (C)
-  /// Corners that would move by less stay where they are, bit by bit, so that what is beside them need not be judged
+  /// Corners that would move by less keep their position bit by bit, so that the polygons at them need not be judged
   /// again.
   double still = 0;
 };
@@ -36,8 +36,8 @@ struct Corners {
 /// Extra edges across a piece, by the two mesh vertices.
 using Diagonals = Logged<std::vector<std::array<std::int32_t, 2>>>;
 
-/// The polygons: one a piece, and one more for each of its diagonals. A polygon has a number; those of a piece are in a
-/// row. A number lasts until the piece is collected again.
+/// The polygons: one a piece, and one more for each of its diagonals. A polygon has a number; the polygons of a piece
+/// have consecutive numbers. A number lasts until the piece is collected again.
 class Polygons {
  public:
   /// Numbers that are in use or were.
@@ -59,7 +59,7 @@ class Polygons {
   [[nodiscard]] bool was_used(std::int32_t c) const {
     return c < static_cast<std::int32_t>(around_.size()) && !around_.before(c).empty();
   }
-  /// The polygons round a corner, in the order of their pieces.
+  /// The polygons at a corner, in the order of their pieces.
   [[nodiscard]] std::span<const std::int32_t> at(std::int32_t c) const { return around_[c]; }
   /// Calls fn(q) for each polygon of a piece.
   template <class Function>
@@ -68,13 +68,13 @@ class Polygons {
     for (std::int32_t i = 0; i < count; ++i) fn(pieces_[piece].first + i);
   }
 
-  /// Makes those of changed pieces anew. A diagonal that a chord or another diagonal has taken the place of is dropped.
-  /// \param changed  pieces whose chords or diagonals changed, or that are no more; those that lost a diagonal are
+  /// Rebuilds the polygons of changed pieces. A diagonal is dropped if a chord or another diagonal joins the same ends.
+  /// \param changed  pieces whose chords or diagonals changed, or that are no more; pieces that lose a diagonal are
   ///                 added
   /// Cost: O(polygons of these + diagonals of all + pieces).
   void collect(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
                std::vector<std::int32_t>& changed);
-  /// Takes out numbers that are out of use, if they are more than half. Not within a transaction.
+  /// Removes unused numbers, if they are more than half. Not within a transaction.
   void close_gaps();
   /// Calls fn(array) for each array of polygons that a transaction takes back.
   template <class Self, class Function>
@@ -96,7 +96,7 @@ class Polygons {
   void add(std::int32_t piece, std::span<const std::vector<std::int32_t>> cycles, Corners& corners);
 
   Logged<Loop> loops_;                        // by number
-  Logged<std::int32_t> corners_;              // of the loops, with gaps where loops were
+  Logged<std::int32_t> corners_;              // corners of all loops, with gaps where loops were removed
   Logged<Row> pieces_;                        // by piece
   Logged<std::vector<std::int32_t>> around_;  // by corner
 };

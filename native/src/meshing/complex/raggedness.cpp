@@ -5,7 +5,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr int kWindows = 16;       // of a loop at least: a square has its corners in a quarter of them
+constexpr int kWindows = 16;       // least number per loop: a square has its corners in a quarter of them
 constexpr int kSamples = 33;       // points of a window
 constexpr double kOfRagged = 2.0;  // times the raggedness: the reach
 constexpr double kRagged = 1.0;    // mean edges of the border: one that is more ragged is straightened by itself

@@ -12,7 +12,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr double kRimWindow = 0.5;  ///< of sqrt(area / regions): over which raggedness is measured
+constexpr double kRimWindow = 0.5;  ///< window of the raggedness, in sqrt(area / regions)
 
 ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, const Partition& partition,
                                const MeshingOptions& options) {
@@ -30,9 +30,9 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
 }
 
 constexpr std::int32_t kFew = 4;    ///< pieces that are measured on one thread
-constexpr double kStill = 1e-9;     ///< of the diagonal: corners of plates with holes that would move less stay
-constexpr std::int32_t kMany = 60;  ///< faces a piece: with fewer it is as quick to look at all of them again
-constexpr double kFlat = 1e-12;     ///< of the area: with a shorter vector area, faces do not tell a direction
+constexpr double kStill = 1e-9;     ///< share of the diagonal: corners of plates with holes that would move less stay
+constexpr std::int32_t kMany = 60;  ///< faces a piece: with fewer it is as quick to measure all of them again
+constexpr double kFlat = 1e-12;     ///< share of the area: with a shorter vector area, faces define no direction
 
 /// A boundary half-edge of a piece, found from one of its faces.
 std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> faces) {
@@ -210,7 +210,7 @@ void State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t
   name(gone, kNone);
   labels_.touched.push_back(kept);
   discs_.erase(kept);
-  // Most of the area of both is of the same region, so most of what they are together is too.
+  // Most of the area of each piece is of the same region, so most of their union is of it too.
   if (kept_piece.region == gone_piece.region && planes[kept].projected > 0 && planes[gone].projected > 0) {
     Plane& plane = planes_.edit(kept);
     plane = united(plane, planes[gone]);
@@ -319,7 +319,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
   job_.poll();
   std::vector<std::int32_t>& touched = labels_.touched;
   std::sort(touched.begin(), touched.end());
-  // What was known of a piece is out of date if it was touched once more.
+  // The known boundary of a piece is out of date if the piece was touched once more.
   for (std::size_t i = 1; i < touched.size(); ++i)
     if (touched[i] == touched[i - 1]) known_.erase(touched[i]);
   // A piece may have been united with another since it was touched.

@@ -19,7 +19,7 @@
 namespace isimp::meshing {
 
 constexpr std::int32_t kLeastClosed = 4;  ///< no closed surface has fewer polygons
-constexpr std::size_t kLarge = 64;        ///< chords of a piece beyond which what is at its ends is far apart
+constexpr std::size_t kLarge = 64;        ///< chords of a piece above which its two ends count as far apart
 
 /// How long the boundary of a piece is, and the part of it that each other piece is across of.
 struct SharedBoundary {
@@ -28,11 +28,11 @@ struct SharedBoundary {
   double all = 0;
 };
 
-/// All that is known while a mesh is turned into polygons, from labels to positions, and how to bring it up to date
-/// after a local change. Whoever changes something asks a function of this class to; all else can only be read.
+/// The data of a mesh that becomes polygons, from labels to positions, and their update after a local change. All
+/// changes are calls of member functions; the public data can only be read.
 ///
-/// A change of labels, corners or diagonals is followed by `update` or `update_in_place`, which makes polygons and
-/// positions of it. Several changes may come before one update. What comes of them can be taken back: see `Transaction`.
+/// A change of labels, corners or diagonals is followed by `update` or `update_in_place`, which derives polygons and
+/// positions from it. Several changes may come before one update. A `Transaction` can undo changes and their effects.
 class State {
  public:
   /// \param job  polled by `update` too
@@ -51,7 +51,7 @@ class State {
     for (const std::int32_t h : complex.chords(piece))
       if (const std::int32_t l = labels.across(h); l != kNone) fn(l);
   }
-  /// Whether a piece borders so many holes that changes at its two ends do not affect each other.
+  /// Whether a piece borders enough holes that changes at its two ends do not affect each other.
   [[nodiscard]] bool is_large(std::int32_t piece) const {
     return cutter.perforated && complex.chords(piece).size() > kLarge;
   }
@@ -74,23 +74,23 @@ class State {
   /// \return whether that is new
   bool shatter(std::int32_t piece);
   /// Makes two pieces one, which must be a disc.
-  /// \param loop  what `loop_together` gave for them
-  /// Cost: O(faces of the one that goes + their boundaries).
+  /// \param loop  the result of `loop_together` for them
+  /// Cost: O(faces of the absorbed piece + boundaries of both).
   void unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t> loop);
-  /// Gives faces another label. All pieces must be discs when `update` is called, and those that changed touched.
+  /// Sets the label of some faces. When `update` is called, all pieces must be discs and all changed ones touched.
   void relabel(std::span<const std::int32_t> faces, std::int32_t label);
   /// Names a piece by another one of its faces; kNone where it is no more.
   void name(std::int32_t piece, std::int32_t face) { labels_.pieces.edit(piece).face = face; }
-  /// Has the next `update` look at the faces of some pieces.
+  /// Marks some pieces, so that the next `update` measures their faces again.
   void touch(std::span<const std::int32_t> pieces);
-  /// Tells that some faces have another label now, so that the next update need not look at all faces of these pieces.
-  /// All pieces must still be discs, and that update must come before other changes.
-  /// \param pieces  those whose boundaries, or what is across them, have changed
+  /// Records that faces were relabelled from `giver` to `taker`, so that the next update need not measure all faces of
+  /// these pieces. All pieces must still be discs, and that update must come before other changes.
+  /// \param pieces  all pieces whose boundary, or a neighbour across it, has changed
   /// Cost: O(faces).
   void hand_over(std::int32_t giver, std::int32_t taker, std::span<const std::int32_t> faces,
                  std::span<const std::int32_t> pieces);
 
-  // Changes of polygons, as in Complex. Of diagonals `update` has to be told.
+  // Changes of polygons, as in Complex. Pieces with changed diagonals are an argument of `update`.
   void add_corner(std::int32_t vertex) { complex_.add_corner(vertex); }
   bool drop_corner(std::int32_t vertex) { return complex_.drop_corner(vertex); }
   bool bend(std::int32_t chord) { return complex_.bend(chord); }
@@ -99,14 +99,14 @@ class State {
   void set_diagonals(std::int32_t piece, std::vector<std::array<std::int32_t, 2>> all) {
     diagonals_.set(piece, std::move(all));
   }
-  /// Makes the polygons of changed pieces anew, with corners where they are; as Polygons::collect.
+  /// Rebuilds the polygons of changed pieces with corners at their present places; see Polygons::collect.
   void collect(std::vector<std::int32_t>& changed) {
     polygons_.collect(complex_, labels_, diagonals_, corners_, changed);
   }
 
   // Changes of positions, which `update` takes no notice of.
   void move(std::int32_t corner, const Vec3& place) { corners_.position.set(corner, place); }
-  /// Moves corners from where they are onto those of the given planes that are held, and makes the polygons flat.
+  /// Moves corners from their places onto the held ones of the given planes, and makes the polygons flat.
   void move_onto(std::span<const Plane> planes_by_piece, std::span<const std::int32_t> moving);
 
   /// Updates polygons and positions after splits, new corners or new diagonals. All corners of polygons that have
@@ -121,7 +121,7 @@ class State {
   }
   /// The corners of polygons that have changed since the last call, those marked included.
   std::vector<std::int32_t> take_stale();
-  /// Adds a corner to those that `take_stale` returns.
+  /// Adds a corner to the result of the next `take_stale`.
   void mark_stale(std::int32_t corner) { stale_[corner] = 1; }
   /// The places of some corners if they were placed together and all others stayed.
   [[nodiscard]] std::vector<Vec3> better_places(std::span<const std::int32_t> moving);
@@ -132,12 +132,12 @@ class State {
   }
 
  private:
-  /// Faces that went from one piece to another since the last update, as a plane.
+  /// Faces moved from one piece to another since the last update, as a plane.
   struct Handover {
     std::int32_t giver, taker;
     Plane part;
   };
-  /// The boundary of a piece that has changed, from what it was; empty where it was none.
+  /// The boundary of a changed piece, from a half-edge that was already on it; empty if there is none.
   [[nodiscard]] std::vector<std::int32_t> loop_again(std::int32_t piece) const;
   /// Applies the handovers to the planes.
   /// \return by touched piece, sorted and each once: whether all of it is known but its boundary
@@ -146,7 +146,7 @@ class State {
   friend class Transaction;
 
   std::vector<std::int32_t> update(std::vector<std::int32_t> changed, bool in_place);
-  /// Sets the radii of some corners; 0 for those that must stay at their vertices.
+  /// Sets the radii of some corners; 0 for corners that must stay at their vertices.
   void limit(std::span<const std::int32_t> moving);
   template <class Self, class Function>
   static void for_each_array(Self& self, Function fn) {
@@ -169,12 +169,12 @@ class State {
   const Job& job_;
   std::int32_t merged_without_area_ = 0;
   std::int64_t placed_ = 0;
-  std::vector<std::int32_t> united_;    // pieces that went into others since the last update
-  std::map<std::int32_t, Disc> discs_;  // by piece: what was seen when it was split, until the next update
-  /// By piece: its boundary, where all that is asked of its faces is known after a change.
+  std::vector<std::int32_t> united_;    // pieces absorbed by others since the last update
+  std::map<std::int32_t, Disc> discs_;  // by piece: the disc found by its split, until the next update
+  /// By piece: its boundary, if the plane and the boundary are already known after a change.
   std::map<std::int32_t, std::vector<std::int32_t>> known_;
   std::vector<Handover> handovers_;    // since the last update
-  std::vector<std::int32_t> handed_;   // pieces that were touched by these alone, each as often as it was
+  std::vector<std::int32_t> handed_;   // pieces touched by handovers, once for each touch
   std::vector<std::int32_t> at_home_;  // corners that were put to their vertices since the last update
   std::vector<std::uint8_t> stale_;    // by corner: whether a polygon of it has changed since `take_stale`
 
@@ -183,10 +183,10 @@ class State {
   const Partition& partition;
   const MeshingOptions& options;
   const Threads threads;
-  const std::int32_t regions;  ///< of the partition
-  // What is private, to be read.
+  const std::int32_t regions;  ///< number of regions in the partition
+  // Read-only views of the private data.
   const std::int32_t& merged_without_area = merged_without_area_;  ///< pieces given to a neighbour, for lack of area
-  const std::int64_t& placed = placed_;  ///< corners that were placed, each as often as it was
+  const std::int64_t& placed = placed_;                            ///< placements of corners, repeated ones included
   const Labels& labels = labels_;
   const Cutter& cutter = cutter_;
   const Logged<Plane>& planes = planes_;  ///< by piece

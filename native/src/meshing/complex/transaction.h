@@ -8,15 +8,15 @@
 
 namespace isimp::meshing {
 
-/// What is done to a State from here on, which can be taken back: all of it, exactly, or some of it.
+/// The changes of a State since the begin of the transaction. They can be undone: all of them, exactly, or some.
 ///
-/// Policies try many things at a time, look what has become faulty, and take back what is to blame. So beside
-/// `rollback` there are functions that take back one union, or the corners of one piece. `State::update_in_place`
-/// then updates the polygons, with corners where they were.
+/// A pass applies many changes, finds new defects and undoes the changes that caused them. So apart from `rollback`
+/// there are functions that undo one union, or the corners of one piece. `State::update_in_place` then updates the
+/// polygons, with corners at their old places.
 ///
 /// One at a time. A transaction that ends without `commit` is rolled back.
 /// Pre: the state is up to date.
-/// Cost: O(pieces) to begin; from then on that of what is changed, `rollback` included.
+/// Cost: O(pieces) to begin; from then on O(size of the changes), `rollback` included.
 class Transaction {
  public:
   explicit Transaction(State& state);
@@ -25,25 +25,25 @@ class Transaction {
   Transaction& operator=(const Transaction&) = delete;
 
   void commit();
-  /// Makes labels, pieces, planes, diagonals, corners, polygons and positions what they were, bit by bit; the
-  /// polygons' numbers too.
+  /// Restores labels, pieces, planes, diagonals, corners, polygons and positions bit by bit, the numbers of polygons
+  /// included.
   void rollback();
 
-  // Where corners were, as all of this is of when the transaction began.
+  // The positions of corners at the begin of the transaction. All functions below restore the state of that time.
   [[nodiscard]] const Vec3& place_before(std::int32_t corner) const;
   void restore_place(std::int32_t corner);
-  /// Of all corners.
+  /// Restores the places of all corners.
   void restore_places();
 
-  /// Makes the diagonals of a piece what they were.
+  /// Restores the diagonals of a piece.
   void restore_diagonals(std::int32_t piece);
-  /// Of all pieces.
-  /// \return those whose diagonals were others
+  /// Restores the diagonals of all pieces.
+  /// \return the pieces whose diagonals had changed
   std::vector<std::int32_t> restore_diagonals();
-  /// Makes the corners of a piece and its diagonals what they were.
+  /// Restores the corners of a piece and its diagonals.
   void restore_corners(std::int32_t piece);
-  /// Parts two pieces that `State::unite` has made one, with labels and corners as they were.
-  /// Cost: O(faces of the one that was gone + their boundaries).
+  /// Undoes a `State::unite` of two pieces and restores their labels and corners.
+  /// Cost: O(faces of the absorbed piece + boundaries of both).
   void part_again(std::int32_t kept, std::int32_t gone);
 
  private:
