@@ -5,8 +5,8 @@
 
 namespace isimp::meshing {
 
-/// What a polygon may be. Fewer regions than `flatness_from` may miss their planes by more, so that no number of regions
-/// gives many more polygons than the one before. The bound on planarity is at least the tolerance of the partition.
+/// The bounds of the judge. With fewer regions than `flatness_from` the bound on planarity is wider, so that the number
+/// of polygons does not jump between two numbers of regions. It is at least the tolerance of the partition.
 Bounds bounds_of(const State& state);
 /// \param regions, tolerance  of the partition
 /// \param diagonal  of the scan

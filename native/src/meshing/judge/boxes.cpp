@@ -12,7 +12,7 @@ namespace isimp::meshing {
 namespace {
 constexpr std::int32_t kLeaf = 8;
 constexpr std::size_t kFew = 32,
-                      kShare = 4;  ///< boxes, or one in so many, that may be new before the tree is made anew
+                      kShare = 4;  ///< kFew + all / kShare boxes may be new before the tree is rebuilt
 }  // namespace
 
 BoxTree::BoxTree(std::vector<Entry> all) : all_(std::move(all)), leaf_(all_.size()) {
@@ -21,7 +21,7 @@ BoxTree::BoxTree(std::vector<Entry> all) : all_(std::move(all)), leaf_(all_.size
 
 void BoxTree::make(std::int32_t begin, std::int32_t end, std::int32_t parent) {
   Box around = all_[begin].box;
-  std::array<float, 3> low{}, high{};  // of twice the middles
+  std::array<float, 3> low{}, high{};  // range of the middles, times 2
   for (int k = 0; k < 3; ++k) low[k] = high[k] = around.low[k] + around.high[k];
   for (std::int32_t i = begin + 1; i < end; ++i) {
     const Box& box = all_[i].box;
@@ -87,7 +87,7 @@ void MovingBoxes::settle() {
     any_fresh = true;
   }
   sort_unique(fresh_);
-  // Where much has moved, making the tree anew costs less than moving the boxes in it.
+  // If many boxes have moved, a new tree costs less than the moves.
   if (fresh_.size() > kFew + boxes_.size() / kShare || moved_.size() > kFew + boxes_.size() / kShare) {
     std::vector<Entry> all;
     for (std::size_t i = 0; i < boxes_.size(); ++i)

@@ -8,7 +8,7 @@
 
 namespace isimp::meshing {
 
-/// A box with sides along the axes. Coordinates that are looked for in space are float32, so it is exact.
+/// A box with sides along the axes. It is exact, as all coordinates in a search are float32.
 struct Box {
   Eigen::Array4f low = Eigen::Array4f::Zero(), high = low;  ///< the fourth is 0, so that four are compared at once
   [[nodiscard]] bool apart(const Box& other) const {
@@ -31,14 +31,14 @@ struct Box {
   }
 };
 
-/// A box and the index of what is in it, a piece or a face of the scan.
+/// A box and the index of its content, a piece or a face of the scan.
 struct Entry {
   Box box;
   std::int32_t index;
 };
 
-/// A tree of boxes, to look for those that meet a given one: halved at the median of their middles, along the axis on
-/// which these spread most, down to a few.
+/// A tree of boxes that finds all boxes that meet a given one: halved at the median of the middles, along the axis of
+/// their largest spread, down to a few boxes.
 /// Cost: O(n log n) to make; a search, about O(log n + boxes that it meets).
 class BoxTree {
  public:
@@ -65,7 +65,7 @@ class BoxTree {
   /// first.
   template <class Test>
   [[nodiscard]] bool any_pair(const BoxTree& other, Test test) const {
-    std::vector<std::pair<std::int32_t, std::int32_t>> left;  // nodes, of which those below are to be looked at
+    std::vector<std::pair<std::int32_t, std::int32_t>> left;  // pairs of nodes still to be visited, with their subtrees
     if (!nodes_.empty() && !other.nodes_.empty()) left.emplace_back(0, 0);
     while (!left.empty()) {
       const auto [n, m] = left.back();
@@ -95,8 +95,8 @@ class BoxTree {
  private:
   struct Node {
     Box around;
-    std::int32_t begin, end;  ///< of what lies in a leaf; the same in others
-    std::int32_t after;       ///< the node that follows where nothing below this one is asked for
+    std::int32_t begin, end;  ///< range of the entries of a leaf; empty in other nodes
+    std::int32_t after;       ///< the next node if the subtree of this one is skipped
     std::int32_t parent;
   };
 
@@ -112,10 +112,10 @@ class BoxTree {
 /// Boxes that come and move one by one, each with an index.
 class MovingBoxes {
  public:
-  /// Sets the box at an index; those that were not set are nowhere. To be followed by `settle` before a search.
+  /// Sets the box at an index; an index that was not set has an empty box. To be followed by `settle` before a search.
   void set(std::int32_t index, const Box& box);
   /// Makes ready for searches.
-  /// Cost: about O(log n) for each box set, as the tree is made anew only when a share of all are new.
+  /// Cost: about O(log n) for each box set, as the tree is rebuilt only when a share of all boxes is new.
   void settle();
   /// Calls fn(index) for each box that has a place in common with `a`.
   template <class Function>

@@ -83,7 +83,7 @@ Findings::Found Findings::find(std::int32_t piece, Source source) const {
   const auto is_home = [&](std::int32_t c) {
     return s_.corners.position[c] == s_.mesh.vertices()[s_.corners.vertex[c]];
   };
-  const auto& loops = f.source.loops;  // three corners and what ends them
+  const auto& loops = f.source.loops;  // three corners and the kNone after them
   f.facets.given = f.source.is_face && loops.size() == 4 && std::all_of(loops.begin(), loops.begin() + 3, is_home);
   return f;
 }
@@ -127,7 +127,7 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
     if (was[i] == Was::kept) kept.reset();
   }
   around_.settle();
-  std::vector<bool> same(count);  // as what was kept
+  std::vector<bool> same(count);  // by piece: whether its findings are the kept ones
   for (std::size_t l = 0; l < count; ++l) same[l] = !kept_[l];
   find_hits_of(changed, same);
 }
@@ -182,7 +182,7 @@ bool Findings::meets_any(std::size_t i, std::span<const std::int32_t> pieces, st
   if (!fresh[i].facets.given) around_.given.for_each_near(moved.around, look_up);
   for (std::size_t k = 0; k < pieces.size(); ++k)
     if (k != i) look(pieces[k], fresh[k].facets);
-  // The polygons of one piece are looked at as a whole, since facets of one polygon meet by design.
+  // The polygons of one piece are tested as a whole, since facets of one polygon meet by design.
   if (fresh[i].polygons.size() > 1) any = any || (facets_meet(fresh[i].facets, fresh[i].facets) && !is_excused(l));
   return any;
 }

@@ -30,7 +30,8 @@ Box box_of(const Corners& t) {
   return box;
 }
 
-/// The middle of where the edges of two triangles pass through the other one; of the smaller's if none does.
+/// The mean of the points where edges of a triangle pass through the other one; if there are none, the centre of the
+/// smaller triangle.
 Vec3 meeting_place(const Corners& f, const Corners& g) {
   Vec3 sum = Vec3::Zero();
   int found = 0;
@@ -67,15 +68,15 @@ Facing facing_of(const Corners& t) {
   return {u.cross(v), kRounding * u.cwiseAbs().maxCoeff() * v.cwiseAbs().maxCoeff()};
 }
 
-/// A triangle with what it takes to tell quickly that another lies to one side of it.
+/// A triangle with the data of a quick test whether another lies to one side of it.
 struct Placed {
   const std::array<std::int32_t, 3>& corner;
   const Corners& at;
   const Facing& facing;
 };
 
-/// Whether all corners of g that f does not share surely lie to the same side of f's plane, so that the two meet in no
-/// more than they share. Most triangles that are near each other are told apart by this.
+/// Whether all corners of g that f does not share surely lie to the same side of f's plane, so that the two meet only in
+/// shared corners and edges. This test separates most triangles that are near each other.
 bool beside(const Placed& f, const Placed& g) {
   int sides = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -92,8 +93,8 @@ bool beside(const Placed& f, const Placed& g) {
   return sides == 1 || sides == 2;
 }
 
-/// The same for the sides of f, as seen along the axis that its normal is nearest to: whether all corners of g surely
-/// lie beyond one of them, but for those that both share. It tells triangles of one plane apart.
+/// Whether all corners of g, except the ends of a side that both share, surely lie beyond one side of f, as seen along
+/// the axis nearest to its normal. This test separates triangles in one plane.
 bool beyond_side(const Placed& f, const Placed& g) {
   constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
   int axis = 0;
@@ -116,7 +117,7 @@ bool beyond_side(const Placed& f, const Placed& g) {
   return false;
 }
 
-/// Whether two triangles that have area meet elsewhere than in what they share.
+/// Whether two triangles that have area meet elsewhere than in shared corners and edges.
 bool meet(const Placed& f, const Placed& g) {
   return !beside(f, g) && !beside(g, f) && !beyond_side(f, g) && !beyond_side(g, f) &&
          meet_elsewhere(f.corner, f.at, g.corner, g.at);
@@ -124,8 +125,8 @@ bool meet(const Placed& f, const Placed& g) {
 
 Placed placed(const FacetSet& set, std::int32_t i) { return {set.facets[i].corner, set.solids[i], set.facings[i]}; }
 
-/// Notes which facets of two pieces meet, or of one, each pair once.
-/// \param near  to be used
+/// Appends the pairs of facets of two pieces, or of one, that meet, each pair once.
+/// \param near  scratch space
 void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<std::int32_t>& near, std::vector<Meeting>& met) {
   near.clear();
   for (const std::int32_t j : b.solid)
@@ -143,9 +144,9 @@ void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<std::int32_
   }
 }
 
-constexpr std::int32_t kTogether = 16;  ///< pieces that are looked at on one thread
+constexpr std::int32_t kTogether = 16;  ///< pieces that one thread searches at a time
 
-/// First by pieces whose boxes meet, as these are few.
+/// All pairs of facets that meet, searched in pairs of pieces whose boxes meet, as these are few.
 std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, const Arounds& arounds,
                                    const std::vector<bool>& changed, const std::vector<bool>& known,
                                    const Threads& threads, const Job& job) {
@@ -161,7 +162,7 @@ std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, cons
                      const std::int32_t l = moved[i];
                      const auto look = [&](std::int32_t y) {
                        const bool seen_from_there = changed[y] && y < l, is_known = known[l] && known[y];
-                       // Of a piece of one polygon, no two facets can.
+                       // Two facets of one polygon are never tested, so a piece of one polygon has no pair.
                        const bool is_alone = y == l && pieces[l]->facets.back().part == 0;
                        if (!seen_from_there && !is_known && !is_alone)
                          find_meetings(*pieces[std::min(l, y)], *pieces[std::max(l, y)], near, met[block]);
@@ -212,7 +213,7 @@ std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, const Around
   const auto corners = [&](const Facet& f) {
     return Corners{position[f.corner[0]], position[f.corner[1]], position[f.corner[2]]};
   };
-  // Facets come by part, so the lower one is of the lower polygon.
+  // Facets are in the order of parts, so the lower one is of the lower polygon.
   for (const Meeting& m : find_meetings(pieces, arounds, changed, known, threads, job)) {
     const Facet &f = pieces[m.piece]->facets[m.index], &g = pieces[m.other_piece]->facets[m.other_index];
     hits.push_back({f.piece,
@@ -258,7 +259,7 @@ GivenHits find_given_hits(std::span<const FacetSet* const> pieces, const Arounds
 }
 
 ScanPart::ScanPart(const Mesh& mesh, std::span<const std::int32_t> faces) {
-  constexpr std::size_t kAhead = 12;  // fetched before they are looked at
+  constexpr std::size_t kAhead = 12;  // faces between the current one and the one whose vertices are prefetched
   std::vector<Entry> boxes;
   boxes.reserve(faces.size());
   for (std::size_t i = 0; i < faces.size(); ++i) {
@@ -283,7 +284,7 @@ bool scan_intersects(const Mesh& mesh, const ScanPart& some, const ScanPart& oth
     }
     const Corners b = corners_of(mesh, y.index);
     const Triangle &s = mesh.triangles()[x.index], &t = mesh.triangles()[y.index];
-    if (beside({s, a, facing}, {t, b, facing})) return false;  // which asks for one side only
+    if (beside({s, a, facing}, {t, b, facing})) return false;  // needs the plane of one triangle only
     return meet({s, a, facing}, {t, b, facing_of(b)});
   });
 }

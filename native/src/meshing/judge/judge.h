@@ -16,9 +16,9 @@
 
 namespace isimp::meshing {
 
-/// What can be wrong with a polygon on its own.
+/// The faults of a polygon on its own.
 enum Fault : std::uint8_t { kCrossing = 1, kFlipped = 2, kNoArea = 4, kBent = 8 };
-/// In the place of kNoArea, where the polygon is a face of the scan that has no area itself: that is no fault.
+/// Replaces kNoArea if the polygon is a face of the scan that has no area itself, which is no fault.
 constexpr std::uint8_t kGiven = 16;
 
 /// A triangle of a polygon's triangulation, by corners.
@@ -28,8 +28,7 @@ struct Facet {
   std::int32_t part;  ///< which of the piece's polygons
 };
 
-/// What is wrong with a polygon, and its triangulation where it is simple. All tests are exact on coordinates rounded
-/// to float32, as they will be stored.
+/// The faults of a polygon. All tests are exact on coordinates rounded to float32, as they will be stored.
 struct PolygonVerdict {
   std::uint8_t faults = 0;
   double bend = 0;                               ///< largest distance of a corner from the plane
@@ -50,32 +49,32 @@ struct Bounds {
 };
 
 /// \param normal  that of the piece: a polygon that faces away from it is flipped
-/// \param facets  the triangulation is added here, marked as `like`; null where nobody asks for it
+/// \param facets  the triangulation of a simple polygon is added here, marked as `like`; null if it is not needed
 PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
                              const Bounds& bounds, Facet like = {}, std::vector<Facet>* facets = nullptr);
 
-/// The plane through a triangle, to tell quickly that something lies to one side of it.
+/// The plane through a triangle, for a quick test whether points lie to one side of it.
 struct Facing {
   Vec3 normal;   ///< its length is twice the area
-  double slack;  ///< times how far a point is along an axis: by how much rounding may have changed its side
+  double slack;  ///< times the largest coordinate distance of a point: bound of the rounding error of its side
 };
 
-/// The facets of a piece's polygons where they can be looked for.
+/// The facets of a piece's polygons with boxes for searches.
 struct FacetSet {
   std::vector<Facet> facets;
-  std::vector<std::array<Vec3, 3>> solids;  ///< where the corners of each lie, rounded to float32
-  std::vector<Facing> facings;              ///< of each
-  std::vector<Box> boxes;                   ///< of each
-  std::vector<std::int32_t> solid;          ///< which facets have area: the others meet nothing
-  Box around = Box::nowhere();              ///< all of these
+  std::vector<std::array<Vec3, 3>> solids;  ///< positions of the corners of each, rounded to float32
+  std::vector<Facing> facings;              ///< plane of each
+  std::vector<Box> boxes;                   ///< box of each
+  std::vector<std::int32_t> solid;          ///< the facets that have area: the others meet nothing
+  Box around = Box::nowhere();              ///< the box of all solid facets
   bool given = false;                       ///< one face of the scan, its corners at their vertices
 
   void clear() { facets.clear(); }
-  /// Makes all but the facets from these. To be called again when a corner has moved.
+  /// Derives all other members but `given` from the facets. To be called again when a corner has moved.
   void locate(std::span<const Vec3> position);
 };
 
-/// The boxes of all pieces: those of `given` ones apart, as pairs of two such are not looked for.
+/// The boxes of all pieces. `given` pieces have boxes of their own, as pairs of two given pieces are not searched for.
 struct Arounds {
   MovingBoxes free, given;
   void set(std::int32_t piece, const FacetSet& facets);
@@ -83,11 +82,11 @@ struct Arounds {
   void settle();
 };
 
-/// Two polygons that meet elsewhere than in what they share.
+/// Two polygons that meet elsewhere than in shared corners and edges.
 struct Hit {
   std::int32_t a, part_a, b, part_b;    ///< pieces, a <= b, and which of their polygons
-  Vec3 where;                           ///< a place where they do
-  std::array<std::int32_t, 6> corners;  ///< of the two facets that meet there
+  Vec3 where;                           ///< a place where they meet
+  std::array<std::int32_t, 6> corners;  ///< corners of the two facets that meet there
   bool excused = false;                 ///< whether their regions meet in the scan itself
   [[nodiscard]] std::array<std::int32_t, 4> key() const { return {a, b, part_a, part_b}; }
 };
@@ -108,22 +107,22 @@ bool facets_meet(const FacetSet& a, const FacetSet& b);
 /// Pairs of faces of the scan, at their places, that meet.
 struct GivenHits {
   std::vector<Hit> first;  ///< some of them, in rising order of the first, then of the second
-  std::int64_t count = 0;  ///< of all, as far as they were counted
-  bool is_all = true;      ///< whether all were
+  std::int64_t count = 0;  ///< number of all pairs that were counted
+  bool is_all = true;      ///< whether all were counted
 };
 
 /// The pairs of `given` pieces that meet.
 /// \param most  pairs that are listed
-/// \param most_counted  pairs after which no more are looked for
+/// \param most_counted  pairs after which the search ends
 GivenHits find_given_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds, std::size_t most,
                           std::int64_t most_counted, const Job& job);
 
-/// Some faces of the scan, where they can be looked for.
+/// Some faces of the scan in a search tree.
 /// Cost: O(n log n) to make.
 struct ScanPart {
   ScanPart() = default;
   ScanPart(const Mesh& mesh, std::span<const std::int32_t> faces);
-  BoxTree tree;  ///< the boxes of those that have area
+  BoxTree tree;  ///< the boxes of the faces that have area
 };
 
 /// Whether one of some faces of the scan meets one of some others elsewhere than in the vertices they share. Vertices
@@ -131,7 +130,7 @@ struct ScanPart {
 /// coordinates rounded as above.
 bool scan_intersects(const Mesh& mesh, const ScanPart& some, const ScanPart& others);
 
-/// Fills in what the report says of edges and fans: closed, manifold, euler.
+/// Sets the members of the report that depend on edges and fans: closed, manifold, euler.
 void judge_topology(PolygonMesh& mesh);
 
 }  // namespace isimp::meshing

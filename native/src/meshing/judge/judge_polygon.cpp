@@ -53,8 +53,8 @@ inline bool boxes_apart(const Point& a, const Point& b, const Point& c, const Po
          std::max(a.y(), b.y()) < std::min(c.y(), d.y()) || std::max(c.y(), d.y()) < std::min(a.y(), b.y());
 }
 
-/// Whether the polygon turns left at every corner and goes round but once. Such a polygon is simple, and all between
-/// two of its corners lies inside.
+/// Whether the polygon turns left at every corner and makes one full turn in all. Such a polygon is simple, and the
+/// segment between any two of its corners lies inside.
 /// Cost: O(n).
 bool is_convex(const std::vector<Point>& p) {
   const std::size_t n = p.size();
@@ -84,10 +84,10 @@ bool touch(const std::vector<Point>& p, std::size_t i, std::size_t j) {
   return CGAL::do_intersect(Kernel::Segment_2(a, b), Kernel::Segment_2(c, d));
 }
 
-constexpr std::size_t kSwept = 32;  ///< edges from which on those that may touch are looked for in order
+constexpr std::size_t kSwept = 32;  ///< edges from which on the search is a sweep
 
-/// The same two edges as `find_crossing`, for many edges: they are taken in the order of their low ends along the
-/// longer side of the polygon, and compared with those that begin before they end.
+/// The same two edges as `find_crossing`, for many edges. The sweep takes edges in the order of their low ends along the
+/// longer side of the polygon, and compares each with all edges that begin before it ends.
 /// Cost: about O(n log n) for n short edges.
 std::array<std::int32_t, 2> sweep_for_crossing(const std::vector<Point>& p) {
   const auto n = p.size();
@@ -119,7 +119,7 @@ std::array<std::int32_t, 2> sweep_for_crossing(const std::vector<Point>& p) {
 }
 
 /// The first two edges of the polygon that touch, {-1, -1} if it is simple.
-/// Cost: O(n^2) for few.
+/// Cost: O(n^2) for fewer than kSwept edges, else as `sweep_for_crossing`.
 std::array<std::int32_t, 2> find_crossing(const std::vector<Point>& p) {
   if (p.size() >= kSwept) return sweep_for_crossing(p);
   for (std::size_t i = 0; i + 1 < p.size(); ++i)
@@ -138,7 +138,7 @@ class Ears {
   void cut(const Facet& like, std::vector<Facet>& facets) {
     while (left_.size() > 3) {
       const std::size_t ear = find();
-      if (ear == left_.size()) return;  // only where rounding made it not simple
+      if (ear == left_.size()) return;  // only if rounding made the polygon not simple
       add(ear, like, facets);
       left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(ear));
     }
@@ -189,13 +189,12 @@ class Ears {
   std::vector<std::size_t> left_;
 };
 
-/// The triangulation of a simple bent polygon with the least surface, out of those that do not fold over along the
-/// normal.
+/// The triangulation of a simple bent polygon with the least surface, among all that do not fold over along the normal.
 /// Source: Gilbert 1979.
 /// Cost: O(n^3).
 class LeastSurface {
  public:
-  /// \param thin  triangles thinner than this only where there is no other way; 0: no matter
+  /// \param thin  triangles thinner than this are used only if there is no other way; 0: no bound
   LeastSurface(const std::vector<Point>& points, bool convex, std::span<const std::int32_t> polygon,
                std::span<const Vec3> position, double thin)
       : p_(points),
@@ -218,7 +217,7 @@ class LeastSurface {
 
  private:
   static constexpr double kNever = 1e300;
-  static constexpr double kSliver = 1e18;  ///< what one costs: more than any surface, in squares of `thin`
+  static constexpr double kSliver = 1e18;  ///< cost of a sliver: more than any surface, in squares of `thin`
 
   static double longest(const Vec3& a, const Vec3& b, const Vec3& c) {
     return std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
