@@ -15,41 +15,42 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 40;
-constexpr std::int32_t kTogether = 256;   ///< pieces that one thread looks at for what can be tried
-constexpr double kGoOn = 0.8;             ///< about what is left to do after a round
-constexpr std::size_t kWorthwhile = 300;  ///< a round that tries less than one piece of so many is the last
-/// A round of many trials of which less than one in so many is good is the last one too: what is left then is a scan
-/// finer than its polygons, where each trial costs as much as it did and few will do.
+constexpr std::int32_t kTogether = 256;   ///< pieces in which one thread searches for candidates
+constexpr double kGoOn = 0.8;             ///< rough share of the work that is left after a round
+constexpr std::size_t kWorthwhile = 300;  ///< a round with fewer trials than one in kWorthwhile pieces is the last
+/// A round of at least kMany trials of which fewer than 1 in kPoor succeed is the last one too: the remaining trials
+/// cost as much as the first ones, and few will succeed.
 constexpr std::size_t kMany = 64, kPoor = 8;
 constexpr double kHopeless = 1.5;  ///< times the bound: no placement will make a polygon so bent flat
-// What a union of two regions may miss more, as shares of what a region misses in the mean. Source: own trials, 15 scans,
-// buildings and nasty meshes at 50 to 1,000 regions.
+// Deviation that a union of two regions may add, as shares of the mean deviation of a region. Source: own trials, 15
+// scans, buildings and nasty meshes at 50 to 1,000 regions.
 constexpr double kError = 1, kSquare = 3;
-constexpr int kRings = 2;      ///< how far from what was tried a fault is looked for at first ...
-constexpr int kMostRings = 5;  ///< ... and before all that was tried is held for the cause
-/// That bound where there is none, of the diagonal: what is bent further meets what is near or not as it is filled.
+constexpr int kRings = 2;      ///< rings around a new fault in which trials are blamed at first ...
+constexpr int kMostRings = 5;  ///< ... and at most; beyond, all trials are blamed
+/// Bound on the bend if none is set, as a share of the diagonal: intersections of a polygon that is bent more depend on
+/// its triangulation.
 constexpr double kFree = 0.05;
 
 double error_of(const Plane& p) { return 2 * (p.area - p.projected); }
 double square_of(const Plane& p) { return p.area * p.normal.dot(p.spread * p.normal); }
 
-/// What the repair did and what may turn out not to be needed.
+/// The actions of the repair that may turn out to be unnecessary.
 enum class Act : std::int32_t { diagonal, split };
 
 struct Candidate {
   Act act;
-  std::int32_t piece;  ///< that keeps its number
-  std::int32_t other;  ///< split: the piece that goes
+  std::int32_t piece;  ///< the piece that keeps its number
+  std::int32_t other;  ///< split: the piece that is absorbed
   double score;        ///< the higher, the sooner it is tried
 };
 
-using Key = std::array<std::int32_t, 4>;  ///< an act, and what tells it from others of its kind
+using Key = std::array<std::int32_t, 4>;  ///< an act, and the numbers that identify it within its kind
 
 /// An act that was taken back.
 struct Trial {
   Act act;
   std::int32_t piece;
-  std::int32_t gone = kNone;                           ///< split: the piece that went into it ...
+  std::int32_t gone = kNone;                           ///< split: the piece that was absorbed ...
   std::int32_t region = kNone;                         ///< ... and its region
   std::array<std::int32_t, 2> diagonal{kNone, kNone};  ///< diagonal: its ends
 };
@@ -80,7 +81,7 @@ class Coarsener {
     suspected_.clear();
     std::fill(unions_.begin(), unions_.end(), std::nullopt);
     ease(s_, findings_, scope_, job_);
-    // Corners that are free again may do without what they needed when they were not.
+    // Corners that can move again may not need diagonals that they needed before.
     std::erase_if(tried_, [](const auto& t) { return t[0] == static_cast<std::int32_t>(Act::diagonal); });
     try_all(0.6, 1.0);
     return before - s_.polygons.count();
@@ -102,7 +103,7 @@ class Coarsener {
     return static_cast<std::size_t>(at - all.begin());
   }
 
-  /// What is left to try, the most promising first: of two pieces those that share most of their boundary.
+  /// The remaining candidates, the most promising first: unions whose pieces share most of their boundary.
   [[nodiscard]] std::vector<Candidate> candidates() {
     const std::int32_t count = s_.labels.piece_count();
     std::vector<std::vector<Candidate>> by_block(count / kTogether + 1);
@@ -146,7 +147,7 @@ class Coarsener {
            square_of(both) - square_of(a) - square_of(b) <= kSquare * usual_.square;
   }
 
-  /// Whether the region of the piece that goes keeps another one, and the other piece stays one of its own region.
+  /// Whether the region of the absorbed piece keeps another piece, and the union belongs to the region of the kept one.
   [[nodiscard]] bool may_change_region(const Candidate& c) const {
     const std::int32_t from = s_.labels.pieces[c.other].region, to = s_.labels.pieces[c.piece].region;
     if (from == to) return true;
@@ -174,9 +175,9 @@ class Coarsener {
       if (may_unite(c.piece, gone)) all.push_back(c);
   }
 
-  /// The pieces that may change when a candidate is tried, some of them more than once. Large ones beside it are left
-  /// out: what is wrong with one has a place, and if all that is beside it could be tried only in turn, that would take
-  /// as many rounds.
+  /// The pieces that may change when a candidate is tried, some of them more than once. Large neighbours are left out:
+  /// their faults have places, and if only one neighbour of a large piece could be tried per round, there would be as
+  /// many rounds as neighbours.
   [[nodiscard]] std::vector<std::int32_t> zone_of(const Candidate& c) const {
     std::vector<std::int32_t> zone{c.piece};
     const auto add = [&](std::int32_t l) {
@@ -196,7 +197,7 @@ class Coarsener {
     }
   }
 
-  /// Tries as many candidates as can be told apart if they fail.
+  /// Tries candidates that are far enough from each other that a new fault identifies its cause.
   /// \return whether to go on
   bool try_some() {
     std::vector<bool> busy(s_.labels.pieces.size(), false);
@@ -221,14 +222,14 @@ class Coarsener {
     std::vector<bool> after = findings_.faulty();
     while (!trials.empty()) {
       std::vector<Trial> good, failed;
-      // Where more rings would have to be looked at, all that was tried is held for the cause.
+      // If even kMostRings rings do not contain the cause, all trials are undone.
       const std::vector<bool> near = near_fresh(std::min(rings, kMostRings), before, after);
       for (const Trial& t : trials)
         (rings > kMostRings || after[t.piece] || near[t.piece] ? failed : good).push_back(t);
       trials.swap(good);
       if (failed.empty()) {
         if (!any_fresh(before, after)) break;
-        ++rings;  // corners that were added to keep polygons apart have moved what is further away
+        ++rings;  // corners that were added to keep polygons apart have moved polygons further away
         continue;
       }
       for (const Trial& t : failed) {
@@ -236,7 +237,7 @@ class Coarsener {
         if (rings > kRings && suspected_.insert(key_of(t)).second) tried_.erase(key_of(t));
       }
       judge(failed, s_.update_in_place(pieces_in(failed)));
-      after = findings_.faulty();  // what was done again may spoil what is beside it
+      after = findings_.faulty();  // an undone trial may spoil a neighbour
     }
     transaction.commit();
     for (const Trial& t : trials) forget_unions_round(t);
@@ -244,7 +245,7 @@ class Coarsener {
     return tried * kWorthwhile >= s_.labels.pieces.size() && !is_poor;
   }
 
-  /// Has what the pieces that an act has changed may be united with, and those beside them, found anew.
+  /// Clears the saved unions of the pieces that an act has changed and of their neighbours.
   void forget_unions_round(const Trial& t) {
     if (t.gone == kNone) return;
     unions_[t.piece].reset();
@@ -252,8 +253,8 @@ class Coarsener {
     s_.for_each_neighbour(t.piece, [&](std::int32_t l) { unions_[l].reset(); });
   }
 
-  /// Whether a polygon is so faulty, both with its corners where they are and on the mesh, that placing it anew is not
-  /// worth a try.
+  /// Whether a polygon is so faulty, both with its corners at their present places and on the mesh, that a new placement
+  /// is not worth a try.
   [[nodiscard]] bool is_hopeless(std::span<const std::int32_t> vertices, const Vec3& normal) const {
     if (vertices.size() < 3) return false;
     std::vector<std::int32_t> polygon(vertices.size());
@@ -270,7 +271,7 @@ class Coarsener {
            judge_polygon(polygon, home, normal, bounds).faults != 0;
   }
 
-  /// The same of two pieces made one with the loop given, and of those beside them that lose a corner by it.
+  /// Whether the union of two pieces, with the given loop, or a neighbour that loses a corner by it is hopeless.
   [[nodiscard]] bool is_hopeless(std::span<const std::int32_t> loop, const Candidate& c) const {
     const Plane &a = s_.planes[c.piece], &b = s_.planes[c.other];
     std::vector<std::int32_t> vertices, lost;
@@ -298,8 +299,8 @@ class Coarsener {
     return is_hopeless(vertices, s_.planes[l].normal);
   }
 
-  /// Takes back one act.
-  /// \return nothing where it has to stay
+  /// Undoes one act of the repair.
+  /// \return nullopt if the act has to stay
   std::optional<Trial> start(const Candidate& c) {
     Trial trial{.act = c.act, .piece = c.piece};
     switch (c.act) {
@@ -370,8 +371,9 @@ class Coarsener {
     return false;
   }
 
-  /// By piece: whether it is at most so many rings from one that has become faulty, and so held for its cause. Of a
-  /// large one only what is at the places of its faults is, and rings do not go on through it but for the last ones.
+  /// By piece: whether it is at most `rings` rings from a newly faulty piece and so counts as a possible cause. A
+  /// neighbour of a large faulty piece counts only if it is at the place of a fault. Rings do not pass through large
+  /// pieces, unless there are kMostRings.
   [[nodiscard]] std::vector<bool> near_fresh(int rings, const std::vector<bool>& before,
                                              const std::vector<bool>& after) const {
     std::vector<bool> near(after.size(), false);
@@ -398,7 +400,7 @@ class Coarsener {
     return near;
   }
 
-  /// Calls fn(piece) for those at the places of a piece's faults; for all beside it where a fault has no place.
+  /// Calls fn(piece) for the pieces at the places of a piece's faults; for all neighbours if a fault has no place.
   template <class Function>
   void for_each_at_fault(std::int32_t l, Function fn) const {
     if ((findings_.faults(l) & ~kCrossing) != 0) return s_.for_each_neighbour(l, fn);
@@ -422,10 +424,10 @@ class Coarsener {
   Job& job_;
   std::vector<std::int32_t> pieces_of_;  // by component of the mesh
   std::vector<std::int32_t> pieces_in_;  // by region
-  /// By piece that may go: what it may be united with, tried or not; nothing where that is to be found anew.
+  /// By piece that may be absorbed: its possible unions, tried or not; nullopt if they are to be computed again.
   std::vector<std::optional<std::vector<Candidate>>> unions_;
   std::set<Key> tried_;
-  std::set<Key> suspected_;  // was not tried alone when something further away became faulty; gets another chance
+  std::set<Key> suspected_;  // acts undone for a fault further away; each gets one more trial
 };
 
 }  // namespace

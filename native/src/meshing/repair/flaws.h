@@ -6,8 +6,8 @@
 
 namespace isimp::meshing {
 
-/// Counts what the judge finds wrong, and lists it.
-/// \param outcome  of which this and the work are filled in
+/// Counts and lists the faults that the judge has found.
+/// \param outcome  the function sets its counts and list of faults, and its work
 void list_flaws(const State& state, const Findings& findings, RepairOutcome& outcome);
 
 }  // namespace isimp::meshing

@@ -19,18 +19,18 @@ constexpr int kPasses = 2;
 constexpr std::size_t kMostLabels = 5;  ///< pieces that may meet in a vertex
 // How far the planes may miss the vertex: deviations of the scan from them, and of sqrt(area / pieces).
 constexpr double kPlanes = 3.2, kGap = 0.11;
-constexpr double kRounding = 1e-9;           ///< of the diagonal: planes that are nearer than this meet
-constexpr double kFixed = 0.0625;            ///< of the largest eigenvalue: below, planes fix no point
-constexpr double kStep = 0.3;                ///< of sqrt(area / pieces): from the middle to the vertex
-constexpr double kShort = 0.4;               ///< of the same: a chord that may go for its length alone
+constexpr double kRounding = 1e-9;  ///< share of the diagonal: planes that are nearer than this meet
+constexpr double kFixed = 0.0625;   ///< share of the largest eigenvalue: below, planes fix no point
+constexpr double kStep = 0.3;       ///< from the middle to the vertex, in sqrt(area / pieces)
+constexpr double kShort = 0.4;  ///< length below which a chord may be removed for its length alone, in the same unit
 constexpr double kSharp = 20, kSharper = 3;  ///< degrees
 constexpr double kExcess = 20;               ///< degrees that reflex corners may open further in all
-constexpr double kError = 0.02;              ///< of area / pieces: by how much the error may rise
-constexpr double kOfGiver = 1.0 / 3;         ///< of its area: what a piece may give
+constexpr double kError = 0.02;              ///< increase of the error that is allowed, in area / pieces
+constexpr double kOfGiver = 1.0 / 3;         ///< share of its area that a piece may give
 constexpr double kLoose = 3;                 ///< times the gap: at the image of a join
-constexpr double kLongest = 4;               ///< of sqrt(area / pieces): a path between two junctions
+constexpr double kLongest = 4;               ///< longest path between two junctions, in sqrt(area / pieces)
 
-/// The pieces round a vertex, counter-clockwise.
+/// The pieces at a vertex, counter-clockwise.
 using Round = std::vector<std::int32_t>;
 
 /// Two junctions, and the boundary half-edges from one to the other.
@@ -39,7 +39,7 @@ struct Chord {
   std::vector<std::int32_t> path;
 };
 
-/// One of the ways to join: faces that go from a piece to another, so that the one end moves to the other.
+/// One of the ways to join: a transfer of faces from one piece to another, by which one end moves to the other.
 struct Gift {
   double error = 0;
   std::int32_t giver, taker, keeps, moves;
@@ -49,7 +49,7 @@ struct Gift {
 
 class Joiner {
  public:
-  /// \param joins  those that are made are appended
+  /// \param joins  new joins are appended
   Joiner(State& state, std::vector<Join>& joins, Job& job) : s_(state), mesh_(state.mesh), joins_(joins), job_(job) {}
 
   bool run() {
@@ -169,7 +169,7 @@ class Joiner {
     return near + d;
   }
 
-  /// What it takes to join two junctions.
+  /// The data of a join of two junctions.
   struct Plan {
     std::int32_t a, b;
     Vec3 place;
@@ -211,8 +211,8 @@ class Joiner {
     if (std::optional<Plan> p = plan(a, b, false)) carry_out(*p);
   }
 
-  /// Joins two junctions and their images, or none of them. Where the images are one junction already, or there are
-  /// none, as elsewhere.
+  /// Joins two junctions and their images, or none of them. If the images are one junction already, or there are none,
+  /// only the two junctions are joined.
   void join_both(std::int32_t a, std::int32_t b) {
     if (at_[a].empty() || at_[b].empty()) return;
     Round images = at_[a];
@@ -235,7 +235,7 @@ class Joiner {
     }
   }
 
-  /// The junction at which just these pieces meet, or the two beside each other at which they do together.
+  /// The junction at which exactly these pieces meet, or two adjacent junctions that together have these pieces.
   [[nodiscard]] std::array<std::int32_t, 2> junctions_among(const Round& pieces) const {
     std::array<std::int32_t, 2> found{kNone, kNone};
     for (const std::int32_t l : pieces) {
@@ -288,8 +288,8 @@ class Joiner {
     return result;
   }
 
-  /// The ways to join, first the one that raises the error least. All of them where a join has an image, so that both
-  /// can be made.
+  /// The ways to join, the one with the least increase of the error first. All ways if there is a mirror plane, so that
+  /// both a join and its image can be made; else only the first.
   [[nodiscard]] std::vector<Gift> gifts_of(const Chord& chord, const Round& at_u, const Round& at_v) const {
     const std::int32_t left = s_.labels.label[chord.path[0] / 3], right = s_.labels.across(chord.path[0]);
     std::vector<Gift> gifts;
@@ -309,7 +309,7 @@ class Joiner {
     return gifts;
   }
 
-  /// Finds the faces to give and what that costs.
+  /// Finds the faces to give and the increase of the error.
   /// \return whether they may be given
   bool fill(Gift& gift, const Chord& chord) const {
     const auto add_star = [&](std::int32_t w) {
@@ -377,8 +377,8 @@ class Joiner {
     if (kept == kNone) return false;
     if (s_.labels.label[s_.labels.pieces[gift.giver].face] != gift.giver) s_.name(gift.giver, kept);
     const std::vector<std::int32_t> loop = outline(gift.faces);
-    // A disc without a disc along one path of its boundary is a disc, and so are two discs with one common path. That no
-    // piece touches itself at a vertex has been seen.
+    // A disc without a disc along one path of its boundary is a disc, and so are two discs with one common path.
+    // `is_kept` has already checked that no piece touches itself at a vertex.
     const auto runs = [&](std::int32_t label) {
       int count = 0;
       for (std::size_t i = 0; i < loop.size(); ++i)
@@ -445,8 +445,8 @@ class Joiner {
   const Mesh& mesh_;
   std::vector<Join>& joins_;
   Job& job_;
-  double size_ = 0;                                    // scene units: of a region
-  double gap_ = 0;                                     // by which planes may miss the vertex
+  double size_ = 0;                                    // size of a region, scene units
+  double gap_ = 0;                                     // distance by which planes may miss the vertex
   std::vector<std::vector<std::int32_t>> loops_, at_;  // corners by piece, pieces by corner
   std::vector<std::int32_t> vertex_;                   // by corner: where the junction is
   std::vector<Vec3> position_;                         // by corner

@@ -9,12 +9,12 @@
 namespace isimp::meshing {
 
 /// Joins pairs of junctions that a short chord connects, so that four or five pieces meet in one vertex. Where a
-/// surface is a saddle, three planar polygons can't all be convex at a vertex, and four can; and a short edge goes.
+/// surface is a saddle, three planar polygons can't all be convex at a vertex, and four can. A short edge disappears.
 ///
-/// A join is a change of labels: the faces of one piece along the path between the junctions go to the piece at the end
-/// that moves. It is made where
+/// A join is a change of labels: the faces of one piece along the path between the junctions become faces of the piece
+/// at the end that moves. It is made if
 /// - the planes of the pieces meet in about one point, nearer than kPlanes times the deviation of the scan from them,
-/// - no polygon round it turns over or gets a corner that is too sharp,
+/// - no polygon at the junctions turns over or gets a corner that is too sharp,
 /// - there are no more reflex corners than before and, where the chord is not very short, fewer,
 /// - all pieces stay discs, and no other junction changes,
 /// - no locked region changes and no bound of the partition is broken.

@@ -7,17 +7,17 @@
 
 namespace isimp::meshing {
 
-/// What can be done about a faulty piece.
+/// The actions against the faults of a piece.
 enum class Action : std::uint8_t {
   none,
   pull_concerned,  ///< move the corners concerned halfway back to the scan
   pull_all,        ///< move all corners of the piece halfway back
-  add_anchor,      ///< give one of two chords that cross another corner, else split
+  add_anchor,      ///< add a corner on one of two chords that cross, else split
   add_diagonal,    ///< split one polygon of the piece between two of its corners, else split the piece
   split,           ///< split the piece in two
 };
 
-/// A plan: what is done the first, second, ... time that a piece is found faulty. The last action is repeated.
+/// A plan: the actions for the first, second, third ... time that a piece is found faulty. The last one is repeated.
 ///
 /// How often an action leaves the piece, or both halves of it, without a fault in the next round; scans, buildings and
 /// nasty meshes of 5,000 to a million faces at 50, 300 and 1,000 regions (23,600 actions):
@@ -44,6 +44,6 @@ inline constexpr std::array kForBent{add_diagonal, add_diagonal, add_diagonal, s
                                      add_diagonal, split,        add_diagonal, split, add_diagonal, split};
 }  // namespace plans
 
-inline constexpr int kAfterSplit = 5;  ///< where in its plan a piece that comes of a split goes on
+inline constexpr int kAfterSplit = 5;  ///< index in its plan at which a piece continues after a split
 
 }  // namespace isimp::meshing

@@ -28,14 +28,14 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 40;
-constexpr int kPatience = 12;                 ///< how often the last act of a plan is repeated
-constexpr double kPull = 0.5;                 ///< what a pull leaves of a corner's way from its vertex ...
-constexpr double kLeastPull = 0.1;            ///< ... down to this share of its radius; then it goes back to the vertex
-constexpr std::size_t kShard = 16;            ///< faces of a piece that falls apart into them where nothing else helped
+constexpr int kPatience = 12;       ///< how often the last act of a plan is repeated
+constexpr double kPull = 0.5;       ///< share of a corner's distance from its vertex that a pull leaves
+constexpr double kLeastPull = 0.1;  ///< share of its radius below which a pull returns the corner to its vertex
+constexpr std::size_t kShard = 16;  ///< faces of a piece that falls apart into them where nothing else helped
 constexpr std::size_t kMostForDiagonal = 64;  ///< corners of a polygon beyond which it is split at once
 constexpr std::int32_t kLeastBudget = 100;    ///< splits that are always allowed
 constexpr double kOfOpening = 4;              ///< polygons that a border or handle of the scan may take
-constexpr int kPasses = 4;                    ///< of joining what was split
+constexpr int kPasses = 4;                    ///< passes that join split polygons
 constexpr double kManyMore = 1.05;            ///< times the regions: fewer polygons are not joined in further passes
 constexpr double kWorthwhile = 0.97;          ///< a pass that leaves more of the polygons is the last
 
@@ -84,7 +84,7 @@ class Repairer {
   }
 
  private:
-  /// Takes back the joins at pieces that moving corners does not mend, since a split would cost more polygons.
+  /// Undoes the joins at pieces that moves of corners do not mend, since a split would cost more polygons.
   void take_back_joins(std::vector<Join>& joins) {
     if (joins.empty()) return;
     may_split_ = false;
@@ -92,7 +92,7 @@ class Repairer {
     may_split_ = true;
     while (true) {
       std::vector<bool> faulty = findings_.faulty(kCrossing | kFlipped | kNoArea);
-      const std::vector<std::int32_t> image = piece_images(s_);  // with a join goes its image
+      const std::vector<std::int32_t> image = piece_images(s_);  // a join and its image are undone together
       for (std::size_t l = 0; l < image.size(); ++l)
         if (image[l] != kNone && faulty[l]) faulty[image[l]] = true;
       if (!take_back(s_, faulty, joins)) return;
@@ -138,9 +138,9 @@ class Repairer {
     judge(changed);
   }
 
-  /// The last resort: what is still faulty is split down to faces of the scan, at their places, so that what is wrong
-  /// then is so in the scan.
-  /// \return whether there was any
+  /// The last resort: remaining faulty polygons are replaced by the scan's triangles, so that every remaining defect
+  /// exists in the scan.
+  /// \return whether any polygon was replaced
   bool fall_back() {
     bool ever = false;
     for (bool any = true; any; ++outcome_.rounds) {
@@ -160,8 +160,8 @@ class Repairer {
     return ever;
   }
 
-  /// Where a polygon can't be made planar, its piece is split, at last into faces of the scan at their places, and that
-  /// part is done again; after many tries it stays as it is.
+  /// Makes polygons planar. A piece whose polygon cannot become planar is split, after kSplits tries down to faces of
+  /// the scan, and the step is repeated. After kTries tries the polygon stays bent.
   void make_planar() {
     constexpr int kSplits = 6, kTries = 16;
     planar::Memory memory;
@@ -190,7 +190,7 @@ class Repairer {
     }
   }
 
-  /// Looks up anew where pieces meet: judging replaces the hits.
+  /// Finds the pieces that meet in the present hits. To be called after each judgement, which replaces the hits.
   void find_met() {
     met_.assign(s_.labels.pieces.size(), nullptr);
     for (const Hit& h : findings_.hits())
@@ -220,7 +220,7 @@ class Repairer {
     const auto pieces = s_.labels.piece_count();
     spared_.assign(pieces, false);
     find_met();
-    // Of two that meet, the smaller is not split.
+    // If two pieces meet, the smaller is not split.
     for (const Hit& h : findings_.hits())
       if (!h.excused && h.a != h.b) spared_[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
     bool any = false;
@@ -244,7 +244,7 @@ class Repairer {
     return any;
   }
 
-  /// What the plan for a piece with these faults has next; none where there is nothing left to try.
+  /// The next action in the plan for a piece with these faults; none if the plan is used up.
   [[nodiscard]] Action next_action(std::int32_t l, std::uint8_t faults) const {
     if (faults == 0 && !met_[l]) return Action::none;
     const Plan plan = plan_for(l, faults);
@@ -261,7 +261,8 @@ class Repairer {
 
   [[nodiscard]] bool is_spared(std::int32_t l, std::uint8_t faults) const { return faults == 0 && spared_[l]; }
 
-  /// Finds where the pieces will be split whose turn it is, as far as can be told before any is: on all threads.
+  /// Finds the cuts of all pieces whose next action is a split, on all threads. The cuts hold for pieces that do not
+  /// change before their split.
   void foresee_cuts() {
     if (spent()) return;
     std::vector<std::int32_t> some;
@@ -316,7 +317,7 @@ class Repairer {
     return split(l);
   }
 
-  /// Whether faces of a piece have come or gone in this round, so that the complex no longer knows its boundary.
+  /// Whether the faces of a piece have changed in this round, so that the complex no longer knows its boundary.
   [[nodiscard]] bool out_of_date(std::int32_t l) {
     const std::vector<std::int32_t>& touched = s_.labels.touched;
     for (; seen_ < touched.size(); ++seen_) {
@@ -326,7 +327,8 @@ class Repairer {
     return static_cast<std::size_t>(l) < touched_.size() && touched_[l];
   }
 
-  /// Gives a piece without area to the neighbour of its region with the longest boundary that stays a disc with it.
+  /// Unites a piece without area with a neighbour of its region: the one with the longest shared boundary whose union
+  /// with the piece is a disc.
   bool dissolve(std::int32_t l) {
     if (out_of_date(l)) return false;
     const SharedBoundary shared = s_.shared_boundary(l);
@@ -478,12 +480,12 @@ class Repairer {
   std::vector<bool> spared_;           // by piece: of two that meet, the smaller
   std::vector<Cut> cuts_;              // by piece: where it will be split in this round, as far as was foreseen
   std::vector<const Hit*> met_;        // by piece: where it meets another; null where it does not
-  std::vector<std::int32_t> also_;     // pieces to be judged beside those that an update changes
+  std::vector<std::int32_t> also_;     // pieces to be judged in addition to the result of an update
   bool may_split_ = true;              // else acts only move corners
   std::vector<bool> touched_;          // by piece: whether it is listed in labels.touched ...
   std::size_t seen_ = 0;               // ... as far as that has been read
   std::vector<std::int32_t> changed_;  // pieces whose diagonals were changed in this round
-  Misses usual_;                       // of regions, before the repair
+  Misses usual_;                       // mean deviation of the regions, before the repair
   Scope acted_;                        // pieces of which something was changed since all could be joined
 };
 
