@@ -17,7 +17,7 @@ class Easing {
   Easing(State& state, Findings& findings, const Scope& scope, Job& job)
       : s_(state), findings_(findings), scope_(scope), job_(job), faulty_(findings.faulty()), transaction_(state) {}
 
-  /// \param share  of how many a corner is taken, so that in turn all are
+  /// \param share  one in `share` corners is dropped; turns 0 to share - 1 cover all
   void run(std::int32_t share, std::int32_t turn) {
     if (drop_bends(share, turn)) settle();
     transaction_.commit();
@@ -39,7 +39,7 @@ class Easing {
   }
 
  private:
-  /// Updates all, and restores what has become faulty.
+  /// Updates the polygons, and restores the corners of pieces that have become faulty.
   void settle() {
     findings_.judge(s_.update_in_place({}));
     for (int round = 0; round < kRounds; ++round) {
@@ -68,7 +68,7 @@ class Easing {
     return any;
   }
 
-  /// The pieces that have become faulty, and those round ones that are so again.
+  /// Newly faulty pieces, plus one more ring of neighbours for each repeated failure.
   std::vector<std::int32_t> near_faults() {
     const std::vector<bool> now = findings_.faulty();
     std::vector<std::int32_t> near;
@@ -96,7 +96,7 @@ class Easing {
 
 void ease(State& state, Findings& findings, const Scope& scope, Job& job) {
   Easing(state, findings, scope, job).run(1, 0);
-  // Those that were done again for the sake of others get another chance.
+  // Corners that were restored because of faults of their neighbours are dropped again, a share at a time.
   for (std::int32_t turn = 0; turn < kShare; ++turn) Easing(state, findings, scope, job).run(kShare, turn);
 }
 

@@ -32,12 +32,12 @@ class Scope {
 /// Drops the corners that `Complex::bend` added, all at once. Then the corners of every polygon that became faulty are
 /// restored, until there is none. A few turns follow, each with a share of the corners that were restored.
 /// \param scope  corners of other pieces stay
-/// Cost: some twenty rounds of `State::update_in_place` and `Findings::judge`, each for what the one before changed.
+/// Cost: about twenty rounds of `State::update_in_place` and `Findings::judge`, each for pieces changed in the last one.
 void ease(State& state, Findings& findings, const Scope& scope, Job& job);
 
-/// Makes corners of vertices that are none, and drops those that are, all at once; then the corners of every polygon that
-/// became faulty are made what they were, until there is none.
-/// \param vertices  on boundaries of pieces; corners that have to be stay
+/// Toggles vertices between corner and no corner, all at once. Then the corners of every polygon that became faulty are
+/// restored, until there is none.
+/// \param vertices  on boundaries of pieces; required corners stay
 /// Cost: as one turn of `ease`.
 void turn_corners(State& state, Findings& findings, std::span<const std::int32_t> vertices, Job& job);
 

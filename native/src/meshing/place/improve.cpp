@@ -8,8 +8,8 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::array kShares{1.0, 0.5, 0.2};  ///< of the way to its target that a corner is moved, the first that holds
-constexpr double kLeast = 1e-6;               ///< of the diagonal: no shorter way is worth a test
+constexpr std::array kShares{1.0, 0.5, 0.2};  ///< shares of the way to the target; the first accepted one is used
+constexpr double kLeast = 1e-6;               ///< share of the diagonal: no shorter way is worth a test
 constexpr std::size_t kStride = 64;           ///< corners from one poll to the next
 
 /// Moves a corner towards a place as far as its polygons stay sound.

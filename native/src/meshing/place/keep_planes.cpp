@@ -11,7 +11,8 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr int kGentle = 8;  ///< rounds in which one plane is let go for each fault; then all round it
+constexpr int kGentle =
+    8;  ///< rounds that release one plane for each fault; later rounds release all planes at the fault
 
 class Keeper {
  public:
@@ -49,7 +50,7 @@ class Keeper {
     return s_.labels.pieces[l].face != kNone && planes_[l].held && planes_[l].snapped;
   }
 
-  /// Places the corners of the pieces that are asked for, and of those beside them, anew.
+  /// Places the corners of the pieces in asked_ and of their neighbours again.
   void move() {
     s_.add_neighbours(asked_);
     std::vector<std::int32_t> moving, changed;
@@ -71,8 +72,8 @@ class Keeper {
     asked_.clear();
   }
 
-  /// Lets go of planes round the faults that were not there before. There is one, as a corner that was moved is at one.
-  /// \param all  of all that are there, else of the smallest
+  /// Releases planes at new faults. Each new fault has a plane to release, as one of its corners was moved onto one.
+  /// \param all  releases all planes at a fault, else the smallest
   void let_go(bool all) {
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
       if (findings_.faults(l) & ~faults_[l]) let_go_round(corners_at_fault(l), {l}, all);
@@ -85,7 +86,7 @@ class Keeper {
     }
   }
 
-  /// The ends of edges that cross, and of a bent polygon the corner that is furthest from its plane.
+  /// The ends of edges that cross, and the corner of each bent polygon that is furthest from its plane.
   [[nodiscard]] std::vector<std::int32_t> corners_at_fault(std::int32_t l) const {
     std::vector<std::int32_t> some;
     const auto& position = s_.corners.position;
@@ -105,7 +106,8 @@ class Keeper {
     return some;
   }
 
-  /// \param corners  those at fault; where no plane is kept at these, all of the pieces at fault are
+  /// Releases planes at a fault.
+  /// \param corners  the corners at fault; if no plane is kept at these, all corners of `pieces` are used
   void let_go_round(std::vector<std::int32_t> corners, std::initializer_list<std::int32_t> pieces, bool all) {
     std::vector<std::int32_t> kept = kept_round(corners);
     if (kept.empty() || all) {
@@ -122,7 +124,7 @@ class Keeper {
     for (const std::int32_t l : kept) is_let_go_[region(l)] = true;
   }
 
-  /// The pieces round some corners whose planes are kept.
+  /// The pieces at some corners whose planes are kept.
   [[nodiscard]] std::vector<std::int32_t> kept_round(const std::vector<std::int32_t>& corners) const {
     std::vector<std::int32_t> kept;
     for (const std::int32_t c : corners)
@@ -136,11 +138,11 @@ class Keeper {
   Findings& findings_;
   const Job& job_;
   Transaction transaction_;
-  std::vector<Plane> planes_;                  // by piece: with those held that are kept
+  std::vector<Plane> planes_;                  // by piece: the snapped plane if it is kept, else that of the state
   std::vector<bool> is_let_go_;                // by region
-  std::vector<std::uint8_t> faults_;           // by piece: as they were
+  std::vector<std::uint8_t> faults_;           // by piece: the faults at the begin
   std::set<std::array<std::int32_t, 2>> met_;  // pairs of pieces that met
-  std::vector<std::int32_t> asked_;            // pieces whose planes are new or were let go
+  std::vector<std::int32_t> asked_;            // pieces whose planes are new or were released
 };
 
 }  // namespace

@@ -6,7 +6,7 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 24;
-constexpr int kRoundsOfRing = 3;  // before polygons one more ring away go back
+constexpr int kRoundsOfRing = 3;  // rounds for each further ring of polygons whose corners are restored
 
 }  // namespace
 

@@ -18,15 +18,15 @@ class Moves {
   Moves(State& state, Findings& findings, Job& job)
       : s_(state), findings_(findings), job_(job), faulty_(findings.faulty()), transaction_(state) {}
 
-  /// Where a corner was.
+  /// The position of a corner before the moves.
   [[nodiscard]] const Vec3& before(std::int32_t corner) const { return transaction_.place_before(corner); }
-  /// To be called when corners have been moved: those of polygons that became faulty go back, and of more and more
-  /// polygons round them, until none is.
-  /// \param with  another corner that goes back with one, kNone for none
-  /// Cost: some rounds of `Findings::judge`, each for what the one before changed.
+  /// Ends the moves: restores the corners of polygons that became faulty, and of more and more rings of polygons at
+  /// these, until none is faulty.
+  /// \param with  the corner that is restored together with a given one, kNone for none
+  /// Cost: some rounds of `Findings::judge`, each for corners restored in the last one.
   void settle(std::span<const std::int32_t> moved, const std::function<std::int32_t(std::int32_t)>& with);
-  /// To be called in its place: where anything has become faulty all that have been moved go back.
-  /// \return whether they stay
+  /// Ends the moves in place of `settle`: restores all corners if any polygon became faulty.
+  /// \return whether the moves stay
   [[nodiscard]] bool keep_if_sound(std::span<const std::int32_t> moved);
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSamples = 33;         // points of a window
 constexpr double kEnds = 0.1;        // share of a border at each end that does not count for its line
-constexpr double kLeastSine = 0.35;  // of 20 degrees: lines that meet at less are one
+constexpr double kLeastSine = 0.35;  // sine of 20 degrees: lines that meet at less count as one line
 constexpr std::size_t kLeastPoints = 4;
 
 /// The border along a chord of a piece, in the order of the loop.
@@ -90,7 +90,7 @@ class Straightener {
     }
   }
 
-  /// Where a corner goes; nothing if it stays.
+  /// The new place of a corner; nullopt if it stays.
   [[nodiscard]] std::optional<Vec3> place_of(std::int32_t c) const {
     const std::vector<Rim>& rims = rims_[c];
     if (rims.size() != 2 || !rims[0].line || !rims[1].line || !(s_.corners.radius[c] > 0)) return std::nullopt;
@@ -187,7 +187,7 @@ RimReport rims_of(const State& state) {
       for (std::size_t k = 0; k + 1 < border.size(); ++k) {
         const double width = along.dot(border[k + 1] - border[k]);  // below 0 where the border turns back
         const double y = inward.dot(border[k] - a), z = inward.dot(border[k + 1] - a);
-        // Of a trapezium with ends y and z the parts above and below the chord.
+        // A trapezium with ends y and z has a part above and a part below the chord.
         const double up = std::max(y, 0.0) + std::max(z, 0.0), down = std::max(-y, 0.0) + std::max(-z, 0.0);
         const double cut = y * z < 0 ? up / (up + down) : 1.0;
         report.area_added += width / 2 * up * (y * z < 0 ? cut : 1.0);

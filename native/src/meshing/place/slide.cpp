@@ -15,15 +15,15 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 2, kDirections = 8;
-constexpr std::array kSteps = {0.2, 0.08};  // of sqrt(area / pieces): how far a corner may go in a round
-constexpr double kFar = 0.3;                // of the same: how far in all
-constexpr double kOff = 0.4;                // deviations of the scan from its planes: how far it may leave these
+constexpr std::array kSteps = {0.2, 0.08};  // largest move of a corner in a round, in sqrt(area / pieces)
+constexpr double kFar = 0.3;                // largest move in all, in the same unit
+constexpr double kOff = 0.4;                // distance from its planes, in deviations of the scan from them
 constexpr double kBend = 1000;              // degrees that a bend of sqrt(area / pieces) counts as
-constexpr double kShort = 0.3;              // of the same: edges shorter than this do not become shorter
+constexpr double kShort = 0.3;              // edges shorter than this, in sqrt(area / pieces), do not become shorter
 constexpr double kFacing = 0.9;             // cosine of how far a polygon may turn from its piece by a move
 constexpr double kWorth = 1;                // degrees that a move has to gain
-constexpr double kRounding = 1e-9;          // of the diagonal: planes that are nearer than this are met
-constexpr double kTiny = 1e-6;              // of the shortest edge: a corner that can't go further gains nothing
+constexpr double kRounding = 1e-9;          // share of the diagonal: planes that are nearer than this are met
+constexpr double kTiny = 1e-6;              // share of the shortest edge: a corner with less freedom gains nothing
 
 class Slider {
  public:
@@ -54,19 +54,19 @@ class Slider {
   }
 
  private:
-  /// Those at a border of the mesh stay, and so do those that are held at their vertices.
+  /// Whether a corner may move. Corners at a border of the mesh and corners held at their vertices stay.
   [[nodiscard]] bool may_slide(std::int32_t c) const {
     const auto around = s_.polygons.at(c);
     if (around.size() < 2 || !(s_.corners.radius[c] > 0)) return false;
     return s_.mesh.opposite(s_.mesh.vertex_halfedge()[s_.corners.vertex[c]]) != kNone;
   }
 
-  /// What of a polygon a corner can change: two corners before it, two after it, and the direction of the piece.
+  /// The part of a polygon that a corner affects: two corners before it, two after it, and the direction of the piece.
   struct Beside {
     std::array<std::int32_t, 2> before, after;
     std::int32_t polygon;
     Vec3 normal;
-    double facing;  ///< of the polygon before
+    double facing;  ///< cosine between polygon and piece before the move
   };
 
   void find_beside(std::int32_t c) {
@@ -85,7 +85,7 @@ class Slider {
     return shortest;
   }
 
-  /// Degrees by which corners are reflex or sharp that move with one.
+  /// Degrees by which the corner at `at` and its neighbours are reflex or sharp.
   [[nodiscard]] double angles_round(const Vec3& at) const {
     const auto& position = s_.corners.position;
     const auto cost = [](double angle) { return std::max(0.0, angle - kReflex) + std::max(0.0, kNeedle - angle); };
@@ -97,7 +97,7 @@ class Slider {
     return sum;
   }
 
-  /// The bend of the polygons round a corner, in the same unit.
+  /// The bend of the polygons at a corner, in degrees by kBend.
   [[nodiscard]] double bend_round() const {
     double sum = 0;
     for (const Beside& b : beside_) sum += bend_ * bend_of(s_.polygons.of(b.polygon), s_.corners.position);
@@ -111,13 +111,13 @@ class Slider {
     return length > 0 ? area.dot(b.normal) / length : -1;
   }
 
-  /// Whether a polygon round a corner is turned from its piece more than before, and by more than a little.
+  /// Whether a polygon at a corner is turned from its piece more than before, and by more than kFacing allows.
   [[nodiscard]] bool turns_away() const {
     return std::any_of(beside_.begin(), beside_.end(),
                        [&](const Beside& b) { return facing(b) < std::min(b.facing, kFacing); });
   }
 
-  /// The directions in which the planes round a corner leave it free most, and how far.
+  /// The two directions in which the planes at a corner restrict it least, and its largest move in each.
   struct Freedom {
     std::array<Vec3, 2> along;
     std::array<double, 2> most{};
@@ -132,7 +132,7 @@ class Slider {
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
     solver.computeDirect(a);
     Freedom free;
-    for (int k = 0; k < 2; ++k) {  // the third direction is that of the planes themselves
+    for (int k = 0; k < 2; ++k) {  // the third direction is normal to the planes
       const double away = std::sqrt(std::max(0.0, solver.eigenvalues()[k])), reach = kFar * size_;
       free.along[k] = solver.eigenvectors().col(k);
       free.most[k] = away * reach > off_ ? off_ / away : reach;
@@ -176,7 +176,7 @@ class Slider {
   Moves moves_;
   Job& job_;
   double size_ = 0, off_ = 0, bend_ = 0;
-  std::vector<Beside> beside_;  // of the corner that is looked at
+  std::vector<Beside> beside_;  // polygons at the current corner
 };
 
 }  // namespace

@@ -6,10 +6,11 @@
 
 namespace isimp::meshing {
 
-/// Lets corners slide where the planes of the pieces round them leave them free: along the edge of two planes, or
-/// anywhere in one. A corner goes to the place, of some round it, where reflex and sharp corners of the polygons there
-/// are fewest, counted in degrees, so that zigzags become straight; most corners stay. What becomes faulty goes back.
-/// Cost: O(corners at such polygons), and some rounds of `Findings::judge` for what moves.
+/// Slides corners where the planes of the adjacent pieces leave them free: along the edge of two planes, or anywhere in
+/// one. Each corner moves to the best of several places near it: the one where the corners of its polygons are least
+/// reflex and sharp, in degrees, so that zigzags become straight. Most corners stay. Corners of polygons that become
+/// faulty return to their old places.
+/// Cost: O(corners at such polygons), and some rounds of `Findings::judge` for the moved corners.
 void slide_corners(State& state, Findings& findings, Job& job);
 
 }  // namespace isimp::meshing

@@ -18,10 +18,10 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr double kNear = 0.35;   // of sqrt(area / pieces): how far a corner may be from another's image
-constexpr double kExact = 1e-9;  // of the diagonal: what is nearer is at the same place
+constexpr double kNear = 0.35;   // largest distance of a corner from another's image, in sqrt(area / pieces)
+constexpr double kExact = 1e-9;  // share of the diagonal: points that are nearer count as one place
 
-/// Which pieces and corners are images of others.
+/// The pairs of pieces and of corners that are images of each other.
 class Pairs {
  public:
   explicit Pairs(const State& state)
@@ -44,7 +44,7 @@ class Pairs {
     return corner_[c] != kNone &&
            (position[c] - mirror_.image(position[corner_[c]])).norm() <= kExact * s_.mesh.diagonal();
   }
-  /// The images of the pieces round a corner, rising; none where one of them has no image.
+  /// The images of the pieces at a corner, rising; empty if one of them has no image.
   [[nodiscard]] std::vector<std::int32_t> images_round(std::int32_t c) const {
     std::vector<std::int32_t> images;
     for (const std::int32_t l : round(c)) {
@@ -99,7 +99,7 @@ class Mirroring {
  public:
   Mirroring(State& state, Findings& findings, Job& job) : s_(state), findings_(findings), job_(job) {}
 
-  /// Drops corners along borders that the borders' images lack, then adds those that stay to the images.
+  /// Drops corners along borders that the borders' images lack, then adds the images of corners that had to stay.
   void pair_more() {
     for (const bool drop : {true, false}) {
       const Pairs pairs(s_);
@@ -128,11 +128,11 @@ class Mirroring {
     }
   }
 
-  /// Where the images of corners are put.
+  /// The places of a pair of corners.
   enum class At {
-    mean,    ///< of the one and the other's image
-    first,   ///< at the image of the one with the lower number
-    second,  ///< at that of the other
+    mean,    ///< at the mean of the one and the other's image
+    first,   ///< at the one with the lower number and its image
+    second,  ///< at the other and its image
   };
 
   void place(At at) {
@@ -155,7 +155,7 @@ class Mirroring {
     moves.settle(moved, [&](std::int32_t c) { return pairs.of_corner(c); });
   }
 
-  /// The pairs that are left, one after the other.
+  /// Places the remaining pairs, one after the other.
   void place_singly() {
     const Pairs pairs(s_);
     for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
@@ -179,8 +179,8 @@ class Mirroring {
     if (other != c) s_.move(other, mirror.image(place));
   }
 
-  /// The place near a given one that a corner can have, and another its image, within reach of their vertices; a corner
-  /// that is its own image on the plane. Nothing where there is none.
+  /// The place near a given one that is within the reach of a corner, its image within the reach of the other corner. A
+  /// corner that is its own image gets a place on the plane. Returns nullopt if there is none.
   [[nodiscard]] std::optional<Vec3> in_reach(std::int32_t c, std::int32_t other, Vec3 place,
                                              const Mirror& mirror) const {
     constexpr int kTurns = 12;

@@ -11,15 +11,15 @@ namespace isimp::meshing {
 
 /// Makes corners mirror in the plane of the partition, if it has one.
 ///
-/// Pieces are paired with their images, and corners by the pieces round them. Corners along one border that the border's
-/// image lacks are dropped or, where polygons do not bear that, added to the image. Then each pair is put at the mean of
-/// the one and the other's image, a corner that is its own image on the plane. Where that makes a polygon faulty, all
-/// of it stays as it was.
+/// Pieces are paired with their images, and corners by their pieces. Corners along one border that the border's image
+/// lacks are dropped or, if polygons become faulty by that, added to the image. Then each pair is put at the mean of the
+/// one and the other's image, and a corner that is its own image on the plane. If that makes a polygon faulty, its
+/// corners and their images keep their places.
 /// \return how many corners mirror exactly
-/// Cost: O(corners log corners), a few `update`s, and some rounds of `judge` for what moves.
+/// Cost: O(corners log corners), a few `update`s, and some rounds of `judge` for the moved corners.
 void mirror_corners(State& state, Findings& findings, Job& job);
 
-/// By piece: the one at its mirror image, kNone where there is none. Empty without a plane.
+/// By piece: the piece at its mirror image, kNone where there is none. Empty without a plane.
 std::vector<std::int32_t> piece_images(const State& state);
 
 /// How many corners lie exactly at the image of another one, or on the plane. 0 without a plane.
