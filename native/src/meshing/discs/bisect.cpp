@@ -8,8 +8,8 @@
 namespace isimp::meshing {
 namespace {
 
-/// The faces of a piece, and shortest paths over them from middle to middle. Touches nothing of the cutter that belongs
-/// to other pieces.
+/// The faces of a piece, and shortest paths over them from middle to middle. The class writes only to places of the
+/// cutter's arrays that belong to this piece.
 class Ground {
  public:
   Ground(const Cutter& cutter, std::span<const std::int32_t> faces)
@@ -86,7 +86,7 @@ class Ground {
 
   std::span<const std::int32_t> faces_;
   double least_;         // keeps distances rising where faces have no size
-  std::int32_t* place_;  // by face of the mesh, valid for those of the piece
+  std::int32_t* place_;  // by face of the mesh, valid for faces of the piece
   std::vector<Step> steps_;
   std::vector<Entry> queue_;
 };

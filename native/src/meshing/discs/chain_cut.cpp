@@ -26,8 +26,8 @@ class Chain {
     at_ = outer_;
   }
 
-  /// Goes from loop to loop and back to the outer one; the edges passed are put into halfedge_marks.
-  /// \return whether it came back
+  /// Extends the chain from loop to loop and back to the outer one, and adds its edges to halfedge_marks.
+  /// \return whether the chain is closed
   bool close() {
     cutter_.halfedge_marks.clear();
     for (std::size_t left = shape_.loops.size() - 1; left > 0 && extend(false); --left) {
@@ -36,7 +36,7 @@ class Chain {
   }
 
  private:
-  /// Adds the shortest path to an unvisited loop, or home.
+  /// Adds the shortest path to an unvisited loop, or to the outer one.
   /// \return whether there is one
   bool extend(bool home) {
     Labels& labels = cutter_.labels;
@@ -61,7 +61,7 @@ class Chain {
     return false;
   }
 
-  /// Starts from all vertices of the present loop, rather from those far from where the chain came in.
+  /// Starts the search at all vertices of the present loop. Vertices far from the entry of the chain are preferred.
   void start_search() {
     const Mesh& mesh = cutter_.labels.mesh;
     const auto distance = [&](std::int32_t v) {

@@ -13,11 +13,11 @@ constexpr double kRounding = 1e-6;   ///< roughness that rounding makes
 constexpr double kCurve = 0.035;     ///< roughness of the sides beyond which they are a curve
 constexpr double kGain = 3;          ///< times the roughness of the sides: a piece that is less rough stays whole
 constexpr double kNear = 0.7071;     ///< cosine of 45 degrees: how near to a direction its faces look
-constexpr double kStraight = 0.999;  ///< of 2.5 degrees: a face that looks so near to a direction is no speck
+constexpr double kStraight = 0.999;  ///< cosine of 2.5 degrees: a face that is nearer to a direction is no speck
 constexpr double kRest = 0.01;       ///< share of the area that needs no direction of its own
-constexpr double kSmall = 0.5;       ///< of the part beside it: a smaller one is no side of its own
+constexpr double kSmall = 0.5;       ///< share of the adjacent part: a smaller part is no side of its own
 constexpr int kDirections = 10;      ///< at most
-constexpr int kRefinements = 3;      ///< of a direction: each the mean of the faces near the one before
+constexpr int kRefinements = 3;      ///< rounds: each direction becomes the mean of the faces near it
 constexpr int kSmoothings = 2;       ///< rounds in which a face takes the direction of two of its neighbours
 
 /// The faces of one piece and the directions they look in.
@@ -37,7 +37,7 @@ class Looks {
   /// 1 less the vector area over the area: 0 where all faces look in one direction.
   [[nodiscard]] double roughness() const { return roughness(std::vector<std::uint8_t>(looks_.size(), 0)); }
 
-  /// The same of the sides: for each direction, the vector area of its faces.
+  /// 1 less the sum of the vector areas of the sides, one for each direction, over the area.
   [[nodiscard]] double roughness(const std::vector<std::uint8_t>& own) const {
     std::array<Vec3, kDirections> sums;
     sums.fill(Vec3::Zero());
@@ -57,8 +57,8 @@ class Looks {
     return own;
   }
 
-  /// The connected parts of faces of one direction. A small one is part of one beside it that looks about the same way:
-  /// where regions do not end at a corner, they leave a strip of what goes on in the other.
+  /// The connected parts of faces of one direction. A small part is united with an adjacent one of about the same
+  /// direction: it is a strip of that side, left because regions did not end at the edge of the side.
   [[nodiscard]] std::vector<std::vector<std::int32_t>> parts(const std::vector<std::uint8_t>& own) const {
     std::vector<std::vector<std::int32_t>> parts;
     std::vector<std::int32_t> part_of(own.size(), kNone);
@@ -100,7 +100,7 @@ class Looks {
       });
   }
 
-  /// The largest part beside one that is much larger and looks about the same way; kNone where there is none.
+  /// The largest adjacent part that is much larger and has about the same direction; kNone where there is none.
   [[nodiscard]] std::int32_t larger_beside(std::span<const std::int32_t> part, std::span<const std::int32_t> part_of,
                                            std::span<const Vec3> sum) const {
     if (part.empty()) return kNone;
@@ -123,7 +123,7 @@ class Looks {
     return static_cast<std::uint8_t>(best);
   }
 
-  /// The largest area first.
+  /// The directions of most of the area, the one with the largest area first.
   [[nodiscard]] std::vector<Vec3> find(double share) const {
     std::vector<Vec3> found;
     std::vector<Look> rest = looks_;
@@ -140,7 +140,7 @@ class Looks {
     return found;
   }
 
-  /// Of the 26 directions from a cell of a grid to those round it, the nearest one to most of the area.
+  /// The one of the 26 directions from a cell of a grid to its neighbours that is nearest to most of the area.
   static Vec3 fullest(std::span<const Look> looks) {
     std::vector<Vec3> directions;
     for (int x = -1; x <= 1; ++x)
@@ -182,7 +182,7 @@ class Looks {
 
   const Labels& labels_;
   std::span<const std::int32_t> faces_;
-  std::int32_t* place_;  // by face of the mesh, valid for those of the piece
+  std::int32_t* place_;  // by face of the mesh, valid for faces of the piece
   std::vector<Look> looks_;
   double area_ = 0;
 };
@@ -193,8 +193,8 @@ std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece) {
   const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
   const Looks looks(cutter, faces);
   const double before = looks.roughness();
-  // In a plate with holes, few faces of another side would tilt the polygon, and with it those beside it, on and on.
-  // They are told from roughness where all sides are planes.
+  // In a plate with holes, few faces of another side would tilt the polygon, its neighbours and their neighbours. Only
+  // where all sides are planes can these faces be distinguished from roughness.
   const bool few = before <= kFlat;
   if (few && (!cutter.perforated || before <= kRounding)) return 0;
   const std::vector<std::uint8_t> own = looks.nearest_directions(few ? 0 : kRest);

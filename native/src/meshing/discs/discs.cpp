@@ -8,21 +8,21 @@
 namespace isimp::meshing {
 namespace {
 
-/// Up to so many boundary loops one chain makes two discs. The polygons of more would have too many corners.
+/// Most boundary loops for which one chain makes two discs. With more, the polygons would have too many corners.
 constexpr std::size_t kFewLoops = 8;
 /// Loops, and two for a handle, beyond which a piece is parted by the directions its faces look in. Then each wall of a
 /// hole is a polygon. Other cuts give half to a third as many polygons, but repairing them takes a time that grows with
 /// the square of the holes.
 constexpr std::size_t kManyOpenings = 24;
-/// The same a region of the whole mesh, beyond which all pieces are parted so, for one that is not would not fit those
-/// that are beside it.
+/// Openings per region of the mesh beyond which all pieces are parted by directions, as a piece that is not parted would
+/// not fit its neighbours.
 constexpr double kOpeningsARegion = 4;
-constexpr double kOfFlat = 2;  ///< the same where all sides are planes, so that it is known which are walls
-/// Cutting round a handle takes time for all faces of its piece. With more handles than this a piece is halved first.
+constexpr double kOfFlat = 2;  ///< openings per region if all sides are planes, so that walls are known
+/// Most handles that are cut one by one, each in time for all faces of the piece. A piece with more is halved first.
 constexpr std::int32_t kFewHandles = 64;
 
 /// Tries to mend one vertex where the piece touches itself by a hand-over.
-/// \return the pieces to look at again
+/// \return the pieces to be checked again
 std::vector<std::int32_t> mend_pinch(Cutter& cutter, std::int32_t piece, const Shape& shape) {
   const Mesh& mesh = cutter.labels.mesh;
   std::vector<std::int32_t> seen, twice;
@@ -50,7 +50,7 @@ std::array<std::int32_t, 2> faces_at_pinch(const Labels& labels, std::int32_t pi
   return {first[0], first[1]};
 }
 
-/// Cuts a piece that is no disc. What is new has the last labels.
+/// Cuts a piece that is no disc. The new pieces have the last labels.
 void cut(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
   if (shape.pinches > 0) {
     bisect(cutter, piece, Cause::pinch, faces_at_pinch(cutter.labels, piece, shape.pinch_vertex));
@@ -79,7 +79,7 @@ bool is_perforated(const Cutter& cutter, std::int32_t regions, const Job& job) {
 }
 
 void part_walls(Cutter& cutter, const Job& job) {
-  // What a cut leaves may look in directions that were too few of the whole to be told.
+  // The rest of a cut may have directions whose share of the whole piece was too small to be found.
   for (std::int32_t l = 0; l < cutter.labels.piece_count(); ++l) {
     job.poll();
     while (cut_by_direction(cutter, l) > 0) {

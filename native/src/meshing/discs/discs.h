@@ -13,7 +13,7 @@
 
 namespace isimp::meshing {
 
-/// Cosine of the angle to which a hole's wall may be one polygon with what is beside it.
+/// Cosine of the largest angle at which a hole's wall and an adjacent surface may be one polygon.
 constexpr double kSameWay = 0.5;
 
 /// Shortest paths over vertices; the arrays are kept between searches.
@@ -22,7 +22,7 @@ struct Search {
       : distance(std::make_unique_for_overwrite<double[]>(n)),
         via(std::make_unique_for_overwrite<std::int32_t[]>(n)),
         reached(n) {}
-  /// Clears what was reached.
+  /// Clears the reached vertices.
   void start();
   /// Reaches i over `from_via` if that is nearer than before.
   /// \return whether it was
@@ -31,7 +31,7 @@ struct Search {
   std::int32_t take();
 
   std::unique_ptr<double[]> distance;   ///< valid where reached
-  std::unique_ptr<std::int32_t[]> via;  ///< what each was reached over
+  std::unique_ptr<std::int32_t[]> via;  ///< index over which each was reached
   Marks reached;
 
  private:
@@ -45,31 +45,31 @@ struct Search {
   std::vector<Entry> queue_;
 };
 
-/// What the cuts share: labels, and arrays of the mesh's size that are made once.
+/// The shared data of the cuts: labels, and arrays of the mesh's size that are made once.
 struct Cutter {
   explicit Cutter(Labels& l);
 
   Labels& labels;
   bool perforated = false;  ///< whether the mesh has many more openings than regions
   Search vertices;
-  std::unique_ptr<std::int32_t[]> face_place;   ///< valid for the faces of a piece that is cut: which of them each is
+  std::unique_ptr<std::int32_t[]> face_place;   ///< valid for faces of the current piece: their index in it
   std::unique_ptr<std::int32_t[]> vertex_loop;  ///< valid where vertex_marks: boundary loop of the vertex
   Marks vertex_marks, blocked, halfedge_marks, face_marks;
 };
 
-/// What of a piece a cut parts from the rest, both connected.
+/// The part of a piece that a cut separates from the rest. Both are connected.
 struct Cut {
-  std::vector<std::int32_t> faces;  ///< none for a piece of a single face
+  std::vector<std::int32_t> faces;  ///< the part; empty for a piece of a single face
   std::int32_t stays = kNone;       ///< a face of the rest
 };
 
 /// Where a piece is cut in two halves, each face to the nearer of two faces over the surface: the given ones or, where
 /// there are none, two that are far apart.
-/// \param faces  all of the piece; threads may look at several pieces at a time
+/// \param faces  all of the piece; threads may search in several pieces at a time
 Cut find_halves(const Cutter& cutter, std::span<const std::int32_t> faces,
                 std::array<std::int32_t, 2> seeds = {kNone, kNone});
 
-/// The same for the faces near a place and the rest.
+/// Where a piece is cut in the faces near a place and the rest.
 Cut find_part_near(const Cutter& cutter, std::span<const std::int32_t> faces, const Vec3& place);
 
 /// Parts a piece in two halves.
@@ -82,7 +82,7 @@ std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause,
 /// Source: farthest point seeds and rounds of Lloyd's method over the surface.
 std::int32_t split_evenly(Cutter& cutter, std::int32_t piece, std::int32_t parts, Cause cause);
 
-/// Hands one sector of faces at a vertex to the piece beside it, if that brings both pieces nearer to discs.
+/// Moves one sector of faces at a vertex to the adjacent piece, if that brings both pieces nearer to discs.
 /// \return the two pieces that changed, none if no hand-over helps
 std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex);
 
@@ -97,18 +97,18 @@ std::int32_t cut_chain(Cutter& cutter, std::int32_t piece, const Shape& shape);
 /// Cost: O(n) for n faces of the piece.
 std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece);
 
-/// How many borders and handles a mesh has.
+/// The number of borders and handles of a mesh.
 double openings_of(const Mesh& mesh);
 
-/// Whether the faces of each piece are sides that are planes, as those of a plate that was drawn.
+/// Whether the faces of each piece form planar sides, as in a plate made by construction.
 /// Cost: O(F).
 bool has_flat_sides(const Cutter& cutter, const Job& job);
 
-/// Whether a mesh has so many more openings than regions that most of its polygons will be what is round them.
-/// Cost: O(1), or O(F) if the pieces are looked at.
+/// Whether a mesh has many more openings than regions, so that most of its polygons will surround openings.
+/// Cost: O(1), or O(F) if `has_flat_sides` is needed.
 bool is_perforated(const Cutter& cutter, std::int32_t regions, const Job& job);
 
-/// Parts all pieces in the same way, also those that are discs.
+/// Parts all pieces by `cut_by_direction`, discs included.
 /// Cost: O(F).
 void part_walls(Cutter& cutter, const Job& job);
 
@@ -118,8 +118,8 @@ void part_walls(Cutter& cutter, const Job& job);
 /// Cost: O(n log n) for n faces of the piece.
 std::int32_t cut_holes(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job);
 
-/// Cuts a flat piece of genus 0 with holes along its main directions, which are those of the longest edges of its
-/// boundary: from the outline over its holes, or where they are many over those of one row, and back to the outline.
+/// Cuts a flat piece of genus 0 with holes along its main directions, given by the longest edges of its boundary: from
+/// the outline over its holes, or if they are many over the holes of one row, and back to the outline.
 /// \return how many labels are new, the last ones; 0 for a piece that is bent, has no main directions or has no such
 ///         cuts. Pieces may have holes left.
 /// Cost: O(n log n) for n faces of the piece, and O(corners of the holes * edges of its boundary).
@@ -132,7 +132,7 @@ std::int32_t cut_wall(Cutter& cutter, std::int32_t piece, const Shape& shape, co
 std::int32_t part_along_marks(Cutter& cutter, std::span<const std::int32_t> faces);
 
 /// Parts the faces along short loops round handles from the rest, so that genus falls with each. The loops are found
-/// once; those that an earlier one crosses are left to another call.
+/// once; loops that an earlier one crosses are left to another call.
 /// Source: Erickson, Whittlesey 2005 (tree and cotree); each boundary loop counts as one face.
 /// \return how many labels are new, the last ones; 0 if none of the loops will do
 /// Cost: O(n log n) for n faces of the piece, and O(n) a loop.
@@ -143,12 +143,12 @@ struct Disc {
   std::vector<std::int32_t> faces, loop;
 };
 
-/// Splits or changes pieces until each of `todo`, and what comes of it, is a disc.
-/// \param found  gets these, by piece
+/// Splits or changes pieces until each of `todo`, and each of their parts, is a disc.
+/// \param found  the discs are added here, by piece
 void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, std::map<std::int32_t, Disc>& found, Job& job);
 
 /// Splits the pieces of closed components until each has `least` (or one a face).
-/// \param found  gets the discs that they become, by piece
+/// \param found  the new discs are added here, by piece
 void split_closed_components(Cutter& cutter, std::int32_t least, std::map<std::int32_t, Disc>& found, Job& job);
 
 }  // namespace isimp::meshing

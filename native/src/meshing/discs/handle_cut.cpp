@@ -16,8 +16,8 @@ struct Loop {
   std::vector<std::int32_t> vertices;
 };
 
-/// A tree over the vertices by distance from one, and a tree over the faces that crosses none of its edges: what
-/// edges are left close the loops round the handles, two a handle.
+/// A tree over the vertices by distance from one, and a tree over the faces that crosses none of its edges. Each of the
+/// remaining edges closes a loop along a handle, two a handle.
 class Trees {
  public:
   Trees(Cutter& cutter, std::int32_t piece, std::span<const std::int32_t> faces, const Shape& shape)
@@ -57,7 +57,7 @@ class Trees {
       });
   }
 
-  /// Takes the edges whose loops are longest first, so that the short loops are left over.
+  /// Grows the tree over edges with the longest loops first, so that the short loops remain.
   void grow_face_tree() {
     std::unordered_map<std::int32_t, std::int32_t> loop_of_edge;
     for (std::size_t i = 0; i < shape_.loops.size(); ++i)
@@ -137,8 +137,8 @@ std::vector<std::int32_t> strip_along(Cutter& cutter, std::int32_t piece, const 
   return strip;
 }
 
-/// Gives the strip all but the largest of the parts that it leaves of its piece.
-/// \return that one
+/// Adds to the strip all parts of the rest of its piece except the largest.
+/// \return the largest part
 std::vector<std::int32_t> keep_largest_part(Labels& labels, std::int32_t piece, std::span<const std::int32_t> faces,
                                             std::vector<std::int32_t>& strip) {
   const std::int32_t to = labels.label[strip[0]];
@@ -210,7 +210,7 @@ class HandleCutter {
   Labels& labels_;
   const std::int32_t piece_;
   std::int32_t genus_;
-  std::vector<std::int32_t> faces_;  // of the piece that is left
+  std::vector<std::int32_t> faces_;  // faces of the rest of the piece
   const std::vector<Loop> loops_;    // the shortest first
 };
 

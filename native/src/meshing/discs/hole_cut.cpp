@@ -12,7 +12,7 @@ namespace isimp::meshing {
 namespace {
 
 constexpr double kTurn = 0.1;      ///< a sharp turn costs as much as a straight link of 1 / kTurn times the length
-constexpr double kAgain = 4;       ///< times its length: what a link to a loop that has been reached costs
+constexpr double kAgain = 4;       ///< factor on the cost of a link to a loop that has been reached
 constexpr std::size_t kRow = 12;   ///< holes of a row that one polygon may lie at
 constexpr std::int32_t kMost = 8;  ///< links that are kept between the same two loops
 
@@ -106,14 +106,14 @@ class Ears {
     for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
   }
 
-  /// Ears may start at a loop from now on.
+  /// Marks a loop as one at which ears may start.
   void reach(std::int32_t loop) {
     reached_[loop] = true;
     for (std::int32_t i = start_[loop]; i < start_[loop + 1]; ++i)
       if (!reached_[links_[i].to]) open_.emplace(-links_[i].length, -i);
   }
 
-  /// The vertices from where a path begins at a loop to v.
+  /// Calls fn(vertex, half-edge that leads to it) for the path from a loop to v, from v backwards.
   template <class Function>
   void for_each_back(std::int32_t v, Function fn) const {
     for (std::int32_t h = cutter_.vertices.via[v];; h = cutter_.vertices.via[v]) {
@@ -153,8 +153,8 @@ class Ears {
     cutter_.halfedge_marks.add(mesh_.opposite(h));
   }
 
-  /// Goes on from a link to a loop that has not been reached, as straight as can be, to one that has.
-  /// \return 1 if it came to one
+  /// Continues from a link to an unreached loop, as straight as possible, to a reached one, and adds the ear.
+  /// \return 1 if an ear was added, else 0
   std::int32_t add_ear(std::int32_t first) {
     std::vector<std::int32_t> chain{first}, passed;
     block(first);
@@ -164,7 +164,7 @@ class Ears {
       if (std::find(passed.begin(), passed.end(), at) != passed.end()) break;
       passed.push_back(at);
       const std::int32_t next = best_from(chain.back(), passed);
-      if (next == kNone) return 0;  // what was blocked stays so: there is no way on from here
+      if (next == kNone) return 0;  // the vertices stay blocked, as there is no way on from here
       chain.push_back(next);
       block(next);
     }
@@ -241,10 +241,10 @@ class Ears {
   const std::int32_t piece_;
   const Shape& shape_;
   std::vector<bool> reached_;                                  // by loop
-  std::vector<std::int32_t> row_;                              // by loop: of those that follow, kNone for the outline
-  std::vector<std::vector<std::int32_t>> rows_;                // the loops that each ear goes over
+  std::vector<std::int32_t> row_;                              // by loop: its index in rows_, kNone for the outline
+  std::vector<std::vector<std::int32_t>> rows_;                // the loops along each ear
   std::vector<Link> links_;                                    // by loop
-  std::vector<std::int32_t> start_;                            // of each loop's links
+  std::vector<std::int32_t> start_;                            // begin of each loop's links
   std::priority_queue<std::pair<double, std::int32_t>> open_;  // the shortest link from a loop that was reached first
 };
 

@@ -16,7 +16,7 @@ namespace isimp::meshing {
 namespace {
 
 constexpr std::int32_t kStride = 1 << 13;  ///< faces or vertices from one poll to the next
-constexpr std::int32_t kAhead = 12;        ///< of the face that is looked at, what is beside another is fetched
+constexpr std::int32_t kAhead = 12;  ///< faces between the current one and the one whose neighbours are prefetched
 
 /// Whether faces of one label can be reached from each other by way of each other. Uses no marks, which callers may.
 [[maybe_unused]] bool hang_together(const Labels& labels, std::span<const std::int32_t> faces) {
@@ -153,7 +153,7 @@ Shape Labels::shape(std::span<const std::int32_t> faces, bool check_parts) const
 
 namespace {
 
-/// A face while pieces are looked for: of each piece the faces hang on lower ones, down to its lowest.
+/// A face during the search for pieces. Each face of a piece hangs on a lower one, down to the lowest of the piece.
 struct Hung {
   std::int32_t region, on;
 };
@@ -163,9 +163,9 @@ std::int32_t lowest(std::vector<Hung>& faces, std::int32_t f) {
   return f;
 }
 
-/// Notes whether half-edge h, with a lower face g across it, is a boundary; where it is not, the two faces hang
-/// together.
-/// \param root  the lowest known of those that the face of h hangs on
+/// Adds half-edge h to the boundary if the face across it, which is lower, is of another region. Else joins the two
+/// faces.
+/// \param root  the lowest known face that the face of h hangs on
 void join(std::int32_t h, std::int32_t o, std::int32_t& root, std::vector<Hung>& faces, Bits& between) {
   const std::int32_t f = h / 3, g = o / 3;
   if (faces[g].region != faces[f].region) {
@@ -257,7 +257,7 @@ Outlines trace_outlines(const Labels& labels, const Bits& boundary, const Job& j
     }
   }
   loop_start.push_back(static_cast<std::int32_t>(walked.size()));
-  // The same by piece.
+  // The loops sorted by piece.
   Outlines o{std::vector<std::int32_t>(walked.size()), {}, {}};
   o.start.assign(labels.pieces.size() + 1, 0);
   o.loops.assign(labels.pieces.size(), 0);
@@ -280,7 +280,7 @@ std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines,
   const Mesh& mesh = labels.mesh;
   labels.vertex_marks.clear();
   for (const std::int32_t h : outlines.halfedges) labels.vertex_marks.add(mesh.from(h));
-  // 2 V_inside - F of each piece, by part of the mesh; one part where pieces are so many that adding up takes longer.
+  // 2 V_inside - F of each piece, by part of the mesh; one part if there are too many pieces for a quick sum of parts.
   const bool is_fine = labels.piece_count() > mesh.face_count() / 16;
   const std::int32_t parts = is_fine ? 1 : threads.pieces(mesh.face_count());
   std::vector<std::vector<std::int32_t>> inside(parts, std::vector<std::int32_t>(labels.pieces.size(), 0));
@@ -376,7 +376,7 @@ std::int32_t merge_pieces_without_area(Labels& labels, double thickness, Bits& b
     if (thin[l]) empty.push_back(l);
   }
   std::int32_t gone = 0;
-  for (bool any = true; any;) {  // a piece among others without area has to wait until one of them has gone
+  for (bool any = true; any;) {  // a piece among others without area has to wait until one of them is merged
     any = false;
     for (std::int32_t& l : empty) {
       const std::int32_t to = l == kNone ? kNone : neighbour_with_area(labels, l, thin);

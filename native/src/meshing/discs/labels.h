@@ -14,10 +14,10 @@
 
 namespace isimp::meshing {
 
-/// Of the diagonal: about what float32 can tell apart. A thinner polygon has no area.
+/// Share of the diagonal that float32 can about resolve. A thinner polygon has no area.
 constexpr double kThickness = 1e-6;
 
-/// Why a piece is there.
+/// The reason for a piece.
 enum class Cause : std::uint8_t { region, unconnected, pinch, hole, wall, handle, closed, repair };  ///< wall: of holes
 
 /// The counter of a report that a piece of this cause adds to; null for the first piece of a region.
@@ -63,17 +63,18 @@ struct Shape {
 };
 
 /// The mesh's faces under labels; label l is a connected piece. Every step of meshing up to the corners is a change of
-/// labels, so what comes out is homeomorphic to the mesh whatever the steps do.
+/// labels, so the result of all steps is homeomorphic to the mesh.
 struct Labels {
   explicit Labels(const Mesh& m);
 
   const Mesh& mesh;
-  Logged<std::int32_t> label;               ///< (F) kNone where a part was left out
-  Logged<Piece> pieces;                     ///< by label
-  std::span<const SurfaceMoments> moments;  ///< (F) of what each face stands for; empty: of the faces themselves
-  std::vector<std::int32_t> touched;  ///< pieces that were cut or took or gave faces, for whoever keeps up with them
-  mutable Marks face_marks, vertex_marks, halfedge_marks;  // of whoever looks at pieces
-  mutable std::atomic<std::int64_t> walked{0};             ///< faces that floods have come to so far
+  Logged<std::int32_t> label;  ///< (F) kNone where a part was left out
+  Logged<Piece> pieces;        ///< by label
+  std::span<const SurfaceMoments>
+      moments;                        ///< (F) moments of the surface that each face stands for; empty: of the faces
+  std::vector<std::int32_t> touched;  ///< pieces that were cut, or gained or lost faces, since `State` last updated
+  mutable Marks face_marks, vertex_marks, halfedge_marks;  // scratch space of callers
+  mutable std::atomic<std::int64_t> walked{0};             ///< number of faces visited by floods
 
   /// Whether h has the same piece on both sides.
   [[nodiscard]] bool inner(std::int32_t h) const {
@@ -107,10 +108,10 @@ struct Labels {
   [[nodiscard]] std::vector<std::int32_t> faces_of(std::int32_t piece) const;
   /// The same where no mark of face_marks is on the piece, so that threads may do several at a time.
   [[nodiscard]] std::vector<std::int32_t> flood(std::int32_t piece) const;
-  /// Gives `faces` a new label. What goes (but for a strip round a handle) and what stays are connected and not empty.
+  /// Sets a new label for `faces`. They (except a strip along a handle) and the rest are connected and not empty.
   /// \param stays  a face that keeps its label
   std::int32_t part(std::span<const std::int32_t> faces, std::int32_t stays, Cause cause);
-  /// Topology of a piece from its faces; whether they are connected is looked at only if `check_parts`.
+  /// Topology of a piece from its faces; connectivity is checked only if `check_parts`.
   [[nodiscard]] Shape shape(std::span<const std::int32_t> faces, bool check_parts = false) const;
 };
 
@@ -120,7 +121,7 @@ struct Labels {
 /// Cost: about O(F).
 Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Threads& threads, const Job& job);
 
-/// Takes out pieces without a face. The labels that are left move down.
+/// Removes pieces without a face. The remaining labels move down.
 /// Cost: O(F).
 void drop_gone(Labels& labels);
 
@@ -128,16 +129,16 @@ void drop_gone(Labels& labels);
 /// Cost: O(F).
 Bits boundary_of(const Labels& labels);
 
-/// Gives pieces without any area, or thinner than `thickness` (scene units), to the neighbour with the longest
-/// boundary, since no polygon can stand for them; a part of the mesh that has no other pieces keeps them. The labels
-/// that are left over move down.
-/// \param boundary  loses the half-edges that are so no more
-/// \return how many went
+/// Merges pieces without any area, or thinner than `thickness` (scene units), into the neighbour with the longest
+/// boundary, since no polygon can stand for them; a part of the mesh that has no other pieces keeps them. The remaining
+/// labels move down.
+/// \param boundary  half-edges that are no boundary any more are removed
+/// \return the number of merged pieces
 /// Cost: O(F).
 std::int32_t merge_pieces_without_area(Labels& labels, double thickness, Bits& boundary);
 
-/// The boundary half-edges by piece: those of piece l are halfedges[start[l]] ... halfedges[start[l + 1] - 1], one loop
-/// after the other in order, the first one from the lowest half-edge.
+/// The boundary half-edges by piece: halfedges[start[l]] ... halfedges[start[l + 1] - 1] for piece l, one loop after the
+/// other in order, the first one from the lowest half-edge.
 struct Outlines {
   std::vector<std::int32_t> halfedges, start;
   std::vector<std::int32_t> loops;  ///< how many of each piece

@@ -13,11 +13,11 @@
 
 namespace isimp::meshing {
 
-/// An array of which a transaction can be taken back, as a whole or place by place: from `begin` to `commit` or
-/// `rollback` the first write to a place keeps what was there.
+/// An array with transactions that can be undone, as a whole or place by place: from `begin` to `commit` or `rollback`
+/// the first write to a place saves its old value.
 ///
-/// Cost: a write O(1), what is kept included; `rollback` as many as there were places written to. Beyond that, memory
-/// for a number a place is asked for at the first transaction, and touched only where something is written.
+/// Cost: a write O(1), the saved value included; `rollback` O(places written to). The first transaction also reserves
+/// memory for a number a place, of which only the written places are touched.
 template <class T>
 class Logged {
  public:
@@ -39,7 +39,7 @@ class Logged {
     if (is_new(i)) keep(i, now_[i]);
     return now_[i];
   }
-  /// As `edit`, without a copy of what is kept.
+  /// As `edit`, but the old value is moved and not copied.
   void set(std::size_t i, T value) {
     if (is_new(i)) keep(i, std::move(now_[i]));
     now_[i] = std::move(value);
@@ -85,11 +85,11 @@ class Logged {
   [[nodiscard]] bool in_transaction() const { return is_open_; }
 
   // Within a transaction:
-  /// How many places there were as it began.
+  /// The number of places at the begin.
   [[nodiscard]] std::size_t size_before() const { return size_; }
-  /// What was at a place as it began.
+  /// The value of a place at the begin.
   [[nodiscard]] const T& before(std::size_t i) const { return is_kept(i) ? kept_[place_[i]].value : now_[i]; }
-  /// Puts a place back.
+  /// Restores a place.
   void restore(std::size_t i) {
     if (is_kept(i)) now_[i] = kept_[place_[i]].value;
   }
@@ -109,7 +109,7 @@ class Logged {
   struct Free {
     void operator()(std::uint32_t* p) const { std::free(p); }
   };
-  /// Whatever `place_` holds, a place that was not written to is not where it leads.
+  /// The value in `place_` may be arbitrary: the entry of `kept_` that it leads to must name the place.
   [[nodiscard]] bool is_kept(std::size_t i) const {
     return i < size_ && place_[i] < kept_.size() && kept_[place_[i]].place == static_cast<std::int32_t>(i);
   }
@@ -121,7 +121,7 @@ class Logged {
 
   std::vector<T> now_;
   std::vector<Kept> kept_;
-  std::unique_ptr<std::uint32_t[], Free> place_;  // where in `kept_` that of each place is, if it is
+  std::unique_ptr<std::uint32_t[], Free> place_;  // index in `kept_` of each saved place
   std::size_t size_ = 0, room_ = 0;
   bool is_open_ = false;
 };

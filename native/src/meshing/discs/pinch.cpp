@@ -11,7 +11,7 @@ namespace {
 /// A hand-over of more faces than this is no small change of the regions any more.
 constexpr std::size_t kLargestSector = 8;
 
-/// Faces in a row round a vertex that have the same label.
+/// Consecutive faces at a vertex that have the same label.
 struct Sector {
   std::int32_t label;
   std::vector<std::int32_t> faces;
@@ -75,7 +75,7 @@ bool spoils_wall(const Labels& labels, const HandOver& h) {
 }
 
 /// By how much V - E + F of a piece rises when some faces come to it that are not its own (yet, or any more).
-/// Cost: O(the faces round their corners).
+/// Cost: O(faces at their corners).
 int rise_of_euler(const Labels& labels, std::int32_t piece, std::span<const std::int32_t> faces) {
   const Mesh& mesh = labels.mesh;
   const auto added = [&](std::int32_t f) { return std::find(faces.begin(), faces.end(), f) != faces.end(); };
@@ -108,7 +108,7 @@ bool hangs_on_one_edge(const Labels& labels, std::span<const std::int32_t> faces
   return edges == 1;
 }
 
-/// Gives some faces of a piece to another, if the piece stays connected.
+/// Moves some faces of a piece to another, if the piece stays connected.
 /// \return whether it does
 bool give(Labels& labels, std::span<const std::int32_t> faces, std::int32_t to) {
   const std::int32_t from = labels.label[faces[0]], face = labels.pieces[from].face;
@@ -129,8 +129,8 @@ bool give(Labels& labels, std::span<const std::int32_t> faces, std::int32_t to) 
 
 }  // namespace
 
-// A connected piece with a boundary is from a disc by 1 - (V - E + F), as a pinch is one vertex and not two in this
-// sum: whether a hand-over helps shows at the sector itself. Only that the giver stays connected has to be looked at.
+// The defect of a connected piece with a boundary is 1 - (V - E + F), as a pinch is one vertex and not two in this sum.
+// So the faces at the sector decide whether a hand-over helps. Only the connectivity of the giver has to be checked.
 std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex) {
   Labels& labels = cutter.labels;
   const Fan fan = sectors_of(labels, vertex);

@@ -48,7 +48,7 @@ void drop_needless(std::span<const Vec3> line, double reach, std::vector<std::si
 
 /// Moves each kept point to where the two chords that meet there fit best, while both stay within reach.
 void slide(std::span<const Vec3> line, double reach, std::vector<std::size_t>& kept) {
-  constexpr std::size_t kFar = 8;  // points looked at on each side
+  constexpr std::size_t kFar = 8;  // points that are tried on each side
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const std::size_t before = i > 0 ? kept[i - 1] : 0, after = i + 1 < kept.size() ? kept[i + 1] : line.size() - 1;
     const std::size_t low = std::max(before + 1, kept[i] > kFar ? kept[i] - kFar : 0),
@@ -116,7 +116,7 @@ void take_out_zigzag(std::span<Vec3> line) {
   Vec3 before = Vec3::Zero(), turn = turn_at(1);
   for (std::size_t i = 1; i + 1 < n; ++i) {
     const Vec3 after = i + 2 < n ? turn_at(i + 1) : Vec3(Vec3::Zero());
-    // How much the neighbours turn the other way.
+    // The amount by which the neighbours turn the other way.
     const double against = std::max({0.0, -before.dot(turn), -after.dot(turn)});
     if (against > 0) line[i] += turn / 4 * std::min(1.0, against / turn.squaredNorm());
     before = turn;

@@ -14,20 +14,21 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kTogether = 8;   ///< holes that one chain goes to in the best order; of more, those of one row
-constexpr std::size_t kMostLoops = 64;  ///< of more, cuts take too long to choose
-constexpr double kThrough = 0.1;        ///< what the way across a hole costs beside a cut of that length
-constexpr double kLeftOut = 0.3;        ///< of sqrt(area): what a hole costs that the chain does not go to
-constexpr double kOverlap = 0.5;        ///< of the smaller of two holes: those of a row face each other by so much
-constexpr double kWide = 0.2;           ///< of its length: how far a path may leave its straight cut ...
-constexpr double kEdges = 3;            ///< ... and at least so many edges of the mesh
-constexpr double kOff = 3;              ///< what a path costs more that is off it, times how far
-constexpr int kTries = 4;               ///< chains that are tried, each without the cuts that the mesh has no path for
+constexpr std::int32_t kTogether =
+    8;  ///< most holes that one chain links in the best order; if there are more, it links one row
+constexpr std::size_t kMostLoops = 64;  ///< with more, the choice of cuts takes too long
+constexpr double kThrough = 0.1;        ///< cost of the way across a hole, relative to a cut of that length
+constexpr double kLeftOut = 0.3;        ///< cost of a hole that the chain leaves out, in sqrt(area)
+constexpr double kOverlap = 0.5;        ///< least overlap of two holes of a row, as a share of the smaller one
+constexpr double kWide = 0.2;  ///< distance of a path from its straight cut at most, as a share of its length ...
+constexpr double kEdges = 3;   ///< ... but at least this number of edges of the mesh
+constexpr double kOff = 3;     ///< extra cost of each step of a path, times its distance from the straight cut
+constexpr int kTries = 4;      ///< chains that are tried, each without the cuts that the mesh has no path for
 
 /// A chain of cuts from the outline over holes back to it, as the two ends of each.
 using Chain = std::vector<std::array<LoopPlace, 2>>;
 
-/// The cheapest chain over some holes, without those that would cost more than another chain.
+/// The cheapest chain over some holes; holes that cost more than kLeftOut are left out.
 class Chains {
  public:
   explicit Chains(const Wall& wall) : wall_(wall) {
@@ -37,15 +38,15 @@ class Chains {
     }
   }
 
-  /// Has a cut that can't be made left out.
+  /// Excludes a cut that can't be made.
   void forbid(const std::array<LoopPlace, 2>& cut) {
     forbidden_.insert({cut[0].vertex, cut[1].vertex});
     forbidden_.insert({cut[1].vertex, cut[0].vertex});
   }
 
-  /// In whatever order is cheapest: all orders of subsets are looked at.
+  /// The chain in the cheapest order of all orders of subsets.
   [[nodiscard]] Chain over_all(std::span<const std::int32_t> holes) { return search(holes, false); }
-  /// In the given order.
+  /// The chain in the given order.
   [[nodiscard]] Chain in_order(std::span<const std::int32_t> holes) { return search(holes, true); }
 
  private:
@@ -131,10 +132,10 @@ class Chains {
   const Wall& wall_;
   std::vector<std::vector<Wall::Way>> out_;                         // by hole and corner
   std::set<std::pair<std::int32_t, std::int32_t>> forbidden_;       // pairs of vertices
-  std::map<std::pair<std::int32_t, std::int32_t>, double> prices_;  // of cuts that were asked for
+  std::map<std::pair<std::int32_t, std::int32_t>, double> prices_;  // prices of cuts, cached
 };
 
-/// The holes of the fullest row: those that face each other along one of the main directions, in order.
+/// The holes of the fullest row, in order: holes that face each other along one of the main directions.
 std::vector<std::int32_t> fullest_row(const Wall& wall) {
   std::vector<std::int32_t> best;
   for (const int axis : {0, 1})

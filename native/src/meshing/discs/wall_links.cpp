@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kFlat = 0.9;     ///< vector area over area, below which a piece is no wall
 constexpr double kMain = 0.5;     ///< share of the boundary, by square length, that must follow the main directions
-constexpr double kReach = 0.015;  ///< of sqrt(area): how far a boundary leaves the edges between its corners
-constexpr double kOfHole = 0.15;  ///< the same, at most, of the smaller side of a hole
-constexpr double kSlant = 6;      ///< what a unit of the shorter of a cut's two extents costs more
-constexpr double kFoot = 0.03;    ///< of sqrt(area): what a corner within an edge of the outline costs
+constexpr double kReach = 0.015;  ///< distance of a boundary from the edges between its corners, in sqrt(area)
+constexpr double kOfHole = 0.15;  ///< the same distance at most, as a share of the smaller side of a hole
+constexpr double kSlant = 6;      ///< extra cost per unit of the shorter of a cut's two extents
+constexpr double kFoot = 0.03;    ///< cost of a corner within an edge of the outline, in sqrt(area)
 constexpr double kSame = 0.03;    ///< sine of a slant that costs nothing: noise makes it
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }

@@ -21,21 +21,21 @@ struct LoopPlace {
   Vec2 at;  ///< in the frame of the wall
 };
 
-/// A wall: a flat piece with holes, in a frame of its two main directions, which are those of the longest edges of its
-/// boundary. Cuts end at corners of the holes, and at the outline straight beside or above them.
+/// A wall: a flat piece with holes, in a frame of its two main directions, given by the longest edges of its boundary.
+/// Cuts end at corners of the holes, and on the outline at its corners or along a main direction from a corner of a hole.
 class Wall {
  public:
-  static constexpr std::size_t kMostCorners = 8;  ///< of a hole at which cuts end
+  static constexpr std::size_t kMostCorners = 8;  ///< corners of a hole at which cuts may end
 
-  /// \return nothing for a piece that is bent, or whose boundary has no main directions
+  /// \return nullopt for a piece that is bent, or whose boundary has no main directions
   static std::optional<Wall> find(const Labels& labels, std::span<const std::int32_t> faces, const Shape& shape);
 
   [[nodiscard]] double size() const { return size_; }  ///< sqrt(area)
   [[nodiscard]] std::int32_t holes() const { return static_cast<std::int32_t>(corners_.size()); }
   [[nodiscard]] std::span<const LoopPlace> corners(std::int32_t hole) const { return corners_[hole]; }
-  /// The least box round a hole: its low and its high corner.
+  /// The bounding box of a hole: its low and its high corner.
   [[nodiscard]] const std::array<Vec2, 2>& box(std::int32_t hole) const { return box_[hole]; }
-  /// What a straight cut costs: its length, more where it is slanted; infinite where it meets a boundary.
+  /// The cost of a straight cut: its length, more if it is slanted; infinite if it meets a boundary.
   [[nodiscard]] double price(const LoopPlace& a, const LoopPlace& b) const;
 
   struct Way {
@@ -51,7 +51,7 @@ class Wall {
     std::int32_t loop;
   };
   explicit Wall(const Labels& labels) : labels_(labels) {}
-  /// What it costs where it meets no boundary.
+  /// The cost of a cut that meets no boundary.
   [[nodiscard]] static double least_price(const LoopPlace& a, const LoopPlace& b);
   [[nodiscard]] Vec2 flat(std::int32_t vertex) const;
   bool turn_to_main_directions(const Shape& shape);
@@ -62,7 +62,7 @@ class Wall {
   const Labels& labels_;
   Vec3 origin_ = Vec3::Zero(), along_ = Vec3::UnitX(), across_ = Vec3::UnitY();
   double size_ = 0;
-  std::vector<Edge> edges_;  // of all loops
+  std::vector<Edge> edges_;  // edges of all loops
   std::int32_t outer_ = 0;
   std::vector<LoopPlace> outline_;               // its corners
   std::vector<std::vector<LoopPlace>> corners_;  // by hole
