@@ -8,8 +8,8 @@
 
 namespace isimp::meshing::planar {
 
-/// A symmetric positive definite system of blocks of three unknowns, solved by a sparse LDL' decomposition. What depends
-/// on the pattern alone is done once.
+/// A symmetric positive definite system of blocks of three unknowns, solved by a sparse LDL' decomposition. The
+/// analysis of the pattern is done once.
 /// Source: Davis 2005, Algorithm 849, with blocks in the place of numbers.
 class BlockSystem {
  public:
@@ -43,20 +43,20 @@ class BlockSystem {
   };
   void analyse();
   void factorise();
-  /// Writes the columns in which row k of the factor is not zero into `reach_`, from `top` on, in an order in which they
-  /// can be eliminated.
+  /// Writes the columns in which row k of the factor is not zero into `reach_`, from `top` on, in an order in which
+  /// they can be eliminated.
   /// \return top
   std::int32_t reach(std::int32_t k);
 
   std::int32_t count_ = 0;
-  std::vector<std::int32_t> place_;  // by unknown: where it comes in the elimination
+  std::vector<std::int32_t> place_;  // by unknown: its place in the elimination
   std::vector<Entry> entry_;         // by pair
   // The blocks above the diagonal, by column, in the order of elimination: the upper half, as rows of the factor are
   // found from it.
   std::vector<std::int32_t> start_, row_;
   std::vector<Mat3> block_, diagonal_;
-  std::vector<std::int32_t> parent_, factor_start_, fill_, factor_row_;  // of the factor, by column
-  std::vector<Mat3> factor_, inverse_, work_;                            // inverse_: of the factor's diagonal
+  std::vector<std::int32_t> parent_, factor_start_, fill_, factor_row_;  // the factor, by column
+  std::vector<Mat3> factor_, inverse_, work_;                            // inverse_: inverse of the factor's diagonal
   std::vector<std::int32_t> reach_, path_, mark_;
   std::vector<Vec3> unknown_, answer_;
 };

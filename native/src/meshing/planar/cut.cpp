@@ -9,16 +9,16 @@
 namespace isimp::meshing::planar {
 namespace {
 
-/// What a triangle costs that ends as a face of its own, beside its share of the polygon's surface.
+/// The cost of a triangle that becomes a face of its own, and the weight of its share of the polygon's surface.
 constexpr double kFace = 1;
 constexpr double kOfSurface = 0.02;
-constexpr double kBad = 100;  ///< a triangle that faces away or has no area: only where there is no other way
+constexpr double kBad = 100;  ///< cost of a triangle that faces away or has no area: used only if there is no other way
 constexpr double kNever = 1e30;
-/// The cosines between a triangle and its unit below which it faces away, a little above what the judge asks for, and
+/// The cosines between a triangle and its unit below which it faces away, a little above the bound of the judge, and
 /// below which it is steep.
 constexpr double kFacing = 2 * kFacingApart, kSteep = 0.25;
-constexpr double kOfSteep = 4;    ///< what a steep one costs
-constexpr double kThickness = 4;  ///< times the thickness that the judge asks for
+constexpr double kOfSteep = 4;    ///< cost of a steep triangle
+constexpr double kThickness = 4;  ///< times the least thickness of the judge
 
 /// The triangulation of a polygon that leaves the fewest faces, once triangles on the plane are one again.
 /// Source: Gilbert 1979, with another cost.
@@ -87,7 +87,7 @@ class Triangulation {
     return (turn <= kSteep * size ? kOfSteep : kFace) + share;
   }
 
-  /// Of the part of the scan that a triangle stands for.
+  /// The direction of the part of the scan that a triangle stands for.
   [[nodiscard]] Vec3 direction(std::size_t i, std::size_t k, std::size_t j) const {
     const Vec3 u = unit_.home[k] - unit_.home[i], v = unit_.home[j] - unit_.home[i];
     Vec3 area = u.cross(v) / 2;

@@ -23,16 +23,16 @@ class Edges {
   std::vector<std::vector<std::int32_t>> beyond_;  // by the lower corner; an edge of two polygons stands twice
 };
 
-/// What is asked of triangles, so that the judge will have nothing against them.
+/// The conditions on triangles under which the judge finds no fault in them.
 struct Rules {
-  Vec3 facing = Vec3::UnitZ();  ///< of the piece, for triangles of which the scan tells no direction
+  Vec3 facing = Vec3::UnitZ();  ///< normal of the piece, for triangles without a direction of the scan
   double thickness = 0;         ///< scene units: a thinner one has no area
 };
 
-/// Cuts off the corners of a unit that are not on its plane, by as few triangles as will do; what is left stays one
+/// Cuts off the corners of a unit that are not on its plane, by as few triangles as possible. The rest stays one
 /// polygon, or a few.
-/// \param kept  by place in the loop: whether the corner is on the plane; none is, for a unit that is free
-/// \param own  the edges across it of the triangles that the judge saw, for a unit that is to have these
+/// \param kept  by place in the loop: whether the corner is on the plane; ignored for a free unit
+/// \param own  the edges across it of the triangles that the judge saw, used if `unit.own`
 /// \param edges  of all polygons: a cut must not join two corners that an edge joins already; new ones are added
 /// \param cuts  the edges across the polygon, by corners
 /// \return whether there is a way

@@ -12,15 +12,15 @@ namespace {
 
 using Mat3 = Eigen::Matrix3d;
 
-/// What a step of a corner costs beside the area of a mean unit times its square distance. Source: own trials.
+/// Weight of the square step of a corner, if the square distance of a mean unit has weight 1. Source: own trials.
 constexpr double kStep = 0.7;
 constexpr double kMostShare = 30;  ///< corners of little reach cost at most the square of this times as much
-constexpr double kMostTurn = 0.2;  ///< of a plane in a round, radians
+constexpr double kMostTurn = 0.2;  ///< largest turn of a plane in a round, radians
 constexpr double kDamping = 1e-9;
-/// The noise, as a share of the reach, below which a plane costs more, the power of that, and how much more at most.
+/// The noise, as a share of the reach, below which a plane costs more, the power of that factor, and its largest value.
 constexpr double kQuiet = 0.15, kPower = 3, kMostTrust = 1e4;
 constexpr double kTooFar = 4;  ///< times the usual noise: planes that were moved by more cost more
-constexpr double kDearer = 4;  ///< how much more at most in one round
+constexpr double kDearer = 4;  ///< largest increase of that cost in one round, as a factor
 
 /// The noise of the unit in the middle: one of few faces may be planar by chance.
 double usual_noise(const std::vector<Unit>& units) {
@@ -32,7 +32,7 @@ double usual_noise(const std::vector<Unit>& units) {
   return *middle;
 }
 
-/// A corner on a plane: how the distance changes with the three unknowns of the plane.
+/// A corner on a plane, with the derivative of their distance by the three unknowns of the plane.
 struct Link {
   std::int32_t unit, corner;
   Vec3 slope;  ///< for two turns about the middle of its scan, and the offset, where the corner is now
@@ -47,7 +47,7 @@ class Solver {
       area += units[u].scan.area;
       if (!units[u].held && units[u].binds()) unknown_[u] = count_++;
     }
-    std::vector<bool> counts(places.start.size(), false);  // by corner: a plane round it changes
+    std::vector<bool> counts(places.start.size(), false);  // by corner: whether one of its planes changes
     for (std::size_t u = 0; u < units.size(); ++u)
       for (std::size_t i = 0; unknown_[u] != kNone && i < units[u].loop.size(); ++i)
         if (kept[u][i]) counts[units[u].loop[i]] = true;
@@ -109,14 +109,14 @@ class Solver {
     }
   }
 
-  /// How far the place where a corner started is from a plane.
+  /// The signed distance of a corner's start from a plane.
   [[nodiscard]] double miss(const Link& l) const {
     return normal(l).dot(places_.start[l.corner]) - units_[l.unit].offset;
   }
 
-  /// Puts what a corner costs into the equations of the planes round it. Where it costs least, that is quadratic in what
-  /// the planes miss its start by, with `form_` between them. Nothing is subtracted there, so nothing cancels where planes
-  /// are nearly parallel or the penalty is high.
+  /// Adds the cost of a corner to the equations of its planes. With the corner at its place of least cost, this cost is
+  /// a quadratic form, with matrix `form_`, in the distances of the planes from the corner's start. The form needs no
+  /// subtraction, so there is no cancellation if planes are nearly parallel or the penalty is high.
   void eliminate(std::int32_t c, double penalty) {
     const std::span<Link> links = std::span(links_).subspan(first_[c], first_[c + 1] - first_[c]);
     const auto n = static_cast<Eigen::Index>(links.size());
@@ -180,9 +180,9 @@ class Solver {
   double mean_area_ = 1;
   std::vector<Axes> axes_;   // by unit: the directions in which its plane turns
   std::vector<Vec3> right_;  // by unknown
-  std::size_t pair_ = 0;     // of those of `pairs`, the next
+  std::size_t pair_ = 0;     // index of the next pair of `pairs`
   BlockSystem system_;
-  Eigen::MatrixXd form_;  // of the corner at hand
+  Eigen::MatrixXd form_;  // matrix of the current corner
   Eigen::VectorXd off_;
 };
 

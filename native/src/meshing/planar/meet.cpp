@@ -13,19 +13,19 @@
 namespace isimp::meshing::planar {
 namespace {
 
-constexpr std::size_t kMostPlanes = 7;  ///< round a corner that are tried in all combinations
+constexpr std::size_t kMostPlanes = 7;  ///< planes at a corner that are tried in all combinations
 constexpr std::int32_t kTogether = 64;  ///< corners on one thread
 constexpr double kRank = 1e-7;          ///< singular values below this share of the largest fix nothing
-constexpr double kOfTriangle = 0.25;    ///< what the given plane of a triangle weighs: it is planar without it
-constexpr double kOfMissed = 0.5;       ///< what a plane weighs of a polygon that is cut already
-constexpr double kOfArea = 0.5;         ///< what a unit's share of the area round a corner weighs beside being one
+constexpr double kOfTriangle = 0.25;    ///< weight of the given plane of a triangle, which is planar without it
+constexpr double kOfMissed = 0.5;       ///< weight of the plane of a polygon that is cut already
+constexpr double kOfArea = 0.5;         ///< weight of a unit's share of the area at a corner, added to 1
 
 struct Candidate {
   std::int32_t unit, place;
   double weight;
 };
 
-/// The point nearest to `from` on all of some planes, or where it nearly is.
+/// The point nearest to `from` on all of some planes; the least squares point if they do not meet.
 Vec3 nearest_on(std::span<const Unit* const> planes, const Vec3& from) {
   const auto miss = [&](const Unit* u) { return u->offset - u->normal.dot(from); };
   if (planes.size() == 1) return from + miss(planes[0]) * planes[0]->normal;
@@ -70,7 +70,7 @@ class Corner {
     if (all_.size() > kMostPlanes) all_.resize(kMostPlanes);
   }
 
-  /// \return the planes that it is on, as bits
+  /// \return the planes that the corner is on, as bits
   std::uint32_t place(Vec3& at) {
     best_at_ = places_.start[corner_];
     const auto n = static_cast<int>(all_.size());
@@ -113,7 +113,7 @@ class Corner {
     best_at_ = x;
   }
 
-  /// Planes that it is on though nobody asked: those of one wall in two units.
+  /// All planes that the best place lies on, also planes that were not chosen, such as two units of one wall.
   [[nodiscard]] std::uint32_t touched() const {
     std::uint32_t set = 0;
     for (std::size_t i = 0; i < all_.size(); ++i) {

@@ -10,7 +10,7 @@
 
 namespace isimp::meshing::planar {
 
-/// Which of the units round each corner have it, and on which of their planes it is.
+/// The units that have each corner, with its place in their loops.
 struct Around {
   struct Use {
     std::int32_t unit, place;  ///< place in the unit's loop
@@ -30,19 +30,19 @@ struct Around {
 std::vector<bool> within_rings(const std::vector<Unit>& units, const Around& around, std::vector<std::int32_t> rim,
                                int rings);
 
-/// Largest distance of a corner from a plane that it is said to be on, as a share of the diagonal.
+/// Largest distance of a corner from a plane that counts as its own, as a share of the diagonal.
 constexpr double kOnPlane = 1e-7;
 
-/// Puts each corner on the heaviest set of the planes round it that meet in a place where it may be, the nearest such
-/// place to where it started; on none, where that is where it started. Units that do not bind have no plane.
-/// \param at  (C) where the corners are then
-/// \return which corners are on the planes of which units
+/// Puts each corner on the heaviest set of its planes that meet in a place where it may be, at the place nearest to its
+/// start; if there is no such set, at its start. Units that do not bind have no plane.
+/// \param at  (C) the new places of the corners
+/// \return the corners that are on the plane of each unit
 /// Cost: O(corners * 2^planes), at most 7 planes of each.
 Kept meet(const std::vector<Unit>& units, const Around& around, const Places& places, const Threads& threads,
           const Job& job, std::vector<Vec3>& at);
-/// The same for one corner.
-/// \param kept  by unit, by place in its loop: what is said of this corner is changed
-/// \return where it is then
+/// Applies `meet` to one corner.
+/// \param kept  by unit, by place in its loop: the entries of this corner are set
+/// \return its new place
 Vec3 meet_at(std::int32_t corner, const std::vector<Unit>& units, const Around& around, const Places& places,
              Kept& kept);
 

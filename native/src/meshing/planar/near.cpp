@@ -8,10 +8,10 @@ namespace isimp::meshing::planar {
 namespace {
 
 // Source: own trials
-constexpr double kOfMost = 0.8;    ///< of the largest gap before: other vertices may be further off than a corner's own
-constexpr double kAtMost = 1.05;   ///< of the largest gap before
-constexpr double kMore = 0.8;      ///< of the reach that is asked for: so much more than before is noise
-constexpr double kMoreHeld = 0.4;  ///< the same, of the distance of given planes
+constexpr double kOfMost = 0.8;    ///< share of the largest gap before: other vertices may be further off
+constexpr double kAtMost = 1.05;   ///< share of the largest gap before
+constexpr double kMore = 0.8;      ///< share of the reach of the options: a smaller increase is noise
+constexpr double kMoreHeld = 0.4;  ///< share of the reach that is added to the distance of given planes
 constexpr double kSlid = kMore;    ///< corners that moved less leave no such gap
 
 }  // namespace
@@ -50,7 +50,7 @@ bool Near::is_covered(std::int32_t corner) const {
          g <= std::max({kOfMost * most_gap_, as_before, from_held(corner) + kMoreHeld * places_.base});
 }
 
-/// How far the planes that are given lead away from a corner's vertex: to where they meet, if they are perpendicular.
+/// The distance of a corner's vertex from the given planes: to the place where they meet, if they are perpendicular.
 double Near::from_held(std::int32_t corner) const {
   const Vec3& home = s_.mesh.vertices()[s_.corners.vertex[corner]];
   double square = 0;
@@ -61,7 +61,7 @@ double Near::from_held(std::int32_t corner) const {
   return std::sqrt(square);
 }
 
-/// From a corner's vertex to the triangles that have the corner; infinite where the judge has none of them.
+/// The distance of a corner's vertex from the triangles that have the corner; infinite if the judge has none of them.
 double Near::gap(std::int32_t corner) const {
   const Vec3& home = s_.mesh.vertices()[s_.corners.vertex[corner]];
   const auto& at = s_.corners.position;

@@ -20,16 +20,16 @@
 namespace isimp::meshing::planar {
 namespace {
 
-constexpr int kRings = 5;               ///< round what is stuck, that are solved anew
+constexpr int kRings = 5;               ///< rings around stuck pieces that are solved again
 constexpr int kGentle = 12;             ///< rounds in which corners that are held back keep half their way
 constexpr std::int32_t kTogether = 64;  ///< corners on one thread
-constexpr std::size_t kFew = 12;        ///< corners of a unit that is rather triangulated than held back
-constexpr double kStill = 1e-9;         ///< of the diagonal: what moved less did not move
-constexpr double kLeast = 1e-3;         ///< of the diagonal: corners held back to less than this stay where they were
-constexpr std::array kShares{0.95, 0.5, 0.25, 0.0};  ///< of its way, that one corner keeps where that mends a fault
-constexpr double kStay = 0.01;   ///< what that costs beside a polygon that loses a corner, for a corner that stays
-constexpr double kWhole = 1.5;   ///< what the first corner costs that a polygon loses
-constexpr double kOfFace = 0.7;  ///< what a face more costs, of a polygon that is triangulated. Source: own trials
+constexpr std::size_t kFew = 12;  ///< most corners of a unit that is triangulated before its corners are held back
+constexpr double kStill = 1e-9;   ///< share of the diagonal: smaller moves count as none
+constexpr double kLeast = 1e-3;   ///< share of the diagonal: corners held back to less than this return to their start
+constexpr std::array kShares{0.95, 0.5, 0.25, 0.0};  ///< shares of its way kept by a corner that mends a fault
+constexpr double kStay = 0.01;   ///< cost of a corner held back to its start, if a polygon that loses a corner costs 1
+constexpr double kWhole = 1.5;   ///< cost of the first corner that a polygon loses
+constexpr double kOfFace = 0.7;  ///< cost of each face of a polygon that is triangulated. Source: own trials
 
 bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double most) {
   if (polygon.size() == 3) return true;
@@ -108,7 +108,7 @@ class Planarizer {
       }
   }
 
-  /// Takes over what the try before found for the same polygons.
+  /// Copies the results of the last try for the same polygons.
   void recall() {
     for (Unit& u : units_) {
       const auto known = memory_.units.find(u.loop);
@@ -128,7 +128,7 @@ class Planarizer {
       places_.reach[c] = std::min(places_.reach[c], memory_.reach[c]);
   }
 
-  /// Has a corner, and what is round it, looked at in the next round.
+  /// Lists a corner, and so the units at it, for the next round.
   void ask(std::int32_t c) {
     if (is_moving_[c]) return;
     is_moving_[c] = true;
@@ -140,7 +140,7 @@ class Planarizer {
     dirty_.push_back(u);
   }
 
-  /// Puts corners on their planes, nearer to where they were if they leave the scan there.
+  /// Puts corners on their planes, nearer to their start if they leave the scan there.
   void place() {
     std::sort(moving_.begin(), moving_.end());
     const auto n = static_cast<std::int32_t>(moving_.size());
@@ -193,8 +193,8 @@ class Planarizer {
     f_.judge(judged_);
   }
 
-  /// What is at fault, and what is not planar, moves its corners less or is triangulated.
-  /// \return whether anything was done; there is nothing to do where nothing is at fault
+  /// Moves the corners of polygons that are at fault or not planar less, or triangulates these polygons.
+  /// \return whether anything was done; false if nothing is at fault
   bool hold_back(bool firmly) {
     acted_.assign(units_.size(), false);
     bool any = false;
@@ -218,7 +218,7 @@ class Planarizer {
     return hold_back_gaps() || any;
   }
 
-  /// Corners that slid away from a part of the scan go less far.
+  /// Halves the moves of corners that slid away from a part of the scan.
   bool hold_back_gaps() {
     bool any = false;
     std::vector<std::int32_t> corners;
@@ -253,16 +253,16 @@ class Planarizer {
     return any;
   }
 
-  /// What it costs to have a corner go less far, where that mends a fault.
+  /// A corner whose shorter move mends a fault, with the cost.
   struct Way {
     double cost = std::numeric_limits<double>::infinity();
     std::int32_t corner = kNone;
     double reach = 0;
   };
 
-  /// Has one corner go less far, if that is enough to mend what is at fault, or triangulates one of the units at fault, if
-  /// that costs less.
-  /// \param is_mended  asks with the corners where they would be
+  /// Shortens the move of one corner, if that is enough to mend the fault, or triangulates one of the units at fault,
+  /// if that costs less.
+  /// \param is_mended  tests the fault with corners at their present places
   /// \return whether there is such a way, or something changes there in this round already
   template <class Function>
   bool settle(std::span<const std::int32_t> corners, std::initializer_list<std::int32_t> at_fault, Cause cause,
@@ -301,7 +301,7 @@ class Planarizer {
                   [&] { return !f_.meet_now(h.a, h.b); });
   }
 
-  /// Looks whether a corner that goes less far mends a fault, and costs less than what was found before.
+  /// Replaces `best` if a shorter move of a corner mends a fault at a lower cost.
   template <class Function>
   void find_way(std::int32_t c, Function is_mended, Way& best) {
     const Vec3 was = at_[c];
@@ -320,7 +320,7 @@ class Planarizer {
     meet_at(c, units_, around_, places_, kept_);
   }
 
-  /// What the polygons round a corner would lose if it were on none of their planes.
+  /// The loss of the polygons at a corner if it were on none of their planes.
   [[nodiscard]] double worth(std::int32_t c) const {
     double sum = 0;
     for (const auto& [u, place] : around_.of(c)) {
@@ -341,8 +341,10 @@ class Planarizer {
     return first_[l + 1] - 1;
   }
 
-  /// \param corners  those concerned
-  /// \return whether there was something left to give up
+  /// Applies the next step against a fault of a polygon: triangulates its unit, moves its corners less, or changes its
+  /// triangles.
+  /// \param corners  the corners at fault
+  /// \return whether there was a step left
   bool give_up(std::int32_t l, std::int32_t part, std::span<const std::int32_t> corners, Cause cause, bool firmly) {
     const std::int32_t u = unit_of(l, part);
     Unit& unit = units_[u];
@@ -369,7 +371,7 @@ class Planarizer {
       unit.plain = true;
       return note(u, cause);
     }
-    bool any = false;  // what is round it may have moved
+    bool any = false;  // the polygons around it may have moved
     for (const std::int32_t c : unit.loop)
       if (at_[c] != places_.start[c]) {
         lower(c, 0);
@@ -433,7 +435,7 @@ class Planarizer {
     return out;
   }
 
-  /// Leaves what was found to the next try, but for the surroundings of the pieces that are to change.
+  /// Saves the results for the next try, except within kRings rings of the stuck pieces.
   void remember(const std::vector<std::int32_t>& stuck) {
     std::vector<std::int32_t> all;
     for (const std::int32_t l : stuck)
@@ -460,16 +462,16 @@ class Planarizer {
   Places places_;
   const Around around_;
   Near near_;
-  const std::vector<std::vector<std::array<std::int32_t, 2>>> diagonals_;  // as they were
+  const std::vector<std::vector<std::array<std::int32_t, 2>>> diagonals_;  // at the begin
   Edges edges_;
   std::vector<std::vector<Edge>> own_;         // by unit
   std::vector<std::int32_t> first_;            // by piece: its first unit
-  std::vector<std::uint8_t> faults_;           // by piece: as they were
+  std::vector<std::uint8_t> faults_;           // by piece: the faults at the begin
   std::set<std::array<std::int32_t, 2>> met_;  // pairs of pieces that met
   std::vector<Vec3> at_;
   Kept kept_;
   std::vector<std::vector<Edge>> cuts_;       // by unit
-  std::vector<bool> uncut_, acted_;           // by unit: there is no way to cut it; it has given up something now
+  std::vector<bool> uncut_, acted_;           // by unit: there is no way to cut it; `give_up` changed it in this round
   std::vector<bool> is_dirty_, is_moving_;    // by unit, by corner: listed in ...
   std::vector<std::int32_t> dirty_, moving_;  // ... units to be cut and corners to be placed in the next round
   std::vector<std::int32_t> judged_, stuck_;  // pieces

@@ -8,11 +8,11 @@ namespace isimp::meshing::planar {
 namespace {
 
 constexpr int kPasses = 4;     ///< fits, all but the first without the corners that did not fit
-constexpr int kReleases = 12;  ///< rounds at most in which snapped planes are let go
-/// Share of a polygon's corners on too few planes, above which its plane is let go. Source: own trials.
+constexpr int kReleases = 12;  ///< most rounds in which snapped planes are released
+/// Share of a polygon's corners on too few planes, above which its plane is released. Source: own trials.
 constexpr double kTooMany = 0.3;
 constexpr Schedule kFirst{20, 1, 1e6}, kReleased{10, 1, 1e6}, kAgain{8, 10, 1e6};
-constexpr int kAround = 4;  ///< rings round planes that were let go, that are solved anew
+constexpr int kAround = 4;  ///< rings around released planes that are solved again
 
 /// Holds some planes where they are for as long as it lives.
 class Pinned {
@@ -34,9 +34,9 @@ class Pinned {
   std::vector<std::size_t> pinned_;
 };
 
-/// Lets go of snapped planes that too many corners can't be on together with the others round them. Of the planes round
+/// Releases snapped planes that too many corners can't be on together with their other planes. Among the planes at such
 /// a corner the one of the smallest unit is at fault.
-/// \param kept  of the corners of those that are let go all are kept again
+/// \param kept  reset to true for all corners of released units
 /// \return their units
 std::vector<std::int32_t> release(std::vector<Unit>& units, const Around& around, Kept& kept,
                                   const std::vector<bool>& is_new) {

@@ -9,10 +9,10 @@
 
 namespace isimp::meshing::planar {
 
-/// Finds planes on which as many corners as possible can be: planes are fitted together with corners, those that are given
-/// and keep too many corners from the planes round them are let go, and corners that did not fit are left out then.
-/// \param is_new  by unit: the planes of others stay where they are
-/// Cost: some sixty rounds of `fit`.
+/// Finds planes on which as many corners as possible can be: fits planes together with corners, releases snapped planes
+/// that keep too many corners from their other planes, and repeats the fit without the corners that did not fit.
+/// \param is_new  by unit: other planes do not move
+/// Cost: about sixty rounds of `fit`.
 void solve(std::vector<Unit>& units, const Around& around, const Places& places, const std::vector<bool>& is_new,
            const Threads& threads, const Job& job);
 

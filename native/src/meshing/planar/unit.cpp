@@ -11,9 +11,9 @@
 namespace isimp::meshing::planar {
 namespace {
 
-// How far a corner may go, as shares of its shortest edge and of the reach that is asked for. Source: own trials.
+// Largest move of a corner, as shares of its shortest edge and of the reach of the options. Source: own trials.
 constexpr double kOfEdge = 0.5, kLeast = 0.3, kMost = 1.5;
-constexpr double kMostToHeld = 6;  ///< the last one where given planes are further off
+constexpr double kMostToHeld = 6;  ///< replaces kMost if given planes are further off
 /// A spread whose smallest eigenvalue is above this share of the next fixes no plane.
 constexpr double kThin = 0.25;
 /// The cosine between the direction of least spread and that of the outline below which the former is not trusted.
@@ -38,7 +38,7 @@ bool is_inside(const Vec3& p, std::span<const std::int32_t> loop, std::span<cons
   return inside;
 }
 
-/// The plane of each of a piece's units from the faces of the scan that are nearest to it.
+/// Sets the plane of each of a piece's units from the faces of the scan that are nearest to it.
 void share_out(State& state, std::span<Unit> units) {
   const Mesh& mesh = state.mesh;
   const auto& at = state.corners.position;
@@ -67,7 +67,7 @@ void share_out(State& state, std::span<Unit> units) {
   }
 }
 
-/// The plane that the scan asks for; that of the corners where the scan is too thin a strip to tell.
+/// Sets the plane that fits the scan best, or the plane of the corners if the scan is too thin a strip to define one.
 void find_plane(Unit& unit, std::span<const Vec3> at, double least_area) {
   const Vec3 outline = vector_area(unit.loop, at);
   Vec3 middle = Vec3::Zero();
@@ -156,7 +156,7 @@ Places places_of(const State& state, const std::vector<Unit>& units, double base
       p.reach[a] = std::min(p.reach[a], length);
       p.reach[b] = std::min(p.reach[b], length);
     }
-  std::vector<double> to_held(p.start.size(), 0);  // of a corner from the given planes round it, in all
+  std::vector<double> to_held(p.start.size(), 0);  // sum of the distances of a corner from its given planes
   for (const Unit& u : units)
     if (u.held)
       for (const std::int32_t c : u.loop) to_held[c] += std::abs(u.normal.dot(p.start[c]) - u.offset);

@@ -11,10 +11,10 @@
 
 namespace isimp::meshing::planar {
 
-/// Why a polygon is not one face any more.
+/// The reason why a polygon is not one face any more.
 enum class Cause : std::uint8_t {
   none,
-  apart,     ///< the planes round some corner do not meet within reach
+  apart,     ///< the planes at a corner do not meet within reach
   crossing,  ///< it would intersect itself or have no area
   flipped,   ///< it would face away from the scan
   meeting,   ///< it would intersect another polygon
@@ -24,30 +24,30 @@ enum class Cause : std::uint8_t {
 struct Unit {
   std::int32_t piece = kNone;
   std::vector<std::int32_t> loop;  ///< corners
-  std::vector<Vec3> home;          ///< of these, the vertices of the scan
+  std::vector<Vec3> home;          ///< the vertices of the scan for these corners
   std::vector<Vec3> beyond;        ///< by edge: the vector area between it and the boundary that it stands for
-  Plane scan;                      ///< of the faces that it stands for
+  Plane scan;                      ///< the plane of the faces that it stands for
   Vec3 normal = Vec3::UnitZ();     ///< unit; the plane is where normal * x = offset
   double offset = 0;
   double noise = 0;           ///< root mean square distance of the scan from the plane that fits it best
-  double trust = 1;           ///< what leaving that plane costs beside the same of other units of this area
+  double trust = 1;           ///< factor on the cost of moves off that plane, relative to other units of the same area
   bool held = false;          ///< its plane is given and does not change
   bool missed = false;        ///< some corner was not on its plane when planes were fitted last
   bool free = false;          ///< given up: it is triangulated, and its plane counts for nothing
-  bool plain = false;         ///< its triangles are those of least surface, whichever way they face
-  bool own = false;           ///< its triangles are those that the judge saw before anything moved
-  bool left = false;          ///< it stays as it was, planar or not
+  bool plain = false;         ///< its triangulation has the least surface, whichever way triangles face
+  bool own = false;           ///< its triangulation is the one that the judge saw before anything moved
+  bool left = false;          ///< it keeps its old shape, planar or not
   Cause cause = Cause::none;  ///< why it was given up or a corner held back
 
-  /// Whether its plane asks anything of its corners. A triangle has one wherever they are.
+  /// Whether its plane restricts its corners. A triangle has a plane wherever its corners are.
   [[nodiscard]] bool binds() const { return !free && (held || loop.size() > 3); }
 };
 
-/// The corners, and how far each may go.
+/// The corners, with the largest move of each.
 struct Places {
-  std::vector<Vec3> start;    ///< (C) where the polygons of the mesher have them
+  std::vector<Vec3> start;    ///< (C) their places in the polygons of the mesher
   std::vector<double> reach;  ///< (C) largest distance from `start`
-  double base = 0;            ///< the reach that is asked for, scene units
+  double base = 0;            ///< the reach of the options, scene units
   double diagonal = 0;
 
   /// Whether a corner may be at x.
@@ -60,8 +60,8 @@ double distance_to(const Vec3& p, const std::array<Vec3, 3>& t);
 /// The polygons of a state as units, in the order of their pieces. A piece that has several is shared out among them.
 std::vector<Unit> units_of(State& state);
 
-/// How far each corner may go: `base`, more where its edges are long, as it slides along its planes, or where given planes
-/// are further off, and less where its edges are short.
+/// The largest move of each corner: `base`; more if its edges are long, as it slides along its planes, or if given
+/// planes are further off; less if its edges are short.
 Places places_of(const State& state, const std::vector<Unit>& units, double base);
 
 }  // namespace isimp::meshing::planar
