@@ -16,13 +16,13 @@ namespace {
 
 using namespace meshing;
 
-// What comes of what is seen first. Source: least squares of the relative error over 21 scans at 30 to 1,000 regions.
-constexpr double kOfSplit = 0.4;  ///< further polygons for each that the topology needs, but for walls, which are flat
-constexpr double kOfBend = 1.4;   ///< for the root of what a polygon is bent beyond the bound, in bounds
+// Further polygons by cause. Source: least squares of the relative error over 21 scans at 30 to 1,000 regions.
+constexpr double kOfSplit = 0.4;  ///< for each polygon that the topology needs, except walls, which are flat
+constexpr double kOfBend = 1.4;   ///< times the root of the bend beyond the bound, in bounds
 constexpr double kOfCrossing = 0.35;
 constexpr double kOfMeeting = 1.1;  ///< for a piece that meets others
 
-/// Whether a wall goes on in another region, with which it will be one polygon.
+/// Whether a wall continues in another region, so that both walls will be one polygon.
 bool goes_on(const State& state, std::int32_t wall) {
   constexpr double kSameWay = 0.9;  // cosine of the angle
   bool found = false;
@@ -34,7 +34,7 @@ bool goes_on(const State& state, std::int32_t wall) {
   return found;
 }
 
-/// What the faults of the polygons of a piece will take.
+/// The number of further polygons that the faults of a piece will need.
 double cost_of(const Findings& findings, std::int32_t piece) {
   double cost = (findings.faults(piece) & kCrossing) != 0 ? kOfCrossing : 0;
   const double bound = findings.bounds().bend;

@@ -18,7 +18,7 @@ namespace {
 
 using namespace meshing;
 
-constexpr double kOfPlanar = 0.6;  ///< of the progress, where planar polygons may be left off
+constexpr double kOfPlanar = 0.6;  ///< progress of the planar attempt, if it may be discarded
 
 void count_splits(const Labels& labels, std::int32_t regions, MeshingReport& report) {
   std::vector<std::int32_t> pieces(regions, 0);

@@ -6,7 +6,7 @@
 namespace isimp::meshing::flat {
 namespace {
 
-/// (V) how many edges at each vertex regions end at.
+/// (V) the number of edges at each vertex where regions end.
 std::vector<std::int32_t> border_edges(const Mesh& mesh, const Regions& regions) {
   std::vector<std::int32_t> count(mesh.vertex_count(), 0);
   for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h) {

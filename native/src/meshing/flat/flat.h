@@ -16,7 +16,7 @@ inline constexpr double kSame = 1e-6;
 using Loop = std::vector<std::int32_t>;  ///< vertices in order
 
 struct Plane {
-  Vec3 normal = Vec3::Zero();  ///< of length 1; zero where the faces have no area
+  Vec3 normal = Vec3::Zero();  ///< unit; zero where the faces have no area
   Vec3 centre = Vec3::Zero();
 };
 
@@ -33,11 +33,11 @@ struct Regions {
 /// Connected faces of one plane, grown from the largest faces. See `merge_flat`.
 Regions find_regions(const Mesh& mesh, double angle, std::span<const std::int32_t> group, const Job& job);
 
-/// (R) where each region ends, counter-clockwise round it: its outline, and its holes.
+/// (R) the boundary loops of each region, with the region on the left: its outline, and its holes.
 std::vector<std::vector<Loop>> find_loops(const Mesh& mesh, const Regions& regions);
 
 /// Marks the vertices that are corners: where three regions meet, where one ends at the mesh's border, where a border
-/// bends, and those of regions that are kept as they are. The same from both sides of a border.
+/// bends, and all vertices of regions that are kept unchanged. The result is the same from both sides of a border.
 void mark_corners(const Mesh& mesh, const Regions& regions, const std::vector<std::vector<Loop>>& loops,
                   std::span<const char> as_it_is, std::vector<char>& is_corner);
 

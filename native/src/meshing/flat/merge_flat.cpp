@@ -22,8 +22,9 @@ std::vector<Loop> with_corners(std::vector<Loop> loops, const std::vector<char>&
   return loops;
 }
 
-/// Marks the regions round edges that more than two polygons have, or two in the same direction: slivers that have lost
-/// all between their ends. \return whether there is one that is not marked yet
+/// Marks the regions at edges that more than two polygons have, or two in the same direction: slivers that have lost
+/// all between their ends.
+/// \return whether a region was newly marked
 bool mark_doubled(const std::vector<std::vector<Loop>>& polygons, std::vector<char>& as_it_is) {
   std::vector<std::array<std::int32_t, 4>> edges;  // both ends, the direction, the region
   for (std::size_t r = 0; r < polygons.size(); ++r) {
