@@ -204,8 +204,8 @@ bool Complex::is_sharp(std::span<const std::int32_t> loop, const std::array<std:
   return false;
 }
 
-/// Adds corners to a piece whose polygon is too different from it, however small it is. One that would become a triangle,
-/// as a window or a strip, gets a fourth corner sooner.
+/// Adds corners to a piece whose polygon is too different from it, however small it is. One that would become a
+/// triangle, as a window or a strip, gets a fourth corner sooner.
 void Complex::keep_shape(std::int32_t piece) {
   struct Part {
     std::size_t at;  // where its chord begins in the loop

@@ -14,8 +14,8 @@ constexpr std::size_t kFewLoops = 8;
 /// hole is a polygon. Other cuts give half to a third as many polygons, but repairing them takes a time that grows with
 /// the square of the holes.
 constexpr std::size_t kManyOpenings = 24;
-/// Openings per region of the mesh beyond which all pieces are parted by directions, as a piece that is not parted would
-/// not fit its neighbours.
+/// Openings per region of the mesh beyond which all pieces are parted by directions, as a piece that is not parted
+/// would not fit its neighbours.
 constexpr double kOpeningsARegion = 4;
 constexpr double kOfFlat = 2;  ///< openings per region if all sides are planes, so that walls are known
 /// Most handles that are cut one by one, each in time for all faces of the piece. A piece with more is halved first.

@@ -125,8 +125,8 @@ std::int32_t cut_holes(Cutter& cutter, std::int32_t piece, const Shape& shape, J
 /// Cost: O(n log n) for n faces of the piece, and O(corners of the holes * edges of its boundary).
 std::int32_t cut_wall(Cutter& cutter, std::int32_t piece, const Shape& shape, const Job& job);
 
-/// Parts some connected faces along the half-edges in `halfedge_marks`; each part but the one with the first face gets a
-/// label.
+/// Parts some connected faces along the half-edges in `halfedge_marks`; each part but the one with the first face gets
+/// a label.
 /// \return how many labels are new, the last ones
 /// Cost: O(faces).
 std::int32_t part_along_marks(Cutter& cutter, std::span<const std::int32_t> faces);

@@ -68,10 +68,9 @@ struct Labels {
   explicit Labels(const Mesh& m);
 
   const Mesh& mesh;
-  Logged<std::int32_t> label;  ///< (F) kNone where a part was left out
-  Logged<Piece> pieces;        ///< by label
-  std::span<const SurfaceMoments>
-      moments;                        ///< (F) moments of the surface that each face stands for; empty: of the faces
+  Logged<std::int32_t> label;               ///< (F) kNone where a part was left out
+  Logged<Piece> pieces;                     ///< by label
+  std::span<const SurfaceMoments> moments;  ///< (F) surface that each face stands for; empty: the faces themselves
   std::vector<std::int32_t> touched;  ///< pieces that were cut, or gained or lost faces, since `State` last updated
   mutable Marks face_marks, vertex_marks, halfedge_marks;  // scratch space of callers
   mutable std::atomic<std::int64_t> walked{0};             ///< number of faces visited by floods
@@ -137,8 +136,8 @@ Bits boundary_of(const Labels& labels);
 /// Cost: O(F).
 std::int32_t merge_pieces_without_area(Labels& labels, double thickness, Bits& boundary);
 
-/// The boundary half-edges by piece: halfedges[start[l]] ... halfedges[start[l + 1] - 1] for piece l, one loop after the
-/// other in order, the first one from the lowest half-edge.
+/// The boundary half-edges by piece: halfedges[start[l]] ... halfedges[start[l + 1] - 1] for piece l, one loop after
+/// the other in order, the first one from the lowest half-edge.
 struct Outlines {
   std::vector<std::int32_t> halfedges, start;
   std::vector<std::int32_t> loops;  ///< how many of each piece

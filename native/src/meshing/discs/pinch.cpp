@@ -58,8 +58,8 @@ std::vector<HandOver> hand_overs(const Fan& fan) {
   return result;
 }
 
-/// Whether a wall would get faces, or lose some to a piece, that look another way: it was parted since one polygon can't
-/// stand for both.
+/// Whether a wall would get faces, or lose some to a piece, that look another way: it was parted since one polygon
+/// can't stand for both.
 bool spoils_wall(const Labels& labels, const HandOver& h) {
   const auto is_wall = [&](const Sector* s) { return labels.pieces[s->label].cause == Cause::wall; };
   const auto look = [&](const Sector* s) {

@@ -14,8 +14,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kTogether =
-    8;  ///< most holes that one chain links in the best order; if there are more, it links one row
+constexpr std::int32_t kTogether = 8;   ///< most holes that one chain links in the best order; else it links a row
 constexpr std::size_t kMostLoops = 64;  ///< with more, the choice of cuts takes too long
 constexpr double kThrough = 0.1;        ///< cost of the way across a hole, relative to a cut of that length
 constexpr double kLeftOut = 0.3;        ///< cost of a hole that the chain leaves out, in sqrt(area)

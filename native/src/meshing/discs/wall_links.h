@@ -22,7 +22,8 @@ struct LoopPlace {
 };
 
 /// A wall: a flat piece with holes, in a frame of its two main directions, given by the longest edges of its boundary.
-/// Cuts end at corners of the holes, and on the outline at its corners or along a main direction from a corner of a hole.
+/// Cuts end at corners of the holes, and on the outline at its corners or along a main direction from a corner of a
+/// hole.
 class Wall {
  public:
   static constexpr std::size_t kMostCorners = 8;  ///< corners of a hole at which cuts may end

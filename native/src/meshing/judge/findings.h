@@ -42,9 +42,9 @@ class Findings {
   /// Saves the present findings, so that the pieces of a rolled-back trial need not be judged again. Replaces the
   /// findings saved before.
   void keep();
-  /// Judges the polygons at a moved corner. The move is accepted if no piece has a new fault and no changed facet has an
-  /// unexcused intersection. The new findings then replace the old ones, and `renew_hits` must follow the last accepted
-  /// move.
+  /// Judges the polygons at a moved corner. The move is accepted if no piece has a new fault and no changed facet has
+  /// an unexcused intersection. The new findings then replace the old ones, and `renew_hits` must follow the last
+  /// accepted move.
   /// \param pieces  all pieces at the corner, each once
   /// \return whether the move is accepted
   /// Cost: that of judging these pieces; intersections are searched for changed facets only.

@@ -75,8 +75,8 @@ struct Placed {
   const Facing& facing;
 };
 
-/// Whether all corners of g that f does not share surely lie to the same side of f's plane, so that the two meet only in
-/// shared corners and edges. This test separates most triangles that are near each other.
+/// Whether all corners of g that f does not share surely lie to the same side of f's plane, so that the two meet only
+/// in shared corners and edges. This test separates most triangles that are near each other.
 bool beside(const Placed& f, const Placed& g) {
   int sides = 0;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -86,8 +86,8 @@ bool touch(const std::vector<Point>& p, std::size_t i, std::size_t j) {
 
 constexpr std::size_t kSwept = 32;  ///< edges from which on the search is a sweep
 
-/// The same two edges as `find_crossing`, for many edges. The sweep takes edges in the order of their low ends along the
-/// longer side of the polygon, and compares each with all edges that begin before it ends.
+/// The same two edges as `find_crossing`, for many edges. The sweep takes edges in the order of their low ends along
+/// the longer side of the polygon, and compares each with all edges that begin before it ends.
 /// Cost: about O(n log n) for n short edges.
 std::array<std::int32_t, 2> sweep_for_crossing(const std::vector<Point>& p) {
   const auto n = p.size();

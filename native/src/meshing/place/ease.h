@@ -32,7 +32,8 @@ class Scope {
 /// Drops the corners that `Complex::bend` added, all at once. Then the corners of every polygon that became faulty are
 /// restored, until there is none. A few turns follow, each with a share of the corners that were restored.
 /// \param scope  corners of other pieces stay
-/// Cost: about twenty rounds of `State::update_in_place` and `Findings::judge`, each for pieces changed in the last one.
+/// Cost: about twenty rounds of `State::update_in_place` and `Findings::judge`, each for pieces changed in the last
+/// one.
 void ease(State& state, Findings& findings, const Scope& scope, Job& job);
 
 /// Toggles vertices between corner and no corner, all at once. Then the corners of every polygon that became faulty are

@@ -11,8 +11,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr int kGentle =
-    8;  ///< rounds that release one plane for each fault; later rounds release all planes at the fault
+constexpr int kGentle = 8;  ///< rounds that release one plane for each fault; later ones release all planes at it
 
 class Keeper {
  public:

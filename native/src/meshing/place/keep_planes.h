@@ -9,9 +9,9 @@
 
 namespace isimp::meshing {
 
-/// Moves corners onto the planes that `regularise` has snapped. If a polygon would get a new fault or would meet another
-/// one, the smallest adjacent snapped plane is released. Corners without a snapped plane return to their old position.
-/// So no fault is added, and only the positions of corners change.
+/// Moves corners onto the planes that `regularise` has snapped. If a polygon would get a new fault or would meet
+/// another one, the smallest adjacent snapped plane is released. Corners without a snapped plane return to their old
+/// position. So no fault is added, and only the positions of corners change.
 /// \param findings  of the state as it is; up to date afterwards
 /// \return the regions whose planes were released, in rising order
 /// Cost: O(rounds * options.flatten * corners), for the corners at planes released in the round before.

@@ -12,8 +12,8 @@ namespace isimp::meshing {
 /// Makes corners mirror in the plane of the partition, if it has one.
 ///
 /// Pieces are paired with their images, and corners by their pieces. Corners along one border that the border's image
-/// lacks are dropped or, if polygons become faulty by that, added to the image. Then each pair is put at the mean of the
-/// one and the other's image, and a corner that is its own image on the plane. If that makes a polygon faulty, its
+/// lacks are dropped or, if polygons become faulty by that, added to the image. Then each pair is put at the mean of
+/// the one and the other's image, and a corner that is its own image on the plane. If that makes a polygon faulty, its
 /// corners and their images keep their places.
 /// \return how many corners mirror exactly
 /// Cost: O(corners log corners), a few `update`s, and some rounds of `judge` for the moved corners.

@@ -253,8 +253,8 @@ class Coarsener {
     s_.for_each_neighbour(t.piece, [&](std::int32_t l) { unions_[l].reset(); });
   }
 
-  /// Whether a polygon is so faulty, both with its corners at their present places and on the mesh, that a new placement
-  /// is not worth a try.
+  /// Whether a polygon is so faulty, both with its corners at their present places and on the mesh, that a new
+  /// placement is not worth a try.
   [[nodiscard]] bool is_hopeless(std::span<const std::int32_t> vertices, const Vec3& normal) const {
     if (vertices.size() < 3) return false;
     std::vector<std::int32_t> polygon(vertices.size());
