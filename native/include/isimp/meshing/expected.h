@@ -9,17 +9,18 @@
 
 namespace isimp {
 
-/// About how many polygons `polygonize` will make, and why they are more than the regions. The reasons add up.
+/// The approximate number of polygons that `polygonize` will make, and the causes of those beyond the regions. The
+/// counts add up.
 struct ExpectedPolygons {
   std::int32_t polygons = 0;
-  std::int32_t regions = 0;  ///< those that have an area
+  std::int32_t regions = 0;  ///< regions that have an area
   std::int32_t split_for_unconnected = 0, split_for_pinches = 0, split_for_holes = 0, split_for_handles = 0,
-               split_for_closed = 0;  ///< what the topology of the regions needs
-  std::int32_t split_for_repair = 0;  ///< what being flat, simple and apart will take: estimated
+               split_for_closed = 0;  ///< polygons that the topology of the regions needs
+  std::int32_t split_for_repair = 0;  ///< estimated number needed for flat, simple polygons that do not meet
 };
 
-/// Counts the polygons before they are made: regions, what their topology needs, and what the polygons will take that
-/// are bent, crossing or meeting as they are placed first.
+/// Counts the polygons before they are made: one a region, the further ones that topology needs, and an estimate for
+/// polygons that are bent, crossing or meeting at their first places.
 ///
 /// \throws InvalidInput, Cancelled  as `polygonize`
 /// Cost: about a fifth of `polygonize`. Error on scans: 3 % in the median; docs/trials.md has a table.

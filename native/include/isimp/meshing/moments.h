@@ -6,14 +6,14 @@
 
 namespace isimp {
 
-/// Integrals over a piece of surface. A face of a thinned mesh has those of the faces that it stands for, so that planes
-/// of regions are those of the whole scan (tiles/thin.h).
+/// Integrals over a piece of surface. A face of a thinned mesh has the integrals over all faces that it stands for, so
+/// that planes of regions are fitted to the whole scan (tiles/thin.h).
 struct SurfaceMoments {
   double area = 0.0;
-  Vec3 centre = Vec3::Zero();         ///< of gravity; any place where there is no area
+  Vec3 centre = Vec3::Zero();         ///< centre of gravity; arbitrary without area
   std::array<double, 6> second = {};  ///< xx, yx, yy, zx, zy, zz of the integral of (x - centre) (x - centre)^T
 
-  /// Those of both pieces together.
+  /// Adds the moments of another piece.
   void add(const SurfaceMoments& other) {
     const double sum = area + other.area;
     if (!(sum > 0)) return;
@@ -26,7 +26,7 @@ struct SurfaceMoments {
   }
 };
 
-/// Of a triangle.
+/// The moments of a triangle.
 SurfaceMoments moments_of(const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace isimp

@@ -9,7 +9,7 @@
 
 namespace isimp {
 
-/// How to make polygons of regions. What each field means stands in `fields` below.
+/// The options of `polygonize`. The table `fields` below describes each of them.
 struct MeshingOptions {
   double chord_tolerance = 0.7;
   double chord_area = 0.53;

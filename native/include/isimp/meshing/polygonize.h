@@ -14,14 +14,14 @@
 
 namespace isimp {
 
-/// What a polygon can be that it should not.
+/// The flaws of a polygon.
 enum class Flaw : std::uint8_t {
   crossing,      ///< two of its edges meet
   no_area,       ///< thinner than a millionth of the diagonal
   flipped,       ///< faces away from the scan
   bent,          ///< by more than MeshingOptions::flatness
   intersecting,  ///< meets another polygon
-  excused,       ///< the same, where the scan meets itself too; alone, where it is a face of the scan without area
+  excused,       ///< meets another where the scan meets itself too; without another, a face of the scan without area
 };
 
 struct Imperfection {
@@ -31,61 +31,61 @@ struct Imperfection {
   auto operator<=>(const Imperfection&) const = default;
 };
 
-/// What meshing had to do, as counts that are the same on every machine and any number of threads.
+/// The work of meshing, as counts that are the same on every machine and any number of threads.
 struct MeshingWork {
-  std::int64_t faces = 0;     ///< of the scan that were walked over to find what a piece is
-  std::int64_t corners = 0;   ///< that were placed
-  std::int64_t polygons = 0;  ///< that were judged
+  std::int64_t faces = 0;     ///< visits of faces of the scan, to find the faces of pieces
+  std::int64_t corners = 0;   ///< placements of corners
+  std::int64_t polygons = 0;  ///< judgements of polygons
   bool operator==(const MeshingWork&) const = default;
 };
 
-/// What MeshingOptions::planar came to.
+/// The result of MeshingOptions::planar.
 struct PlanarReport {
   bool asked = false;
   bool planar = false;               ///< every polygon is planar to a millionth of the diagonal, rounded to float32 too
-  double whole = 0;                  ///< share of the polygons that stayed one, or would have
-  std::int32_t faces_added = 0;      ///< as corners were cut off; the sum of those below
-  std::int32_t added_for_apart = 0;  ///< planes round a corner do not meet within reach
-  std::int32_t added_for_crossing = 0, added_for_flipped = 0, added_for_meeting = 0;  ///< else it would have been so
+  double whole = 0;                  ///< share of the polygons that were not cut, or would not have been
+  std::int32_t faces_added = 0;      ///< faces added by cutting off corners; the sum of the counts below
+  std::int32_t added_for_apart = 0;  ///< planes at a corner do not meet within reach
+  std::int32_t added_for_crossing = 0, added_for_flipped = 0, added_for_meeting = 0;  ///< fault of the uncut polygon
   bool left_off = false;  ///< more than MeshingOptions::planar_most would have been cut: polygons are as without planar
   bool operator==(const PlanarReport&) const = default;
 };
 
-/// What straight rims came to; see MeshingOptions::straight_rims.
+/// The result of straight rims; see MeshingOptions::straight_rims.
 struct RimReport {
   double reach = 0;                      ///< how far rims may leave the border, scene units; 0: they follow it
-  std::int32_t edges = 0;                ///< of polygons at the rim
-  double area_added = 0, area_lost = 0;  ///< between the border and the rims, scene units squared
+  std::int32_t edges = 0;                ///< edges of polygons at the rim
+  double area_added = 0, area_lost = 0;  ///< area between the border and the rims, scene units squared
   bool operator==(const RimReport&) const = default;
 };
 
-/// What came out, and by how much it is not perfect.
+/// The counts of the result, and its flaws.
 struct MeshingReport {
   std::int32_t polygons = 0, corners = 0, vertices = 0;
   std::int32_t regions = 0;
   std::int32_t regions_split = 0;  ///< regions that became more than one polygon
-  /// Polygons more than regions, by cause; those for holes count also walls that were parted from their plate.
+  /// Polygons beyond one a region, by cause; the count for holes includes walls that were parted from their plate.
   std::int32_t split_for_unconnected = 0, split_for_holes = 0, split_for_handles = 0, split_for_pinches = 0,
                split_for_closed = 0, split_for_repair = 0;
   std::int32_t merged_without_area = 0;  ///< pieces of regions that a neighbour took over, as they had no area
   std::int32_t joined_junctions = 0;     ///< pairs of vertices of three regions that became one vertex of four or five
-  std::int32_t mirrored_corners = 0;     ///< vertices exactly at the image of one, where the partition has a plane
+  std::int32_t mirrored_corners = 0;     ///< vertices exactly at the image of another one; 0 without a mirror plane
   bool closed = false;                   ///< every edge has two polygons
   bool manifold = false;                 ///< every edge one or two, every vertex one fan, consistently oriented
   std::int64_t euler = 0;
   double planarity_max = 0.0, planarity_mean = 0.0;  ///< scene units; the mean is weighted by area
   double distance_max = 0.0;  ///< largest distance of a corner from the vertex it stands for, scene units
-  std::int32_t crossing = 0, flipped = 0, bent = 0;  ///< polygons that stayed so; those of no area count as crossing
-  std::int64_t intersecting = 0;  ///< pairs of polygons that still intersect though their regions do not
-  std::int64_t excused = 0;       ///< such pairs of regions that intersect in the scan itself
+  std::int32_t crossing = 0, flipped = 0, bent = 0;  ///< remaining polygons; polygons of no area count as crossing
+  std::int64_t intersecting = 0;                     ///< pairs of polygons that intersect though their regions do not
+  std::int64_t excused = 0;                          ///< pairs of polygons whose regions intersect in the scan itself
   bool excused_at_least = false;  ///< there are more excused pairs: a million of the scan's faces were counted
   std::int32_t without_area = 0;  ///< polygons that are a face of the scan that has no area itself
   std::vector<Imperfection>
-      imperfect;               ///< of each flaw the first 1,000, by polygon, in rising order; a pair under both
+      imperfect;  ///< the first 1,000 of each flaw, by polygon, in rising order; a pair is listed under both
   std::int32_t diagonals = 0;  ///< edges that repair put across a region
   std::int32_t repair_rounds = 0;
   MeshingWork work;
-  bool repair_capped = false;  ///< something is left that takes more splits than repair_budget allows
+  bool repair_capped = false;  ///< a remaining flaw needs more splits than repair_budget allows
   PlanarReport planar;
   RimReport rims;
   std::int32_t planes_let_go = 0;  ///< size of PolygonMesh::planes_let_go
@@ -114,8 +114,8 @@ struct PolygonMesh {
 
 /// Turns the regions of a partition into polygons that meet edge to edge.
 ///
-/// \param moments  (F) of what each face stands for, where the mesh is a thinned one (tiles/thin.h), in the mesh's own
-///                 coordinates; planes are fitted to them. Empty: of the faces themselves
+/// \param moments  (F) moments of the surface that each face of a thinned mesh stands for (tiles/thin.h), in the mesh's
+///                 own coordinates; planes are fitted to them. Empty: the moments of the faces
 /// \throws InvalidInput  the partition is not one of this mesh; not F moments; an option out of its range
 /// \throws Cancelled     nothing was made
 /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 4.
