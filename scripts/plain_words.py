@@ -19,10 +19,10 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 3.0  # over all folders without a limit of their own
-LIMITS = {  # folders that are still to be reworded
+LIMITS = {  # addon is still to be reworded; both folders of meshing are plain and have to stay so
     "addon": 21.0,
-    "native/include/isimp/meshing": 30.0,
-    "native/src/meshing": 42.0,
+    "native/include/isimp/meshing": 1.5,
+    "native/src/meshing": 0.5,
 }
 OF_C = {".h", ".cpp", ".cu", ".cuh", ".in"}
 
