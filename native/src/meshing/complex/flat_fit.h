@@ -9,7 +9,7 @@
 
 namespace isimp::meshing {
 
-/// Over-relaxation: the step of a corner per turn, in steps to the mean of its projections; from 2 on it would diverge.
+/// Over-relaxation: a corner moves by this times the step to the mean of its projections; from 2 on it would diverge.
 constexpr double kRelax = 1.7;
 /// A corner may move by this times the length of its shortest edge.
 constexpr double kOfEdge = 1.5;

@@ -8,7 +8,7 @@
 
 namespace isimp::meshing {
 
-/// The changes of a State since the begin of the transaction. They can be undone: all of them, exactly, or some.
+/// The changes of a State since the start of the transaction. They can be undone: all of them, exactly, or some.
 ///
 /// A pass applies many changes, finds new defects and undoes the changes that caused them. So apart from `rollback`
 /// there are functions that undo one union, or the corners of one piece. `State::update_in_place` then updates the
@@ -29,7 +29,7 @@ class Transaction {
   /// included.
   void rollback();
 
-  // The positions of corners at the begin of the transaction. All functions below restore the state of that time.
+  // The positions of corners at the start of the transaction. All functions below restore the state of that time.
   [[nodiscard]] const Vec3& place_before(std::int32_t corner) const;
   void restore_place(std::int32_t corner);
   /// Restores the places of all corners.

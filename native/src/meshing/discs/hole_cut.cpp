@@ -244,7 +244,7 @@ class Ears {
   std::vector<std::int32_t> row_;                              // by loop: its index in rows_, kNone for the outline
   std::vector<std::vector<std::int32_t>> rows_;                // the loops along each ear
   std::vector<Link> links_;                                    // by loop
-  std::vector<std::int32_t> start_;                            // begin of each loop's links
+  std::vector<std::int32_t> start_;                            // where the links of each loop start
   std::priority_queue<std::pair<double, std::int32_t>> open_;  // the shortest link from a loop that was reached first
 };
 

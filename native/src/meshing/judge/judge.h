@@ -107,8 +107,8 @@ bool facets_meet(const FacetSet& a, const FacetSet& b);
 /// Pairs of faces of the scan, at their places, that meet.
 struct GivenHits {
   std::vector<Hit> first;  ///< some of them, in rising order of the first, then of the second
-  std::int64_t count = 0;  ///< number of all pairs that were counted
-  bool is_all = true;      ///< whether all were counted
+  std::int64_t count = 0;  ///< pairs that were counted
+  bool is_all = true;      ///< whether these are all pairs
 };
 
 /// The pairs of `given` pieces that meet.

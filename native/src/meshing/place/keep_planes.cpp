@@ -139,7 +139,7 @@ class Keeper {
   Transaction transaction_;
   std::vector<Plane> planes_;                  // by piece: the snapped plane if it is kept, else that of the state
   std::vector<bool> is_let_go_;                // by region
-  std::vector<std::uint8_t> faults_;           // by piece: the faults at the begin
+  std::vector<std::uint8_t> faults_;           // by piece: the faults at the start
   std::set<std::array<std::int32_t, 2>> met_;  // pairs of pieces that met
   std::vector<std::int32_t> asked_;            // pieces whose planes are new or were released
 };

@@ -462,11 +462,11 @@ class Planarizer {
   Places places_;
   const Around around_;
   Near near_;
-  const std::vector<std::vector<std::array<std::int32_t, 2>>> diagonals_;  // at the begin
+  const std::vector<std::vector<std::array<std::int32_t, 2>>> diagonals_;  // diagonals at the start
   Edges edges_;
   std::vector<std::vector<Edge>> own_;         // by unit
   std::vector<std::int32_t> first_;            // by piece: its first unit
-  std::vector<std::uint8_t> faults_;           // by piece: the faults at the begin
+  std::vector<std::uint8_t> faults_;           // by piece: the faults at the start
   std::set<std::array<std::int32_t, 2>> met_;  // pairs of pieces that met
   std::vector<Vec3> at_;
   Kept kept_;
