@@ -31,9 +31,7 @@ def test_a_scan_becomes_a_manifold_with_a_label_for_each_face(data, tmp_path, na
     assert said["input"]["faces"] == faces == len(values)
     assert said["regions"] == max(min(200, faces), said["partition"]["proxies_needed"])
     unlabelled = set(range(said["regions"])) - set(values)
-    assert not unlabelled or said["repair"]["filled_holes"] + said["repair"]["cut_handles"], (
-        "a region off patches"
-    )
+    assert not unlabelled or said["repair"]["filled_holes"] + said["repair"]["cut_handles"], "a region off patches"
     assert max(values) < said["regions"]
     assert said["output"]["manifold"] is True
     assert said["output"]["closed"] == said["mesh"]["closed"] or said["partition"]["parts_left_out"]
