@@ -210,6 +210,8 @@ double mean_edge(const MeshArrays& arrays) {
 std::optional<Stitched> stitch(const MeshArrays& arrays, const Topology& topology, std::optional<double> distance,
                                RepairLog& log, Job& job) {
   if (topology.border.empty() || distance == 0.0) return std::nullopt;
+  // Triangles of which most edges are borders are a soup to be welded, not chunks.
+  if (!distance && topology.border.size() >= arrays.triangles.size()) return std::nullopt;
   const double reach = distance ? *distance : kEdges * mean_edge(arrays);
   if (!(reach > 0)) return std::nullopt;
   Stitcher stitcher(arrays, topology, job);
