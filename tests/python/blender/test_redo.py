@@ -61,6 +61,30 @@ def textured():
     bpy.ops.isimp.mesh()
 
 
+def column():
+    """A standing cylinder: 24 rows of 48 quads, then the cap below and the one above."""
+    angle, height = np.arange(48) * np.pi / 24, np.linspace(-2, 2, 25)
+    ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], 1)
+    points = [ring + [0, 0, z] for z in height] + [np.array([[0, 0, -2.0], [0, 0, 2.0]])]
+    row, k = (a.ravel() for a in np.meshgrid(np.arange(24), np.arange(48), indexing="ij"))
+    a, b = 48 * row + k, 48 * row + (k + 1) % 48
+    faces = np.stack([a, b, b + 48, a + 48], 1).tolist()
+    faces += [[(i + 1) % 48, i, 25 * 48] for i in range(48)]
+    faces += [[24 * 48 + i, 24 * 48 + (i + 1) % 48, 25 * 48 + 1] for i in range(48)]
+    return scans.add("Scan", np.concatenate(points), faces)
+
+
+def columned():
+    scan = column()
+    bpy.ops.isimp.partition(proxies=14)
+    scans.select_faces(scan, *range(24 * 48))
+
+
+def turned():
+    column()
+    bpy.ops.isimp.partition(proxies=14, curved=True)
+
+
 CUT = {"face": 0, "direction": (1, 0, 0)}
 #: operator, the state before, its settings at first and then
 CHANGES = [
@@ -76,6 +100,9 @@ CHANGES = [
     ("paint_faces", parted, {"painted": "-1:0,1,2,3"}, {"painted": "-1:0,1"}),
     ("paint_faces", parted, {"painted": "-1:0,1,2,3"}, {"painted": "-1:0,1,2,3", "lock": True}),
     ("cut_region", parted, CUT | {"line": (-1, -1, 0.1, -1, 1, 0.1)}, CUT | {"line": (-1, 0.1, -1, -1, 0.1, 1)}),
+    ("make_round", columned, {"kind": "cylinder"}, {"kind": "revolution"}),
+    ("round_segments", turned, {"face": 0, "segments": 8}, {"face": 0, "segments": 16}),
+    ("explode_round", turned, {"face": 0}, {"face": 500}),
     ("add_worst", rounded, {"times": 1}, {"times": 3}),
     ("delete_least", rounded, {"times": 1}, {"times": 3}),
     ("merge_cheapest", rounded, {"times": 1}, {"times": 3}),

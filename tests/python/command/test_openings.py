@@ -28,16 +28,16 @@ def simplified(tmp_path, mesh, *options):
 
 
 def test_tunnels_that_the_regions_cannot_show_are_closed_and_named(tmp_path):
-    report, said = simplified(tmp_path, shapes.room(16), f"--proxies={REGIONS}")
+    report, said = simplified(tmp_path, shapes.room(24), f"--proxies={REGIONS}")
     assert report["closed_below"] > 4.5
-    assert report["repair"]["cut_handles"] == 16
+    assert report["repair"]["cut_handles"] == 24
     assert len(report["repaired_at"]["cut_handles"]) > 0
     assert "openings up to" in said
     assert "--keep-openings" in said
     assert report["output"]["closed"]
     assert report["mesh"]["euler"] == 0, "the door and the window make one real handle"
     whole, _ = simplified(tmp_path, shapes.room(0), f"--proxies={REGIONS}")
-    kept, _ = simplified(tmp_path, shapes.room(16), f"--proxies={REGIONS}", "--keep-openings")
+    kept, _ = simplified(tmp_path, shapes.room(24), f"--proxies={REGIONS}", "--keep-openings")
     assert report["output"]["polygons"] <= 1.1 * whole["output"]["polygons"], "tunnels leave no dents"
     assert kept["output"]["polygons"] > 1.15 * report["output"]["polygons"]
 

@@ -20,11 +20,15 @@ class ISIMP_PT_round_parts(SubPanel, bpy.types.Panel):
     bl_parent_id = "ISIMP_PT_regions"
     bl_options = {"DEFAULT_CLOSED"}
 
+    @classmethod
+    def poll(cls, context):
+        """Of scans with round parts, and in Edit Mode, where faces are selected to be made round."""
+        return super().poll(context) and (bool(_parts(context)) or context.mode == "EDIT_MESH")
+
     def draw(self, context):
         layout = self.prepare(context)
         layout.operator("isimp.make_round", icon="MESH_CYLINDER")
-        parts = store.numbers(targets.seen(context)[0]).get("round", ())
-        for kind, radius, segments, _, face in parts[:_MOST_LINES]:
+        for kind, radius, segments, _, face in _parts(context)[:_MOST_LINES]:
             column = layout.column(align=True)
             column.label(text=said(_KINDS[kind], radius=text.in_scene(radius)))
             row = column.row(align=True)
@@ -34,6 +38,10 @@ class ISIMP_PT_round_parts(SubPanel, bpy.types.Panel):
                 if change < 0:
                     row.label(text=said("{number} segments", number=segments))
             row.operator("isimp.explode_round", icon="MOD_EXPLODE").face = face
+
+
+def _parts(context) -> list:
+    return store.numbers(targets.seen(context)[0]).get("round", [])
 
 
 CLASSES = (ISIMP_PT_round_parts,)
