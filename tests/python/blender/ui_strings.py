@@ -13,6 +13,8 @@ from isimp.engine_options import MESHING, PARTITION, TEXTURE
 _FOLDER = Path(blender.__file__).parent
 _DRAWN = ("panel/*.py", "menus.py", "preferences.py", "presets.py", "tools/__init__.py", "start.py", "targets.py")
 _BASES = (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu, bpy.types.PropertyGroup, bpy.types.AddonPreferences)
+if hasattr(bpy.types, "FileHandler"):  # Blender 4.1 and later
+    _BASES += (bpy.types.FileHandler,)
 _SENTENCE = re.compile(r"[a-z]{2,} \W*[a-z{]|[}a-z]\S* [a-z]{2,}")
 _OWN = {"rna_type", "bl_idname", "filepath", "filter_glob", "remove_name", "remove_active"}
 
