@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the requirements of the checks on Debian 12, runs them all, and ends with the line "N passed, N failed".
-#   scripts/test.sh              every stage; clang-tidy on the sources that the last day changed
+#   scripts/test.sh              every stage; clang-tidy on the sources that the last six hours changed
 #   scripts/test.sh cpp python   only these stages
 #   scripts/test.sh quick        format, lint and the quick tests on a development build: two minutes when it is warm
 #   scripts/test.sh changed      format, lint and the tests that the changes since main touch, by place
@@ -133,9 +133,9 @@ stage_tsan() { # the data of threads, under the thread sanitizer, which can't se
   done
 }
 
-stage_tidy() { # clang-tidy, on the sources and headers whose code changed in the last day
+stage_tidy() { # clang-tidy, on the sources and headers whose code changed in the last six hours
   local since sources
-  since=${ISIMP_TIDY_SINCE:-$(git rev-list -1 --before='24 hours ago' HEAD)}
+  since=${ISIMP_TIDY_SINCE:-$(git rev-list -1 --before='6 hours ago' HEAD)}
   prepare_tidy
   mapfile -t sources < <("$python" scripts/tidy_sources.py build-test "$since")
   [ ${#sources[@]} = 0 ] || run-clang-tidy -quiet -p build-test -j2 "${sources[@]/%/\$}"
