@@ -74,6 +74,7 @@ class Chooser {
     std::map<std::int32_t, std::vector<std::size_t>> sets;
     for (std::size_t k = 0; k < s_.patches.size(); ++k) sets[forest.root(static_cast<std::int32_t>(k))].push_back(k);
     std::vector<std::vector<std::size_t>> all;
+    all.reserve(sets.size());
     for (auto& [root, some] : sets) all.push_back(std::move(some));
     return all;
   }

@@ -62,7 +62,8 @@ class Search {
       const auto n = static_cast<std::int32_t>(seeds.size()), count = std::min(kSeeds, n);
       for (std::int32_t k = 0; k < count; ++k) {
         // Between the seeds of the round before: halves, then quarters.
-        const double shift = std::fmod(0.5 * round + 0.25 * (round / 2), 1.0);
+        const int pairs = round / 2;
+        const double shift = std::fmod(0.5 * round + 0.25 * pairs, 1.0);
         try_seed(seeds[static_cast<std::size_t>(std::min(n - 1.0, (k + shift) * n / count))], k % 2 == 0);
       }
       std::optional<Found> best = choose();

@@ -188,6 +188,7 @@ std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& 
   if (bins.size() < 3) return std::nullopt;
   surface.closed = is_ring(bins);
   std::vector<Vec2> corners;
+  corners.reserve(bins.size());
   for (const Bin& b : bins) corners.push_back(b.place);
   if (!surface.closed) {
     const auto beyond = [](const Vec2& end, const Vec2& inner) {
