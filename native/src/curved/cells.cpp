@@ -75,7 +75,9 @@ class Cutter {
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     for (const std::int32_t v : vertices) offer(v, nearest);
-    for (const auto& [corner, n] : nearest) {
+    for (const auto& entry : nearest) {  // not a structured binding: clang 14 captures none
+      const auto& corner = entry.first;
+      const auto& n = entry.second;
       if (n.distance > std::pow(kNear * width_ * n.rho, 2) || !is_inside(n.vertex, at)) continue;
       for_each_leaving(mesh, n.vertex, [&](std::int32_t h) {
         const std::size_t k = at.at(graph.graph_face[Mesh::face(h)]);
@@ -130,7 +132,7 @@ class Cutter {
       const auto& [area, out, up, rho, z] = sum[r];
       if (area <= 0) continue;
       for (std::int32_t s = 0; s < (is_cap(r) ? 1 : p_.segments); ++s) {
-        const auto c = static_cast<std::size_t>(r * p_.segments + s);
+        const auto c = static_cast<std::size_t>(r) * p_.segments + s;
         cells.cell[c] = {kNone, r, s};
         if (is_cap(r)) {
           cells.normal[c] = up < 0 ? Vec3(-p_.axis) : p_.axis;
