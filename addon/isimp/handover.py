@@ -30,7 +30,7 @@ class Model:
 
 
 def _topology(loops: np.ndarray, start: np.ndarray) -> tuple[bool, bool]:
-    """(whether every edge has two polygons, whether none has more and those of two run along it both ways)."""
+    """Returns whether the polygons are closed (two at each edge) and manifold (at most two, in opposite directions)."""
     after = np.roll(loops, -1)
     after[np.append(start[1:], len(loops)) - 1] = loops[start]
     ends = np.stack([loops, after], axis=1)
@@ -57,7 +57,7 @@ def _planarity(vertices: np.ndarray, loops: np.ndarray, start: np.ndarray) -> np
 
 
 def export(path: Path, model: Model, crs: int | None) -> None:
-    """Writes a building; see `isimp_engine.exporting`. Raises ValueError, which names what is missing."""
+    """Writes a building; see `isimp_engine.exporting`. Raises ValueError, which names the missing package."""
     engine.exporting.write(path, model, crs=crs)
 
 
@@ -76,16 +76,7 @@ def report_texts(mesh: Any, outcome: Outcome, place: np.ndarray, name: str, crs:
     from importlib import import_module
 
     reports = import_module(f"{engine.__name__}.reports")
-    picture = import_module(f"{engine.__name__}.batch.picture")
     part, poly = outcome.partition, outcome.polygons
     table = reports.plane_table(mesh, part, poly, place=place)
-    turned = np.asarray(mesh.vertices) @ place[:3, :3].T, np.asarray(poly.vertices) @ place[:3, :3].T
-    seen = picture.beside(
-        (turned[0], np.asarray(mesh.triangles)), (turned[1], poly.loops, poly.loop_start, poly.polygon_region), 420
-    )
-    numbers = reports.numbers_of(mesh, part, poly.report, table)
-    return {
-        "planes.csv": reports.write_csv(table.rows),
-        "planes.geojson": reports.write_geojson(table, crs),
-        "report.html": reports.write_page(name, numbers, table, seen),
-    }
+    texts: dict[str, str] = reports.texts_of(name, mesh, part, poly, table, crs, place[:3, :3])
+    return texts

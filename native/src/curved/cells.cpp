@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <unordered_map>
 
 #include "isimp/core/to_integer.h"
@@ -13,7 +12,6 @@
 namespace isimp::curved {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kNear = 0.35;  ///< share of a segment's width: a vertex further from a corner does not become one
 
 class Cutter {

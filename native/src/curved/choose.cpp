@@ -17,7 +17,6 @@ constexpr double kSameAxis = 0.9995;  ///< cosine
 constexpr double kBesideAxis = 2;     ///< times the nearness, of one point from the other axis
 constexpr int kTries = 3;             ///< tries to find cells whose number is not larger than before
 constexpr double kSpeck = 0.25;       ///< share of a cell's area
-constexpr double kMoreCells = 1.03;
 
 /// Patches that have the same axis and touch each other.
 bool is_coaxial(const CurvedProxy& a, const CurvedProxy& b, double distance) {
@@ -50,7 +49,7 @@ class Chooser {
         choose(some, share);
         double pieces = 0;
         for (const std::size_t i : some) pieces += pieces_of(s_.patches[i]);
-        if (pieces <= kMoreCells * cells + 0.5) break;
+        if (pieces <= kMoreCells * cells + kHalfCell) break;
         share *= cells / pieces;
       }
     }
@@ -155,8 +154,8 @@ class Chooser {
         cost += g.cost;
         count += g.cells;
       }
-      if (best != nullptr && (cost >= least || count > kMoreCells * cells + 0.5)) continue;
-      least = count > kMoreCells * cells + 0.5 ? std::numeric_limits<double>::max() : cost;
+      if (best != nullptr && (cost >= least || count > kMoreCells * cells + kHalfCell)) continue;
+      least = count > kMoreCells * cells + kHalfCell ? std::numeric_limits<double>::max() : cost;
       best = &all;
     }
     if (best == nullptr) return;
@@ -186,7 +185,8 @@ class Chooser {
       std::size_t best = some.size();
       double most = 0;
       for (std::size_t k = 0; k < some.size(); ++k) {
-        if (next[k].rings == all[k].rings || count + next[k].cells - all[k].cells > kMoreCells * cells + 0.5) continue;
+        if (next[k].rings == all[k].rings || count + next[k].cells - all[k].cells > kMoreCells * cells + kHalfCell)
+          continue;
         const double gain = (all[k].cost - next[k].cost) / std::max(1, next[k].cells - all[k].cells);
         if (gain <= most) continue;
         most = gain;

@@ -16,7 +16,6 @@ namespace {
 
 using namespace curved;
 
-constexpr std::int32_t kMostSegments = 256, kMostRings = 64;
 constexpr std::size_t kMostSamples = 1500;  ///< number of faces that a surface of revolution is fitted to, about
 constexpr double kNearlyAsWell = 1.3;       ///< a simpler kind may be that much worse
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 
 #include "isimp/core/to_integer.h"
@@ -12,16 +11,13 @@
 namespace isimp::curved {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-constexpr int kBins = 120;           ///< number of bins of the profile
-constexpr int kSteps = 72;           ///< number of steps of a full turn in the search for gaps
-constexpr double kOccupied = 0.15;   ///< share of the mean area of steps that are not empty
-constexpr double kFullTurn = 0.93;   ///< share of the steps that are occupied
-constexpr double kCapRadius = 0.12;  ///< share of the largest radius: an end nearer to the axis may be a cap
-constexpr double kCapWeight = 1.5;   ///< weight of the distance of a cap, which counts as one cell
-constexpr double kMoreCells = 1.03, kHalfCell = 0.5;
+constexpr int kBins = 120;               ///< number of bins of the profile
+constexpr int kSteps = 72;               ///< number of steps of a full turn in the search for gaps
+constexpr double kOccupied = 0.15;       ///< share of the mean area of steps that are not empty
+constexpr double kFullTurn = 0.93;       ///< share of the steps that are occupied
+constexpr double kCapRadius = 0.12;      ///< share of the largest radius: an end nearer to the axis may be a cap
+constexpr double kCapWeight = 1.5;       ///< weight of the distance of a cap, which counts as one cell
 constexpr std::int32_t kLeastRound = 6;  ///< least number of segments of a full turn
-constexpr std::int32_t kMostSegments = 256, kMostRings = 64;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 using Row = std::array<double, kBins + 1>;

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "points.h"
 #include "surfaces.h"
 
 namespace isimp::curved {
+
+inline constexpr std::int32_t kMostSegments = 256, kMostRings = 64;
+inline constexpr double kMoreCells = 1.03, kHalfCell = 0.5;  ///< cuts may have 1.03 n + .5 cells for n
 
 /// The faces of a patch, seen from its axis.
 struct PatchFaces {

@@ -13,7 +13,7 @@ namespace isimp::curved {
 namespace {
 
 constexpr double kOfTolerance = 0.3, kOfNoise = 2.5;  ///< how near data is to its surface
-constexpr double kTurn = 14 * std::numbers::pi / 180;
+constexpr double kNearTurn = 14 * std::numbers::pi / 180;
 constexpr std::size_t kLeastFaces = 20;
 constexpr double kSquare = 0.1;   ///< cosine: a plane along an axis
 constexpr double kTouches = 2.5;  ///< times the nearness: a plane that touches a cylinder
@@ -93,7 +93,7 @@ CurvedSurface fitted(const Faces& faces, const CurvedSurface& surface, const Som
 
 Scene find_patches(const Faces& faces, const Partition& part, const Partition& data, const RoundLengths& lengths,
                    std::span<const std::uint8_t> stays, Job& job) {
-  const Nearness near{std::max(kOfTolerance * lengths.tolerance, kOfNoise * lengths.noise), kTurn,
+  const Nearness near{std::max(kOfTolerance * lengths.tolerance, kOfNoise * lengths.noise), kNearTurn,
                       faces.mesh().diagonal()};
   std::vector<std::uint8_t> locked;
   if (!part.region_locked.empty() || !stays.empty()) {

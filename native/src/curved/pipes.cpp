@@ -9,11 +9,9 @@
 namespace isimp::curved {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kSquare = 0.1;    ///< cosine of the axes of a pipe and its bend
 constexpr double kSameRadius = 3;  ///< times the nearness
-constexpr double kMoreCells = 1.03;
-constexpr std::int32_t kMostSegments = 128;
+constexpr std::int32_t kMostOfPipe = 128;
 constexpr int kLeastEdges = 6;  ///< least number of edges of a common border
 
 /// The mean square distance of an arc of radius 1 from its chord through the mean.
@@ -151,9 +149,9 @@ class Pipes {
     }
     std::int32_t rings = 0, segments = 0;
     double least = 0;
-    for (std::int32_t n = 3; n <= kMostSegments; ++n)
-      for (std::int32_t m = 1; m <= kMostSegments; ++m) {
-        if (n * (m + static_cast<double>(run.pipes.size())) > kMoreCells * cells + 0.5) break;
+    for (std::int32_t n = 3; n <= kMostOfPipe; ++n)
+      for (std::int32_t m = 1; m <= kMostOfPipe; ++m) {
+        if (n * (m + static_cast<double>(run.pipes.size())) > kMoreCells * cells + kHalfCell) break;
         if (rings > 0 && tube.radius * (1 - std::cos(std::numbers::pi / n)) < bend.rough) break;
         const double cost = all * tube.radius * tube.radius * of_chord(kTurn / n) +
                             area(run.bend) * tube.middle.squaredNorm() / 2 * of_chord(bend.proxy.span / m);

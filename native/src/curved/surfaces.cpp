@@ -9,7 +9,6 @@
 namespace isimp::curved {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kTiny = 1e-300;
 constexpr double kBeyond = 3;  ///< times its first and its last edge: an open profile is extended by this
 

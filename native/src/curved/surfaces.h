@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <numbers>
 #include <span>
 
 #include "isimp/partition/curved.h"
@@ -9,6 +10,8 @@
 namespace isimp::curved {
 
 using Vec2 = Eigen::Vector2d;
+
+inline constexpr double kTurn = 2 * std::numbers::pi;  ///< a full turn, radians
 
 /// A point seen from the axis of a surface.
 struct Polar {

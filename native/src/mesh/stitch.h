@@ -20,8 +20,8 @@ struct Stitched {
 /// Joins borders of chunks of a scan whose vertices do not match: each border vertex moves to the nearest edge of
 /// another border, that of another component or one beyond a gap, whose face lies the same way within 60 degrees,
 /// either side up. Near an end of that edge both become one vertex, else the vertex is put into the edge.
-/// \param distance  scene units; nothing: two mean edges, if a tenth of the border has the border of another component
-///                 that near
+/// \param distance  scene units; nothing: two mean edges, if a tenth of the border and at least 100 vertices have the
+///                 border of another component that near, and the mesh has more faces than border edges
 /// \param log  gets the stitched vertices
 /// \return nothing where there is nothing to stitch
 /// Cost: O(V + F), and O(b log b) for b border edges.

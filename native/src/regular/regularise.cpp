@@ -40,8 +40,7 @@ enum class Kind : std::uint8_t { free, level, upright, slope, parallel, by_hand 
 
 struct Region : RegionPlane {
   Kind kind = Kind::free;
-  bool stays_free = false;  ///< released by hand
-  bool is_round = false;    ///< a cell of a curved patch, which stays as if set by hand
+  std::uint8_t chosen = 0;  ///< kPlaneByHand or kPlaneRound: its plane stays; kPlaneFree: it stays free; else 0
 };
 
 double azimuth_difference(double a, double b) {
@@ -62,10 +61,9 @@ class Regulariser {
     for (const RegionPlane& plane : planes) {
       const std::size_t i = regions_.size();
       Region& r = regions_.emplace_back(Region{plane});
-      if (partition.region_held.empty()) continue;
-      r.stays_free = partition.region_held[i] == kPlaneFree;
-      r.is_round = partition.region_held[i] == kPlaneRound;
-      if (partition.region_held[i] != kPlaneByHand && !r.is_round) continue;
+      if (partition.region_held.empty() || partition.region_held[i] == kPlaneSnapped) continue;
+      r.chosen = partition.region_held[i];
+      if (r.chosen == 0 || r.chosen == kPlaneFree) continue;
       r.kind = Kind::by_hand;
       r.snapped = partition.region_normal[i];
       r.offset = partition.region_offset[i];
@@ -85,7 +83,7 @@ class Regulariser {
     largest_first(left);
     std::erase_if(left, [&](std::int32_t r) { return regions_[r].scan.area <= 0; });
     const Some all = left;
-    std::erase_if(left, [&](std::int32_t r) { return is_by_hand(r) || regions_[r].stays_free; });
+    std::erase_if(left, [&](std::int32_t r) { return is_by_hand(r) || regions_[r].chosen == kPlaneFree; });
     if (has_up()) {
       take(left, Kind::level, [&](const Region&) { return z_; });
       snap_upright(left, all);
@@ -107,17 +105,14 @@ class Regulariser {
     for (std::size_t i = 0; i < regions_.size(); ++i) {
       const Region& r = regions_[i];
       if (r.scan.area <= 0) continue;
-      out.region_held[i] = r.stays_free              ? kPlaneFree
-                           : r.is_round              ? kPlaneRound
-                           : r.kind == Kind::by_hand ? kPlaneByHand
-                           : r.kind == Kind::free    ? 0
-                                                     : kPlaneSnapped;
+      const std::uint8_t snapped = r.kind == Kind::free ? 0 : kPlaneSnapped;
+      out.region_held[i] = r.chosen != 0 ? r.chosen : snapped;
       out.region_offset[i] = r.offset;
       out.region_normal[i] = r.snapped;
     }
     if (depth_ > 0) merge_islands(out, found);
     for (const Region& r : regions_)
-      if (r.scan.area > 0 && !r.is_round) count(found, r.kind);
+      if (r.scan.area > 0 && r.chosen != kPlaneRound) count(found, r.kind);
     found.length = length_;
     found.even = even_;
     out.regularity = found;

@@ -98,15 +98,13 @@ Partition Partitioner::run(const PartitionOptions& options, const Constraints& c
     counted.proxies = proxies_for(*options.triangles, mesh_->face_count());
     return run(counted, constraints, job);
   }
-  if (options.curved) {
-    Partition result = with_round_parts(options, constraints, job);
-    ISIMP_ASSERT(broken_promise(Surface(*mesh_, result.guided), result).empty(), "a partition keeps its promises");
-    return result;
-  }
   const bool plain = options.symmetry == Symmetry::none;
-  Partition result = plain ? without_symmetry(options, constraints, job) : with_symmetry(options, constraints, job);
+  Partition result = options.curved ? with_round_parts(options, constraints, job)
+                     : plain        ? without_symmetry(options, constraints, job)
+                                    : with_symmetry(options, constraints, job);
   const bool whole = constraints.before == nullptr && !constraints.faces;
-  if (options.sharp_edges && plain && whole && !options.bound)
+  // Round parts begin with a partition by planes, whose edges are sharp already.
+  if (options.sharp_edges && !options.curved && plain && whole && !options.bound)
     if (const auto labels = without_strips(*mesh_, result, *options.sharp_edges, job)) {
       Partition sharp = inherited(partition_from(Surface(*mesh_, result.guided), *labels, job), result);
       sharp.proxies_asked = std::min(sharp.proxies_asked, sharp.region_count());

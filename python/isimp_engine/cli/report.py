@@ -3,19 +3,14 @@
 import argparse
 from pathlib import Path
 
-import numpy as np
-
 from .. import reports
-from ..batch import picture
 from . import simplify, words
 from .errors import UsageError
 from .files import Outputs, show
 from .loading import load
 from .progress import Steps, wanted
 
-FILES = ("planes.csv", "planes.geojson", "report.html")
 ANGLES = "angles.csv"
-_SIDE = 420  # pixels of each picture
 
 
 def regions(text: str) -> list[int]:
@@ -57,15 +52,7 @@ def run(arguments: argparse.Namespace) -> None:
         if missing := [number for number in arguments.angles if number not in known]:
             raise UsageError(f"--angles: there is no region {missing[0]}; they are numbered from 0 to {max(known)}")
         angles = reports.angle_rows(table, arguments.angles)
-    scan = np.asarray(model.mesh.vertices), np.asarray(model.mesh.triangles)
-    seen = picture.beside(scan, (poly.vertices, poly.loops, poly.loop_start, poly.polygon_region), _SIDE)
-    texts = {
-        "planes.csv": reports.write_csv(table.rows),
-        "planes.geojson": reports.write_geojson(table, arguments.crs),
-        "report.html": reports.write_page(
-            source.path.name, reports.numbers_of(model.mesh, model.partition, model.found.report, table), table, seen
-        ),
-    }
+    texts = reports.texts_of(source.path.name, model.mesh, model.partition, poly, table, arguments.crs)
     if angles is not None:
         texts[ANGLES] = reports.write_csv(angles, ("region", "other", "angle"))
     arguments.output.mkdir(parents=True, exist_ok=True)

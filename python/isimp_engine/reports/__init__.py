@@ -1,6 +1,16 @@
 """Reports about a model: tables of its planes, and a page with pictures."""
 
+from .files import texts_of
 from .page import numbers_of, write_page
 from .planes import PlaneTable, angle_rows, plane_table, write_csv, write_geojson
 
-__all__ = ["PlaneTable", "angle_rows", "numbers_of", "plane_table", "write_csv", "write_geojson", "write_page"]
+__all__ = [
+    "PlaneTable",
+    "angle_rows",
+    "numbers_of",
+    "plane_table",
+    "texts_of",
+    "write_csv",
+    "write_geojson",
+    "write_page",
+]

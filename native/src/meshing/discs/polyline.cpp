@@ -7,13 +7,6 @@
 namespace isimp::meshing {
 namespace {
 
-double squared_distance(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 d = b - a;
-  const double l = d.squaredNorm();
-  const double t = l > 0 ? std::clamp((p - a).dot(d) / l, 0.0, 1.0) : 0.0;
-  return (p - a - t * d).squaredNorm();
-}
-
 void split(std::span<const Vec3> line, std::size_t offset, double reach, bool always, std::vector<std::size_t>& kept) {
   if (line.size() < 3) return;
   const auto [distance, where] = farthest(line);
@@ -88,6 +81,13 @@ double most_within(std::span<const Vec3> line, std::size_t first, std::size_t la
 }
 
 }  // namespace
+
+double squared_distance(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 d = b - a;
+  const double l = d.squaredNorm();
+  const double t = l > 0 ? std::clamp((p - a).dot(d) / l, 0.0, 1.0) : 0.0;
+  return (p - a - t * d).squaredNorm();
+}
 
 Farthest farthest(std::span<const Vec3> line) {
   const Vec3 &a = line.front(), &b = line.back();

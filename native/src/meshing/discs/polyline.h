@@ -9,6 +9,9 @@
 
 namespace isimp::meshing {
 
+/// The squared distance of a point from the segment between two others.
+double squared_distance(const Vec3& p, const Vec3& a, const Vec3& b);
+
 struct Farthest {
   double distance;    ///< distance of a point from the segment between first and last; -1 if there are no more points
   std::size_t where;  ///< its index

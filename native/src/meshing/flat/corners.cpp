@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "discs/polyline.h"
 #include "flat/flat.h"
 
 namespace isimp::meshing::flat {
@@ -19,13 +21,6 @@ std::vector<std::int32_t> border_edges(const Mesh& mesh, const Regions& regions)
   return count;
 }
 
-double distance(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 ab = b - a;
-  const double squared = ab.squaredNorm();
-  const double t = squared > 0 ? std::clamp((p - a).dot(ab) / squared, 0.0, 1.0) : 0.0;
-  return (p - a - t * ab).norm();
-}
-
 /// Marks the corners of a chain of vertices between two corners. Ties go to the lowest vertex, so that the chain walked
 /// the other way has the same corners.
 void mark_bends(const Mesh& mesh, const Loop& chain, double far, std::vector<char>& is_corner) {
@@ -36,8 +31,8 @@ void mark_bends(const Mesh& mesh, const Loop& chain, double far, std::vector<cha
     double most = far;
     std::size_t farthest = begin;
     for (std::size_t i = begin + 1; i < end; ++i) {
-      const double away =
-          distance(mesh.vertices()[chain[i]], mesh.vertices()[chain[begin]], mesh.vertices()[chain[end]]);
+      const double away = std::sqrt(
+          squared_distance(mesh.vertices()[chain[i]], mesh.vertices()[chain[begin]], mesh.vertices()[chain[end]]));
       if (away > most || (away == most && farthest != begin && chain[i] < chain[farthest])) {
         most = away;
         farthest = i;

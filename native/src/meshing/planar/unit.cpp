@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "complex/outline.h"
+#include "discs/polyline.h"
 
 namespace isimp::meshing::planar {
 namespace {
@@ -18,13 +19,6 @@ constexpr double kMostToHeld = 6;  ///< replaces kMost if given planes are furth
 constexpr double kThin = 0.25;
 /// The cosine between the direction of least spread and that of the outline below which the former is not trusted.
 constexpr double kAgree = 0.8;
-
-/// The distance of a point from a segment, squared.
-double squared_distance(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 d = b - a;
-  const double length = d.squaredNorm(), t = length > 0 ? std::clamp((p - a).dot(d) / length, 0.0, 1.0) : 0.0;
-  return (p - a - t * d).squaredNorm();
-}
 
 /// Whether a point is inside a loop as seen along an axis: an odd number of edges on one side of it.
 bool is_inside(const Vec3& p, std::span<const std::int32_t> loop, std::span<const Vec3> at, int axis) {

@@ -1,0 +1,37 @@
+"""The files of a report about a model."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._core import Mesh, Partition, PolygonMesh
+from ..batch import picture
+from .page import numbers_of, write_page
+from .planes import PlaneTable, write_csv, write_geojson
+
+_SIDE = 420  # pixels of each picture
+
+
+def texts_of(
+    title: str,
+    mesh: Mesh,
+    part: Partition,
+    polygons: PolygonMesh,
+    table: PlaneTable,
+    crs: int | None = None,
+    turn: NDArray[np.float64] | None = None,
+) -> dict[str, str]:
+    """Return the content of each file of a report, by the file's name.
+
+    table: the planes, as `plane_table` returns them. crs: EPSG number of the coordinates, or None. turn: (3, 3) from
+    the coordinates of the mesh to those of the pictures; None: the same.
+    """
+    scan, model = np.asarray(mesh.vertices), np.asarray(polygons.vertices)
+    if turn is not None:
+        scan, model = scan @ turn.T, model @ turn.T
+    shown = model, polygons.loops, polygons.loop_start, polygons.polygon_region
+    seen = picture.beside((scan, np.asarray(mesh.triangles)), shown, _SIDE)
+    return {
+        "planes.csv": write_csv(table.rows),
+        "planes.geojson": write_geojson(table, crs),
+        "report.html": write_page(title, numbers_of(mesh, part, polygons.report, table), table, seen),
+    }
