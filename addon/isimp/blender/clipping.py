@@ -6,7 +6,7 @@ from ..language import own, said
 from . import targets
 from .text import in_scene
 
-_ROOM = 2.5  # depth of a view of all of the scan, in sizes of the scan
+_ROOM = 2.5  # depth of a view of the whole scan, in sizes of the scan
 _NEAR = 0.002  # of the size: the nearest that a view of it needs to show
 
 
@@ -14,7 +14,7 @@ _TEXTS = {"clip_end": own("Clips at {length}: show all"), "clip_start": own("Cli
 
 
 def hides(space, scan) -> str:
-    """The limit of a 3D view that clips a view of all of a scan: "clip_end" or "clip_start"; empty if none does."""
+    """The limit of a 3D view that clips a whole scan: "clip_end" or "clip_start"; empty if none does."""
     size = scan.dimensions.length
     if space is None or size <= 0:
         return ""

@@ -148,7 +148,7 @@ class RecipeOperator:
     _before = None  #: the numbers of the regions before
     _is_modal = False
 
-    #: The settings in the panel of the last operation (F9): those that matter
+    #: The most important settings, in the panel of the last operation (F9)
     adjusted: tuple = ()
 
     @classmethod

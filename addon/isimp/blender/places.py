@@ -38,7 +38,7 @@ def to_world(scan) -> np.ndarray:
 
 
 def model_of(context, scan, result) -> handover.Model:
-    """The result as it is seen, in map coordinates."""
+    """Returns the visible result in map coordinates."""
     seen = result.evaluated_get(context.evaluated_depsgraph_get())
     mesh = seen.to_mesh()
     try:

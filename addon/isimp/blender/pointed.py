@@ -27,7 +27,7 @@ def region(scan) -> int:
 
 
 def outline(scan) -> np.ndarray:
-    """(2 B, 3) float32: the border edges of that region; none where finding them would take time."""
+    """(2 B, 3) float32: the border edges of that region; empty if the search would be slow."""
     current, found = runtime.get(), face(scan)
     key = (scan.name, mesh_io.state_of(scan), found)
     if current.marked[0] != key:

@@ -124,9 +124,9 @@ def report_rows(
 ) -> list:
     """(row, icon, whether it is a warning) of the report in the panel, in rows of `width` letters.
 
-    The first row is how many polygons there are or will be, the next two the distance from the scan; then warnings.
-    There are always as many rows without warnings, so that what is below them stays where it is. `report_lines` has
-    all of the report.
+    The first row has the number of polygons, present or expected, the next two the distance from the scan. Warnings
+    follow. The number of rows without warnings is fixed, so that the buttons below do not move. `report_lines` has
+    the whole report.
     """
     lines = report_lines(numbers, system, scale, previewed, snaps=snaps)
     short = _short(numbers, system, scale, previewed, snaps)
@@ -242,7 +242,7 @@ def amount(numbers: dict, name: str, system: str, scale: float) -> str:
 
 
 def length(value: float, system: str, scale: float) -> str:
-    """A length with its unit. Blender's own texts have "um" and "mil", which nobody reads as a length."""
+    """A length with its unit. Blender's own texts have "um" and "mil", which are unusual for a length."""
     if system == "NONE":
         return f"{value:.3g}"
     if system == "METRIC" and 0 < abs(value * scale) < 1e-3:

@@ -1,4 +1,4 @@
-"""What is done with a result, what cleans regions up, and flat faces merged."""
+"""Operators that finish a result, clean regions up, or merge coplanar faces."""
 
 import bpy
 import numpy as np

@@ -1,4 +1,4 @@
-"""Edits of all regions at once: mirror them, and merge slivers."""
+"""Operators that mirror all regions or merge slivers."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""What is done with a result: kept as a level of detail, or opened for editing; and coplanar faces merged."""
+"""Operators that keep a result as a level of detail, open it for editing, or merge coplanar faces."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Edits of regions: of all at once, at the selected faces, or at places chosen by the error."""
+"""Panels of edits: of all regions, at the selected faces, or at places chosen by the error."""
 
 import bpy
 
@@ -62,7 +62,7 @@ def _row(context, column, *buttons) -> list:
 
 
 class ISIMP_MT_select(bpy.types.Menu):
-    """Select regions by what they are like"""
+    """Select regions by size, flatness or direction"""
 
     bl_label = "Select"
 

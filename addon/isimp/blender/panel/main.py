@@ -1,8 +1,8 @@
 """The main panel: the scan, presets, how many regions, Partition, Mesh and the report.
 
 The rows above a button are drawn before and after the button is pressed, so that it does not move under the mouse. The
-report holds its room too, as buttons of edits stand below it. Each group of the panel is one function: a setting that
-is new goes into the function of its group.
+report has a fixed height too, since buttons of edits are below it. Each group of the panel is one function: add a new
+setting to the function of its group.
 """
 
 import bpy

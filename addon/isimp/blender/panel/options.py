@@ -56,7 +56,7 @@ def _draw_polygons(layout, meshing) -> None:
 
 
 class ISIMP_PT_scan(Popover, bpy.types.Panel):
-    """What is known of the scan, what is mended before it is split, and what counts as noise"""
+    """Size, noise and repair of the scan before the partition"""
 
     bl_label = "Scan"
 
@@ -77,7 +77,7 @@ class ISIMP_PT_scan(Popover, bpy.types.Panel):
 
 
 def _draw_mended(layout, partition) -> None:
-    """Draws what is mended of the scan."""
+    """Draws the settings of the repair."""
     ticks = layout.column(align=True)
     ticks.use_property_split = False
     ticks.prop(partition, "close_openings")

@@ -1,4 +1,4 @@
-"""What is drawn over the scan, the texture of the result, and all numbers."""
+"""Panels of drawing, of the texture and of all numbers."""
 
 import dataclasses
 
@@ -10,7 +10,7 @@ from .common import SubPanel, ready
 
 
 class ISIMP_MT_colour(bpy.types.Menu):
-    """What is drawn over the scan, and what its colours tell"""
+    """The drawing over the scan, and the meaning of its colours"""
 
     bl_label = "Colour"
 
