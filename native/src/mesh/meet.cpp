@@ -2,6 +2,8 @@
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
+#include <algorithm>
+
 namespace isimp {
 namespace {
 
@@ -31,6 +33,8 @@ bool meet_elsewhere(const Triangle& f, const Corners& s, const Triangle& g, cons
       sum_g += m;
     }
   if (shared == 3) return true;
+  // Copies of a component in one place meet at corners. Exact arithmetic would decide each of their coplanar pairs.
+  if (shared == 0 && std::find_first_of(s.begin(), s.end(), t.begin(), t.end()) != s.end()) return true;
   const Solid a = solid(s), b = solid(t);
   if (shared == 0) return CGAL::do_intersect(a, b);
   if (shared == 1) {
