@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <numeric>
 #include <utility>
 
 #include "complex/outline.h"
@@ -167,8 +166,7 @@ bool Findings::meets_any(std::size_t i, std::span<const std::int32_t> pieces, st
   const std::int32_t l = pieces[i];
   const auto is_excused = [&](std::int32_t k) {
     const auto [low, high] = std::minmax(s_.labels.pieces[l].region, s_.labels.pieces[k].region);
-    const auto found = excuses_.find({low, high});
-    return found != excuses_.end() && found->second;
+    return excuses_.meet({low, high});
   };
   bool any = false;
   const auto look = [&](std::int32_t k, const FacetSet& other) {
@@ -216,55 +214,17 @@ void Findings::keep() {
   kept_hits_ = hits_;
 }
 
-std::array<std::int32_t, 2> Findings::regions_of(const Hit& h) const {
-  std::array<std::int32_t, 2> regions{s_.labels.pieces[h.a].region, s_.labels.pieces[h.b].region};
+ScanMeetings::Pair Findings::regions_of(const Hit& h) const {
+  ScanMeetings::Pair regions{s_.labels.pieces[h.a].region, s_.labels.pieces[h.b].region};
   std::sort(regions.begin(), regions.end());
   return regions;
 }
 
 void Findings::find_excuses(std::span<Hit> hits) {
-  struct Pair {
-    std::int32_t a, b;
-    bool* meet;
-  };
-  std::vector<Pair> pairs;
-  std::vector<std::int32_t> wanted;  // regions that are not known yet
-  for (const Hit& h : hits) {
-    const std::array<std::int32_t, 2> regions = regions_of(h);
-    const auto [at, fresh] = excuses_.try_emplace(regions, false);
-    if (!fresh) continue;
-    pairs.push_back({regions[0], regions[1], &at->second});
-    scan_parts_.resize(s_.regions);
-    for (const std::int32_t r : regions)
-      if (!scan_parts_[r]) wanted.push_back(r);
-  }
-  sort_unique(wanted);
-  if (!wanted.empty()) sort_faces_by_region();
-  s_.threads.blocks(static_cast<std::int32_t>(wanted.size()), 1, [&](std::int32_t i, std::int32_t, std::int32_t) {
-    job_.poll();
-    const std::int32_t r = wanted[i];
-    const auto faces = std::span(region_faces_).subspan(region_start_[r], region_start_[r + 1] - region_start_[r]);
-    scan_parts_[r] = std::make_unique<ScanPart>(s_.mesh, faces);
-  });
-  s_.threads.blocks(static_cast<std::int32_t>(pairs.size()), 1, [&](std::int32_t i, std::int32_t, std::int32_t) {
-    job_.poll();
-    *pairs[i].meet = scan_intersects(s_.mesh, *scan_parts_[pairs[i].a], *scan_parts_[pairs[i].b]);
-  });
-  for (Hit& h : hits) h.excused = excuses_.at(regions_of(h));
-}
-
-bool Findings::meet_in_scan(const Hit& h) const {
-  const auto source = s_.mesh.source_face();
-  if (std::find(source.begin(), source.end(), kNone) == source.end()) return true;
-  std::array<ScanPart, 2> parts;
-  const std::array<std::int32_t, 2> regions = regions_of(h);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    std::vector<std::int32_t> faces;
-    for (std::int32_t f = 0; f < s_.mesh.face_count(); ++f)
-      if (s_.partition.face_region[f] == regions[i] && source[f] != kNone) faces.push_back(f);
-    parts[i] = ScanPart(s_.mesh, faces);
-  }
-  return scan_intersects(s_.mesh, parts[0], parts[1]);
+  std::vector<ScanMeetings::Pair> pairs;
+  for (const Hit& h : hits) pairs.push_back(regions_of(h));
+  excuses_.test(pairs, s_.threads, job_);
+  for (std::size_t i = 0; i < hits.size(); ++i) hits[i].excused = excuses_.meet(pairs[i]);
 }
 
 GivenHits Findings::given_hits(std::size_t most, std::int64_t most_counted) const {
@@ -280,19 +240,6 @@ std::vector<bool> Findings::faulty(std::uint8_t which) const {
   for (const Hit& h : hits_)
     if (!h.excused) faulty[h.a] = faulty[h.b] = true;
   return faulty;
-}
-
-void Findings::sort_faces_by_region() {
-  if (!region_start_.empty()) return;
-  const auto& of = s_.partition.face_region;
-  region_start_.assign(s_.regions + 1, 0);
-  for (const std::int32_t r : of)
-    if (r != kNone) ++region_start_[r + 1];
-  std::partial_sum(region_start_.begin(), region_start_.end(), region_start_.begin());
-  region_faces_.resize(region_start_.back());
-  std::vector<std::int32_t> fill(region_start_.begin(), region_start_.end() - 1);
-  for (std::int32_t f = 0; f < s_.mesh.face_count(); ++f)
-    if (of[f] != kNone) region_faces_[fill[of[f]]++] = f;
 }
 
 }  // namespace isimp::meshing

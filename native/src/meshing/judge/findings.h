@@ -2,20 +2,21 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "complex/state.h"
 #include "judge/judge.h"
+#include "judge/scan_meetings.h"
 
 namespace isimp::meshing {
 
 /// The findings of the judge for the polygons of each piece, kept up to date while polygons change.
 class Findings {
  public:
-  Findings(const State& state, const Bounds& bounds, const Job& job) : s_(state), bounds_(bounds), job_(job) {}
+  Findings(const State& state, const Bounds& bounds, const Job& job)
+      : s_(state), bounds_(bounds), job_(job), excuses_(state.mesh, state.partition.face_region, state.regions, true) {}
 
   /// The input of the judge for one piece.
   struct Source {
@@ -56,10 +57,8 @@ class Findings {
   [[nodiscard]] PolygonVerdict verdict(std::int32_t piece, std::int32_t part) const;
   /// Whether polygons of two pieces meet with their corners at their present places.
   [[nodiscard]] bool meet_now(std::int32_t a, std::int32_t b) const;
-  /// Whether the regions of two intersecting polygons meet in the scan itself, without the patches that cover its
-  /// openings. The repair also skips regions that meet in patches: it cannot repair polygons of intersecting regions.
-  /// Cost: O(F) where the mesh has patches.
-  [[nodiscard]] bool meet_in_scan(const Hit& h) const;
+  /// The regions of two polygons that meet, in rising order.
+  [[nodiscard]] ScanMeetings::Pair regions_of(const Hit& h) const;
   /// All faults of a piece's polygons together.
   [[nodiscard]] std::uint8_t faults(std::int32_t piece) const { return faults_[piece]; }
   /// Pairs of polygons that meet, in rising order, except pairs of two faces of the scan at their places.
@@ -86,7 +85,6 @@ class Findings {
                                const FacetSet& moved) const;
   /// Replaces the hits of changed pieces. Pairs of two `same` pieces are taken from the kept hits.
   void find_hits_of(const std::vector<bool>& changed, const std::vector<bool>& same);
-  [[nodiscard]] std::array<std::int32_t, 2> regions_of(const Hit& h) const;
   /// Marks the hits whose regions meet in the scan. The result for each pair of regions is cached.
   void find_excuses(std::span<Hit> hits);
   [[nodiscard]] Found find(std::int32_t piece, Source source) const;
@@ -97,7 +95,6 @@ class Findings {
                            std::vector<Facet>* facets) const;
   /// Whether a piece is a face of the scan that has no area.
   [[nodiscard]] bool is_given(std::int32_t piece) const;
-  void sort_faces_by_region();
 
   const State& s_;
   Bounds bounds_;
@@ -106,14 +103,12 @@ class Findings {
   std::vector<std::int32_t> accepted_;  // pieces, of moves since the last `renew_hits`
   std::vector<Found> found_;            // by piece
   std::int64_t judged_ = 0;
-  std::vector<std::uint8_t> faults_;                       // by piece
-  Arounds around_;                                         // by piece: its facets' box
-  std::vector<Hit> hits_;                                  // in rising order
-  std::vector<std::unique_ptr<Found>> kept_;               // findings of pieces that have changed since `keep`
-  std::vector<Hit> kept_hits_;                             // all hits at `keep`
-  std::map<std::array<std::int32_t, 2>, bool> excuses_;    // by pair of regions
-  std::vector<std::int32_t> region_start_, region_faces_;  // faces by region, made at first use
-  std::vector<std::unique_ptr<ScanPart>> scan_parts_;      // by region, each made at first use
+  std::vector<std::uint8_t> faults_;          // by piece
+  Arounds around_;                            // by piece: its facets' box
+  std::vector<Hit> hits_;                     // in rising order
+  std::vector<std::unique_ptr<Found>> kept_;  // findings of pieces that have changed since `keep`
+  std::vector<Hit> kept_hits_;                // all hits at `keep`
+  ScanMeetings excuses_;                      // with patches: the repair can't part regions that meet there
 };
 
 }  // namespace isimp::meshing

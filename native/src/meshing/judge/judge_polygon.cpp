@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "judge/judge.h"
 
@@ -203,8 +204,17 @@ class LeastSurface {
         polygon_(polygon),
         position_(position),
         n_(points.size()),
-        cost_(n_ * n_, 0),
-        via_(n_ * n_, 0) {}
+        cost_(n_ * n_, kNever),
+        via_(n_ * n_, 0),
+        x_(n_),
+        y_(n_),
+        side_(n_) {
+    for (std::size_t i = 0; i < n_; ++i) {
+      x_[i] = p_[i].x();
+      y_[i] = p_[i].y();
+      if (i > 0) cost_[(i - 1) * n_ + i] = cost_[i * n_ + i - 1] = 0;
+    }
+  }
 
   /// \return whether there is one
   bool cut(const Facet& like, std::vector<Facet>& facets) {
@@ -224,11 +234,11 @@ class LeastSurface {
   }
 
   void best(std::size_t i, std::size_t j) {
-    double& least = cost_[i * n_ + j];
-    least = kNever;
-    if (!convex_ && j - i < n_ - 1 && !inside(i, j)) return;
+    double least = kNever;
+    const bool side = convex_ || j - i == n_ - 1;
+    if (!side && (!leads_inside(i, j) || !leads_inside(j, i))) return;
     for (std::size_t k = i + 1; k < j; ++k) {
-      const double rest = cost_[i * n_ + k] + cost_[k * n_ + j];
+      const double rest = cost_[i * n_ + k] + cost_[j * n_ + k];
       if (rest >= least) continue;
       if (!convex_ && CGAL::orientation(p_[i], p_[k], p_[j]) != CGAL::LEFT_TURN) continue;
       const Vec3 &a = position_[polygon_[i]], &b = position_[polygon_[k]], &c = position_[polygon_[j]];
@@ -238,18 +248,40 @@ class LeastSurface {
       least = sum;
       via_[i * n_ + j] = k;
     }
+    if (least < kNever && (side || !touches_edges(i, j))) cost_[i * n_ + j] = cost_[j * n_ + i] = least;
   }
 
-  /// Whether the segment from corner i to corner j touches no edge but at its ends.
-  [[nodiscard]] bool inside(std::size_t i, std::size_t j) const {
+  /// Whether the segment from corner i to corner j touches the polygon elsewhere than at its ends.
+  [[nodiscard]] bool touches_edges(std::size_t i, std::size_t j) {
+    find_sides(i, j);
     const Kernel::Segment_2 s(p_[i], p_[j]);
     for (std::size_t k = 0; k < n_; ++k) {
       const std::size_t m = k + 1 < n_ ? k + 1 : 0;
-      if (k == i || k == j || m == i || m == j) continue;
+      if (side_[k] * side_[m] > 0 || k == i || k == j || m == i || m == j) continue;
       if (!boxes_apart(p_[i], p_[j], p_[k], p_[m]) && CGAL::do_intersect(s, Kernel::Segment_2(p_[k], p_[m])))
-        return false;
+        return true;
     }
-    return true;
+    return false;
+  }
+
+  /// Whether the segment from corner i to corner j begins between both edges at corner i, inside the polygon.
+  [[nodiscard]] bool leads_inside(std::size_t i, std::size_t j) const {
+    const Point &before = p_[i > 0 ? i - 1 : n_ - 1], &at = p_[i], &after = p_[i + 1 < n_ ? i + 1 : 0], &to = p_[j];
+    const bool right_of_last = CGAL::orientation(at, to, before) == CGAL::LEFT_TURN;
+    const bool left_of_next = CGAL::orientation(at, to, after) == CGAL::RIGHT_TURN;
+    return CGAL::orientation(before, at, after) == CGAL::RIGHT_TURN ? right_of_last || left_of_next
+                                                                    : right_of_last && left_of_next;
+  }
+
+  /// By corner: 1 and -1 where it surely lies on the left and on the right of the line from corner i to corner j, else 0.
+  void find_sides(std::size_t i, std::size_t j) {
+    constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+    const double x = x_[i], y = y_[i], ux = x_[j] - x, uy = y_[j] - y, ax = std::abs(ux), ay = std::abs(uy);
+    for (std::size_t k = 0; k < n_; ++k) {
+      const double vx = x_[k] - x, vy = y_[k] - y, turn = ux * vy - uy * vx;
+      const double unsure = kRounding * (ax * std::abs(vy) + ay * std::abs(vx));
+      side_[k] = static_cast<double>(turn > unsure) - static_cast<double>(turn < -unsure);
+    }
   }
 
   void collect(std::size_t i, std::size_t j, Facet like, std::vector<Facet>& facets) const {
@@ -269,6 +301,7 @@ class LeastSurface {
   std::size_t n_;
   std::vector<double> cost_;
   std::vector<std::size_t> via_;
+  std::vector<double> x_, y_, side_;  ///< by corner: its place, and its side of a line
 };
 
 }  // namespace

@@ -1,8 +1,13 @@
 #include "repair/flaws.h"
 
+#include <algorithm>
+#include <vector>
+
+#include "judge/scan_meetings.h"
+
 namespace isimp::meshing {
 
-void list_flaws(const State& state, const Findings& findings, RepairOutcome& outcome) {
+void list_flaws(const State& state, const Findings& findings, RepairOutcome& outcome, const Job& job) {
   auto& list = outcome.imperfect;
   for (std::int32_t l = 0; l < state.labels.piece_count(); ++l)
     for (std::size_t i = 0; i < findings.of(l).polygons.size(); ++i) {
@@ -21,8 +26,16 @@ void list_flaws(const State& state, const Findings& findings, RepairOutcome& out
   const auto add = [&](const Hit& h, Flaw flaw) {
     list.push_back({state.polygons.first_of(h.a) + h.part_a, flaw, state.polygons.first_of(h.b) + h.part_b});
   };
+  // Regions that meet in patches alone are no excuse: a user of the polygons sees the scan.
+  const auto source = state.mesh.source_face();
+  const bool patched = std::find(source.begin(), source.end(), kNone) != source.end();
+  std::vector<ScanMeetings::Pair> pairs;
+  for (const Hit& h : findings.hits())
+    if (h.excused && patched) pairs.push_back(findings.regions_of(h));
+  ScanMeetings in_scan(state.mesh, state.partition.face_region, state.regions, false);
+  in_scan.test(pairs, state.threads, job);
   for (const Hit& h : findings.hits()) {
-    const bool excused = h.excused && findings.meet_in_scan(h);
+    const bool excused = h.excused && (!patched || in_scan.meet(findings.regions_of(h)));
     ++(excused ? outcome.excused : outcome.intersecting);
     add(h, excused ? Flaw::excused : Flaw::intersecting);
   }

@@ -79,7 +79,7 @@ class Repairer {
     }
     outcome_.mirrored = mirrored_corners(s_);
     outcome_.rims = rims_of(s_);
-    list_flaws(s_, findings_, outcome_);
+    list_flaws(s_, findings_, outcome_, job_);
     return outcome_;
   }
 
