@@ -178,7 +178,6 @@ TUNED = (
           "15 meshes at 50 to 1,000 regions (9e9b5bb)", values=("0.5", "2")),
     Tuned(MESHING + "repair/coarsen.cpp", "kSquare", "the same, in square distances", "the same",
           values=("1.5", "6")),
-    Tuned(MESHING + "repair/coarsen.cpp", "kRings", "round a trial in which a fault is its own", UNKNOWN),
     Tuned(MESHING + "repair/junctions.cpp", "kPlanes", "miss of the planes at a joint vertex, in deviations", SHAPES),
     Tuned(MESHING + "repair/junctions.cpp", "kGap", "the same, of sqrt(area / pieces)", SHAPES),
     Tuned(MESHING + "repair/junctions.cpp", "kShort", "chord that may go for its length alone", SHAPES),

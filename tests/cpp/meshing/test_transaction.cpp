@@ -269,51 +269,6 @@ TEST(Transaction, KeepsOnlyWhatAUnionChanges) {
   EXPECT_LT(places, all / 100);
 }
 
-TEST(Transaction, TakesBackOneUnionAndLeavesAnother) {
-  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.005, 1));
-  const Partition part = labelled::voronoi(mesh, 60, 3);
-  const MeshingOptions options{.threads = 1};
-  Job job;
-  State state(mesh, part, options, job);
-  state.update({});
-  const auto find_union = [&](std::int32_t from, const std::vector<std::int32_t>& busy) {
-    for (std::int32_t kept = from; kept < state.labels.piece_count(); ++kept)
-      for (const std::int32_t gone : state.neighbours(kept)) {
-        std::vector<std::int32_t> zone{kept, gone};
-        state.add_neighbours(zone);
-        const bool is_far = std::none_of(zone.begin(), zone.end(), [&](std::int32_t l) {
-          return std::find(busy.begin(), busy.end(), l) != busy.end();
-        });
-        if (is_far && !state.loop_together(kept, gone).empty()) return std::array{kept, gone};
-      }
-    return std::array{kNone, kNone};
-  };
-  const auto [a, b] = find_union(0, {});
-  std::vector<std::int32_t> busy{a, b};
-  state.add_neighbours(busy);
-  state.add_neighbours(busy);
-  const auto [c, d] = find_union(0, busy);
-  ASSERT_NE(d, kNone);
-  const std::vector<std::int32_t> labels = state.labels.label;
-  const Plane plane = state.planes[c];
-  const std::vector<std::int32_t> chords(state.complex.chords(d).begin(), state.complex.chords(d).end());
-  const std::vector<Vec3> places = state.corners.position;
-  Transaction transaction(state);
-  state.unite(a, b, state.loop_together(a, b));
-  state.unite(c, d, state.loop_together(c, d));
-  state.update({});
-  transaction.part_again(c, d);
-  state.update_in_place({c});
-  EXPECT_EQ(state.polygons.count_of(b), 0);
-  EXPECT_EQ(state.polygons.count_of(d), 1);
-  EXPECT_EQ(state.planes[c].normal, plane.normal);
-  EXPECT_EQ(std::vector<std::int32_t>(state.complex.chords(d).begin(), state.complex.chords(d).end()), chords);
-  for (std::size_t f = 0; f < labels.size(); ++f) EXPECT_EQ(state.labels.label[f], labels[f] == b ? a : labels[f]);
-  for (const std::int32_t corner : state.polygons.of(state.polygons.first_of(d)))
-    EXPECT_EQ(state.corners.position[corner], places[corner]);
-  transaction.commit();
-}
-
 TEST(Logged, IsWhatItWasAfterAnyWrites) {
   std::mt19937 random(7);
   for (int round = 0; round < 200; ++round) {

@@ -67,14 +67,6 @@ class Complex {
   /// Whether some chord has these two vertices as its ends.
   [[nodiscard]] bool has_chord(std::int32_t a, std::int32_t b) const;
 
-  // Within a transaction:
-  [[nodiscard]] std::span<const std::int32_t> loop_before(std::int32_t piece) const { return loops_.before(piece); }
-  [[nodiscard]] bool was_corner(std::int32_t vertex) const { return corner_.before(vertex) != 0; }
-  /// Restores whether a boundary vertex is a corner.
-  void restore_corner(std::int32_t vertex) {
-    corner_.restore(vertex);
-    mark_dirty(vertex);
-  }
   /// Calls fn(array) for each array of a complex that a transaction takes back.
   template <class Self, class Function>
   static void for_each_array(Self& self, Function fn) {

@@ -298,7 +298,7 @@ std::vector<std::int32_t> State::take_stale() {
   for (std::size_t c = 0; c < stale_.size(); ++c)
     if (stale_[c] != 0 && !polygons.at(static_cast<std::int32_t>(c)).empty())
       some.push_back(static_cast<std::int32_t>(c));
-  std::fill(stale_.begin(), stale_.end(), 0);
+  stale_.assign(std::vector<std::uint8_t>(stale_.size(), 0));
   return some;
 }
 
@@ -378,7 +378,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
         l, [&](std::int32_t q) { moving.insert(moving.end(), polygons.of(q).begin(), polygons.of(q).end()); });
   sort_unique(moving);
   limit(moving);
-  stale_.resize(corners.count(), 0);
+  stale_.resize(corners.count());
   for (const std::int32_t c : moving) mark_stale(c);
   const std::vector<std::int32_t> moved = moving;
   std::erase_if(moving, [&](std::int32_t c) { return keeps[c]; });

@@ -122,7 +122,7 @@ class State {
   /// The corners of polygons that have changed since the last call, those marked included.
   std::vector<std::int32_t> take_stale();
   /// Adds a corner to the result of the next `take_stale`.
-  void mark_stale(std::int32_t corner) { stale_[corner] = 1; }
+  void mark_stale(std::int32_t corner) { stale_.set(corner, 1); }
   /// The places of some corners if they were placed together and all others stayed.
   [[nodiscard]] std::vector<Vec3> better_places(std::span<const std::int32_t> moving);
   /// Calls fn(array) for each array that a transaction takes back.
@@ -154,6 +154,7 @@ class State {
     fn(self.labels_.pieces);
     fn(self.planes_);
     fn(self.diagonals_);
+    fn(self.stale_);
     Complex::for_each_array(self.complex_, fn);
     Corners::for_each_array(self.corners_, fn);
     Polygons::for_each_array(self.polygons_, fn);
@@ -176,7 +177,7 @@ class State {
   std::vector<Handover> handovers_;    // since the last update
   std::vector<std::int32_t> handed_;   // pieces touched by handovers, once for each touch
   std::vector<std::int32_t> at_home_;  // corners that were put to their vertices since the last update
-  std::vector<std::uint8_t> stale_;    // by corner: whether a polygon of it has changed since `take_stale`
+  Logged<std::uint8_t> stale_;         // by corner: whether a polygon of it has changed since `take_stale`
 
  public:
   const Mesh& mesh;

@@ -148,36 +148,36 @@ void Findings::find_hits_of(const std::vector<bool>& changed, const std::vector<
                "each pair of polygons that meet is there once");
 }
 
-FacetSet Findings::moved_facets(std::int32_t piece, const Found& fresh, std::int32_t corner) const {
-  FacetSet moved;
-  const std::vector<Facet>&now = fresh.facets.facets, &was = found_[piece].facets.facets;
-  for (std::size_t k = 0; k < now.size(); ++k) {
-    const auto& of = now[k].corner;
-    if (std::find(of.begin(), of.end(), corner) != of.end() || k >= was.size() || was[k].corner != of)
-      moved.facets.push_back(now[k]);
-  }
-  moved.locate(s_.corners.position);
-  return moved;
+FacetSet Findings::changed_facets(std::int32_t piece, const Found& fresh) const {
+  const FacetSet &now = fresh.facets, &was = found_[piece].facets;
+  FacetSet changed;
+  for (std::size_t k = 0; k < now.facets.size(); ++k)
+    if (k >= was.facets.size() || was.facets[k].corner != now.facets[k].corner || was.solids[k] != now.solids[k])
+      changed.facets.push_back(now.facets[k]);
+  changed.locate(s_.corners.position);
+  return changed;
 }
 
 bool Findings::meets_any(std::size_t i, std::span<const std::int32_t> pieces, std::span<const Found> fresh,
-                         const FacetSet& moved) const {
-  if (moved.solid.empty()) return false;
+                         const FacetSet& changed) {
+  if (changed.solid.empty()) return false;
   const std::int32_t l = pieces[i];
   const auto is_excused = [&](std::int32_t k) {
     const auto [low, high] = std::minmax(s_.labels.pieces[l].region, s_.labels.pieces[k].region);
-    return excuses_.meet({low, high});
+    const ScanMeetings::Pair pair{low, high};
+    excuses_.test({&pair, 1}, s_.threads, job_);
+    return excuses_.meet(pair);
   };
   bool any = false;
   const auto look = [&](std::int32_t k, const FacetSet& other) {
-    if (any || other.around.apart(moved.around)) return;
-    any = facets_meet(moved, other) && !is_excused(k);
+    if (any || other.around.apart(changed.around)) return;
+    any = facets_meet(changed, other) && !is_excused(k);
   };
   const auto look_up = [&](std::int32_t k) {
     if (std::find(pieces.begin(), pieces.end(), k) == pieces.end()) look(k, found_[k].facets);
   };
-  around_.free.for_each_near(moved.around, look_up);
-  if (!fresh[i].facets.given) around_.given.for_each_near(moved.around, look_up);
+  around_.free.for_each_near(changed.around, look_up);
+  if (!fresh[i].facets.given) around_.given.for_each_near(changed.around, look_up);
   for (std::size_t k = 0; k < pieces.size(); ++k)
     if (k != i) look(pieces[k], fresh[k].facets);
   // The polygons of one piece are tested as a whole, since facets of one polygon meet by design.
@@ -185,19 +185,23 @@ bool Findings::meets_any(std::size_t i, std::span<const std::int32_t> pieces, st
   return any;
 }
 
-bool Findings::accepts(std::span<const std::int32_t> pieces, std::int32_t corner) {
-  for (const std::int32_t l : pieces) {  // without facets first: most that are refused have a fault of their own
+bool Findings::accepts(std::span<const std::int32_t> pieces, std::int32_t whole) {
+  std::vector<std::int32_t> changed;
+  for (const std::int32_t l : pieces)
+    if (!is_source(found_[l].source, l)) changed.push_back(l);
+  for (const std::int32_t l : changed) {  // without facets first: most that are refused have a fault of their own
+    const std::uint8_t allowed = l == whole ? kGiven : faults_[l] | kGiven;
     const std::vector<Vec3> beyond = areas_beyond(l);
     for (std::int32_t part = 0; part < s_.polygons.count_of(l); ++part)
-      if (judge_one(l, part, beyond, nullptr).faults & ~(faults_[l] | kGiven)) return false;
+      if (judge_one(l, part, beyond, nullptr).faults & ~allowed) return false;
     judged_ += s_.polygons.count_of(l);
   }
   std::vector<Found> fresh;
-  for (const std::int32_t l : pieces) fresh.push_back(find(l, source_of(l)));
-  for (std::size_t i = 0; i < pieces.size(); ++i)
-    if (meets_any(i, pieces, fresh, moved_facets(pieces[i], fresh[i], corner))) return false;
-  for (std::size_t i = 0; i < pieces.size(); ++i) set(pieces[i], std::move(fresh[i]));
-  accepted_.insert(accepted_.end(), pieces.begin(), pieces.end());
+  for (const std::int32_t l : changed) fresh.push_back(find(l, source_of(l)));
+  for (std::size_t i = 0; i < changed.size(); ++i)
+    if (meets_any(i, changed, fresh, changed_facets(changed[i], fresh[i]))) return false;
+  for (std::size_t i = 0; i < changed.size(); ++i) set(changed[i], std::move(fresh[i]));
+  accepted_.insert(accepted_.end(), changed.begin(), changed.end());
   around_.settle();
   return true;
 }

@@ -43,14 +43,14 @@ class Findings {
   /// Saves the present findings, so that the pieces of a rolled-back trial need not be judged again. Replaces the
   /// findings saved before.
   void keep();
-  /// Judges the polygons at a moved corner. The move is accepted if no piece has a new fault and no changed facet has
-  /// an unexcused intersection. The new findings then replace the old ones, and `renew_hits` must follow the last
-  /// accepted move.
-  /// \param pieces  all pieces at the corner, each once
-  /// \return whether the move is accepted
-  /// Cost: that of judging these pieces; intersections are searched for changed facets only.
-  bool accepts(std::span<const std::int32_t> pieces, std::int32_t corner);
-  /// Finds the intersections of the pieces of accepted moves, then calls `keep`.
+  /// Judges changed polygons. The change is accepted if no piece has a new fault and no changed facet has an unexcused
+  /// intersection. The new findings then replace the old ones, and `renew_hits` must follow the last accepted change.
+  /// \param pieces  all pieces that may have changed, each once
+  /// \param whole  a piece that must have no fault at all, kNone for none
+  /// \return whether the change is accepted
+  /// Cost: that of judging the changed pieces; intersections are searched for changed facets only.
+  bool accepts(std::span<const std::int32_t> pieces, std::int32_t whole = kNone);
+  /// Finds the intersections of the pieces of accepted changes, then calls `keep`.
   void renew_hits();
   [[nodiscard]] const Found& of(std::int32_t piece) const { return found_[piece]; }
   /// The verdict on one of a piece's polygons with its corners at their present places.
@@ -78,11 +78,11 @@ class Findings {
   /// The input of a piece that is judged again: same as last time, same as at `keep`, or new.
   enum class Was : std::uint8_t { same, kept, other };
   void set(std::int32_t piece, Found found);
-  /// The facets of a piece that have the moved corner, or other corners than before the move.
-  [[nodiscard]] FacetSet moved_facets(std::int32_t piece, const Found& fresh, std::int32_t corner) const;
-  /// Whether one of some moved facets of piece `i` of the given ones meets another that is not excused.
+  /// The facets of a piece that it did not have, at these places, when it was judged last.
+  [[nodiscard]] FacetSet changed_facets(std::int32_t piece, const Found& fresh) const;
+  /// Whether one of the changed facets of piece `i` of the given ones meets another that is not excused.
   [[nodiscard]] bool meets_any(std::size_t i, std::span<const std::int32_t> pieces, std::span<const Found> fresh,
-                               const FacetSet& moved) const;
+                               const FacetSet& changed);
   /// Replaces the hits of changed pieces. Pairs of two `same` pieces are taken from the kept hits.
   void find_hits_of(const std::vector<bool>& changed, const std::vector<bool>& same);
   /// Marks the hits whose regions meet in the scan. The result for each pair of regions is cached.
@@ -100,7 +100,7 @@ class Findings {
   Bounds bounds_;
   const Job& job_;
   bool apart_ = false;
-  std::vector<std::int32_t> accepted_;  // pieces, of moves since the last `renew_hits`
+  std::vector<std::int32_t> accepted_;  // pieces, of changes since the last `renew_hits`
   std::vector<Found> found_;            // by piece
   std::int64_t judged_ = 0;
   std::vector<std::uint8_t> faults_;          // by piece

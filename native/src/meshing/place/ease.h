@@ -29,17 +29,14 @@ class Scope {
   std::vector<bool> some_;  // before that
 };
 
-/// Drops the corners that `Complex::bend` added, all at once. Then the corners of every polygon that became faulty are
-/// restored, until there is none. A few turns follow, each with a share of the corners that were restored.
+/// Drops the corners that `Complex::bend` added, one after another, wherever no polygon becomes faulty.
 /// \param scope  corners of other pieces stay
-/// Cost: about twenty rounds of `State::update_in_place` and `Findings::judge`, each for pieces changed in the last
-/// one.
+/// Cost: a trial (trials.h) for each.
 void ease(State& state, Findings& findings, const Scope& scope, Job& job);
 
-/// Toggles vertices between corner and no corner, all at once. Then the corners of every polygon that became faulty are
-/// restored, until there is none.
+/// Toggles vertices between corner and no corner, one after another, wherever no polygon becomes faulty.
 /// \param vertices  on boundaries of pieces; required corners stay
-/// Cost: as one turn of `ease`.
+/// Cost: a trial for each.
 void turn_corners(State& state, Findings& findings, std::span<const std::int32_t> vertices, Job& job);
 
 }  // namespace isimp::meshing

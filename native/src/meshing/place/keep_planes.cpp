@@ -5,7 +5,6 @@
 #include <cmath>
 #include <set>
 
-#include "complex/transaction.h"
 #include "isimp/core/sorted.h"
 
 namespace isimp::meshing {
@@ -19,7 +18,7 @@ class Keeper {
       : s_(state),
         findings_(findings),
         job_(job),
-        transaction_(state),
+        home_(state.corners.position),
         planes_(state.planes),
         is_let_go_(state.regions, false) {
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
@@ -36,7 +35,6 @@ class Keeper {
       move();
       let_go(round >= kGentle);
     }
-    transaction_.commit();
     std::vector<std::int32_t> regions;
     for (std::int32_t r = 0; r < s_.regions; ++r)
       if (is_let_go_[r]) regions.push_back(r);
@@ -58,7 +56,7 @@ class Keeper {
           l, [&](std::int32_t q) { moving.insert(moving.end(), s_.polygons.of(q).begin(), s_.polygons.of(q).end()); });
     sort_unique(moving);
     for (const std::int32_t c : moving) {
-      transaction_.restore_place(c);
+      s_.move(c, home_[c]);
       for (const std::int32_t q : s_.polygons.at(c)) changed.push_back(s_.polygons.piece(q));
     }
     std::erase_if(moving, [&](std::int32_t c) {
@@ -136,7 +134,7 @@ class Keeper {
   State& s_;
   Findings& findings_;
   const Job& job_;
-  Transaction transaction_;
+  const std::vector<Vec3> home_;               // by corner: its place before
   std::vector<Plane> planes_;                  // by piece: the snapped plane if it is kept, else that of the state
   std::vector<bool> is_let_go_;                // by region
   std::vector<std::uint8_t> faults_;           // by piece: the faults at the start

@@ -1,62 +1,70 @@
 #include "place/moves.h"
 
+#include <array>
+#include <vector>
+
 #include "isimp/core/sorted.h"
 
 namespace isimp::meshing {
 namespace {
 
-constexpr int kRounds = 24;
-constexpr int kRoundsOfRing = 3;  // rounds for each further ring of polygons whose corners are restored
+constexpr std::array kShares{1.0, 0.5, 0.2};  ///< shares of a way; the first accepted one is used
+constexpr std::size_t kStride = 64;           ///< corners from one poll to the next
 
-}  // namespace
-
-void Moves::settle(std::span<const std::int32_t> moved, const std::function<std::int32_t(std::int32_t)>& with) {
-  judge(moved);
-  for (int round = 0; round < kRounds; ++round) {
-    job_.poll();
-    std::vector<std::int32_t> pieces = worse(), corners;
-    if (pieces.empty()) return transaction_.commit();
-    for (int ring = 0; ring < round / kRoundsOfRing; ++ring) s_.add_neighbours(pieces);
-    for (const std::int32_t l : pieces)
-      s_.polygons.for_each_of(l, [&](std::int32_t q) {
-        for (const std::int32_t c : s_.polygons.of(q)) {
-          corners.push_back(c);
-          if (const std::int32_t other = with(c); other != kNone) corners.push_back(other);
-        }
-      });
-    sort_unique(corners);
-    for (const std::int32_t c : corners) transaction_.restore_place(c);
-    judge(corners);
+/// Moves corners to the given places, and returns the moves back.
+std::vector<Move> carry_out(State& state, std::span<const Move> moves) {
+  std::vector<Move> back;
+  for (const Move& m : moves) {
+    back.push_back({m.corner, state.corners.position[m.corner]});
+    state.move(m.corner, m.to);
   }
-  transaction_.rollback();
-  judge(moved);
+  return back;
 }
 
-bool Moves::keep_if_sound(std::span<const std::int32_t> moved) {
-  judge(moved);
-  if (worse().empty()) {
-    transaction_.commit();
-    return true;
-  }
-  transaction_.rollback();
-  judge(moved);
-  return false;
-}
-
-std::vector<std::int32_t> Moves::worse() const {
-  const std::vector<bool> now = findings_.faulty();
+std::vector<std::int32_t> pieces_at(const State& state, std::span<const Move> moves) {
   std::vector<std::int32_t> pieces;
-  for (std::size_t l = 0; l < now.size(); ++l)
-    if (now[l] && (l >= faulty_.size() || !faulty_[l])) pieces.push_back(static_cast<std::int32_t>(l));
+  for (const Move& m : moves)
+    for (const std::int32_t q : state.polygons.at(m.corner)) pieces.push_back(state.polygons.piece(q));
+  sort_unique(pieces);
   return pieces;
 }
 
-void Moves::judge(std::span<const std::int32_t> corners) {
-  std::vector<std::int32_t> pieces;
-  for (const std::int32_t c : corners)
-    for (const std::int32_t q : s_.polygons.at(c)) pieces.push_back(s_.polygons.piece(q));
-  sort_unique(pieces);
-  findings_.judge(pieces);
+bool move_all(State& state, Findings& findings, std::span<const Move> moves) {
+  const std::vector<bool> before = findings.faulty();
+  const std::vector<std::int32_t> pieces = pieces_at(state, moves);
+  findings.keep();
+  const std::vector<Move> back = carry_out(state, moves);
+  findings.judge(pieces);
+  const std::vector<bool> after = findings.faulty();
+  bool sound = true;
+  for (std::size_t l = 0; l < after.size() && sound; ++l) sound = !after[l] || before[l];
+  if (sound) return true;
+  carry_out(state, back);
+  findings.judge(pieces);
+  return false;
+}
+
+}  // namespace
+
+bool attempt_moves(State& state, Findings& findings, std::span<const Move> moves) {
+  const std::vector<Move> back = carry_out(state, moves);
+  if (findings.accepts(pieces_at(state, moves))) return true;
+  carry_out(state, back);
+  return false;
+}
+
+void move_corners(State& state, Findings& findings, std::span<const Move> moves, Job& job) {
+  if (moves.empty() || move_all(state, findings, moves)) return;
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    if (i % kStride == 0) job.poll();
+    const std::int32_t c = moves[i].corner;
+    const Vec3 from = state.corners.position[c];
+    for (const double share : kShares) {
+      const Move some{c, from + share * (moves[i].to - from)};
+      if (attempt_moves(state, findings, {&some, 1})) break;
+    }
+  }
+  findings.renew_hits();
 }
 
 }  // namespace isimp::meshing

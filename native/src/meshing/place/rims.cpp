@@ -157,16 +157,11 @@ class Straightener {
 void straighten_rims(State& state, Findings& findings, Job& job) {
   const double reach = state.complex.tolerance.rim;
   if (!(reach > 0)) return;
-  Moves moves(state, findings, job);
   const Straightener straightener(state, reach);
-  std::vector<std::int32_t> moved;
-  for (std::int32_t c = 0; c < state.corners.count(); ++c) {
-    const std::optional<Vec3> to = straightener.place_of(c);
-    if (!to) continue;
-    state.move(c, *to);
-    moved.push_back(c);
-  }
-  moves.settle(moved, [](std::int32_t) { return kNone; });
+  std::vector<Move> moves;
+  for (std::int32_t c = 0; c < state.corners.count(); ++c)
+    if (const std::optional<Vec3> to = straightener.place_of(c)) moves.push_back({c, *to});
+  move_corners(state, findings, moves, job);
 }
 
 RimReport rims_of(const State& state) {

@@ -9,8 +9,8 @@
 namespace isimp::meshing {
 
 /// Moves corners at the rim to where the lines through the border on both sides meet, within MeshingOptions::reach: in
-/// the plane of a polygon that has the corner alone, along the edge of two polygons that share it. Moves that make a
-/// polygon faulty are undone.
+/// the plane of a polygon that has the corner alone, along the edge of two polygons that share it, as far
+/// as polygons stay sound.
 void straighten_rims(State& state, Findings& findings, Job& job);
 
 /// The area between the border of the scan and the rims of the polygons, in the polygons' planes.

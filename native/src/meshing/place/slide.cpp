@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "complex/angles.h"
-#include "isimp/core/sorted.h"
 #include "place/moves.h"
 
 namespace isimp::meshing {
@@ -27,7 +26,7 @@ constexpr double kTiny = 1e-6;              // share of the shortest edge: a cor
 
 class Slider {
  public:
-  Slider(State& state, Findings& findings, Job& job) : s_(state), moves_(state, findings, job), job_(job) {
+  Slider(State& state, Job& job) : s_(state), home_(state.corners.position), job_(job) {
     double area = 0, square = 0;
     std::int32_t count = 0;
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
@@ -42,15 +41,20 @@ class Slider {
     bend_ = kBend / size_;
   }
 
-  void run() {
-    std::vector<std::int32_t> moved;
+  /// \return the moves that make corners less reflex and sharp
+  std::vector<Move> run() {
     for (int round = 0; round < kRounds; ++round) {
       job_.poll();
       for (std::int32_t c = 0; c < s_.corners.count(); ++c)
-        if (may_slide(c) && slide(c)) moved.push_back(c);
+        if (may_slide(c)) slide(c);
     }
-    sort_unique(moved);
-    moves_.settle(moved, [](std::int32_t) { return kNone; });
+    std::vector<Move> moves;
+    for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
+      if (s_.corners.position[c] == home_[c]) continue;
+      moves.push_back({c, s_.corners.position[c]});
+      s_.move(c, home_[c]);
+    }
+    return moves;
   }
 
  private:
@@ -140,14 +144,14 @@ class Slider {
     return free;
   }
 
-  bool slide(std::int32_t c) {
-    const Vec3 at = s_.corners.position[c], home = moves_.before(c), vertex = s_.mesh.vertices()[s_.corners.vertex[c]];
+  void slide(std::int32_t c) {
+    const Vec3 at = s_.corners.position[c], home = home_[c], vertex = s_.mesh.vertices()[s_.corners.vertex[c]];
     find_beside(c);
     const Freedom free = freedom_of(c);
     const double shortest = shortest_round(at);
-    if (free.most[0] + free.most[1] < kTiny * shortest) return false;
+    if (free.most[0] + free.most[1] < kTiny * shortest) return;
     const double now = angles_round(at);
-    if (!(now > 0)) return false;
+    if (!(now > 0)) return;
     for (Beside& b : beside_) b.facing = facing(b);
     double least = now + bend_round() - kWorth;
     Vec3 best = at;
@@ -169,11 +173,10 @@ class Slider {
         best = to;
       }
     s_.move(c, best);
-    return best != at;
   }
 
   State& s_;
-  Moves moves_;
+  const std::vector<Vec3> home_;  // by corner: its place before
   Job& job_;
   double size_ = 0, off_ = 0, bend_ = 0;
   std::vector<Beside> beside_;  // polygons at the current corner
@@ -181,6 +184,9 @@ class Slider {
 
 }  // namespace
 
-void slide_corners(State& state, Findings& findings, Job& job) { Slider(state, findings, job).run(); }
+void slide_corners(State& state, Findings& findings, Job& job) {
+  const std::vector<Move> moves = Slider(state, job).run();
+  move_corners(state, findings, moves, job);
+}
 
 }  // namespace isimp::meshing

@@ -8,9 +8,8 @@ namespace isimp::meshing {
 
 /// Slides corners where the planes of the adjacent pieces leave them free: along the edge of two planes, or anywhere in
 /// one. Each corner moves to the best of several places near it: the one where the corners of its polygons are least
-/// reflex and sharp, in degrees, so that zigzags become straight. Most corners stay. Corners of polygons that become
-/// faulty return to their old places.
-/// Cost: O(corners at such polygons), and some rounds of `Findings::judge` for the moved corners.
+/// reflex and sharp, in degrees, so that zigzags become straight, as far as polygons stay sound. Most corners stay.
+/// Cost: O(corners at such polygons), and that of `move_corners`.
 void slide_corners(State& state, Findings& findings, Job& job);
 
 }  // namespace isimp::meshing

@@ -128,35 +128,8 @@ class Mirroring {
     }
   }
 
-  /// The places of a pair of corners.
-  enum class At {
-    mean,    ///< at the mean of the one and the other's image
-    first,   ///< at the one with the lower number and its image
-    second,  ///< at the other and its image
-  };
-
-  void place(At at) {
-    const Pairs pairs(s_);
-    Moves moves(s_, findings_, job_);
-    std::vector<std::int32_t> moved;
-    for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
-      const std::int32_t other = pairs.of_corner(c);
-      if (other < c || pairs.is_exact(c)) continue;  // none, or placed with its image
-      const Vec3 image = pairs.mirror().image(moves.before(other));
-      const Vec3 wanted = at == At::mean    ? Vec3((moves.before(c) + image) / 2)
-                          : at == At::first ? moves.before(c)
-                                            : image;
-      if (const auto to = in_reach(c, other, wanted, pairs.mirror())) {
-        put(c, other, *to, pairs.mirror());
-        moved.insert(moved.end(), {c, other});
-      }
-    }
-    sort_unique(moved);
-    moves.settle(moved, [&](std::int32_t c) { return pairs.of_corner(c); });
-  }
-
-  /// Places the remaining pairs, one after the other.
-  void place_singly() {
+  /// Places pairs, one after the other: at the mean of the one and the other's image, else at one of both.
+  void place() {
     const Pairs pairs(s_);
     for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
       const std::int32_t other = pairs.of_corner(c);
@@ -166,19 +139,14 @@ class Mirroring {
       for (const Vec3& wanted : {Vec3((here + image) / 2), here, image}) {
         const auto to = in_reach(c, other, wanted, pairs.mirror());
         if (!to) continue;
-        Moves moves(s_, findings_, job_);
-        put(c, other, *to, pairs.mirror());
-        if (moves.keep_if_sound(std::array{c, other})) break;
+        const std::array<Move, 2> moves{Move{c, *to}, Move{other, pairs.mirror().image(*to)}};
+        if (attempt_moves(s_, findings_, std::span(moves).first(other == c ? 1 : 2))) break;
       }
     }
+    findings_.renew_hits();
   }
 
  private:
-  void put(std::int32_t c, std::int32_t other, const Vec3& place, const Mirror& mirror) {
-    s_.move(c, place);
-    if (other != c) s_.move(other, mirror.image(place));
-  }
-
   /// The place near a given one that is within the reach of a corner, its image within the reach of the other corner. A
   /// corner that is its own image gets a place on the plane. Returns nullopt if there is none.
   [[nodiscard]] std::optional<Vec3> in_reach(std::int32_t c, std::int32_t other, Vec3 place,
@@ -246,9 +214,7 @@ std::vector<std::int32_t> piece_images(const State& state) {
 void mirror_corners(State& state, Findings& findings, Job& job) {
   if (!state.partition.symmetry) return;
   Mirroring(state, findings, job).pair_more();
-  using At = Mirroring::At;
-  for (const At at : {At::mean, At::first, At::second}) Mirroring(state, findings, job).place(at);
-  Mirroring(state, findings, job).place_singly();
+  Mirroring(state, findings, job).place();
 }
 
 std::int32_t mirrored_corners(const State& state) {

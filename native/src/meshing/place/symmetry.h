@@ -13,10 +13,9 @@ namespace isimp::meshing {
 ///
 /// Pieces are paired with their images, and corners by their pieces. Corners along one border that the border's image
 /// lacks are dropped or, if polygons become faulty by that, added to the image. Then each pair is put at the mean of
-/// the one and the other's image, and a corner that is its own image on the plane. If that makes a polygon faulty, its
-/// corners and their images keep their places.
-/// \return how many corners mirror exactly
-/// Cost: O(corners log corners), a few `update`s, and some rounds of `judge` for the moved corners.
+/// the one and the other's image, and a corner that is its own image on the plane. If that makes a polygon faulty, the
+/// pair is put at the one and its image, else at the other and its image, else it stays.
+/// Cost: O(corners log corners), and up to three trials a pair.
 void mirror_corners(State& state, Findings& findings, Job& job);
 
 /// By piece: the piece at its mirror image, kNone where there is none. Empty without a plane.

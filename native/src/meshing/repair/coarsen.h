@@ -17,13 +17,13 @@ Misses mean_misses(const State& state);
 /// Undoes splits and diagonals that are not needed: removes diagonals and unites split pieces with neighbours, wherever
 /// no polygon becomes faulty by it. Neighbours of the same region come first. A neighbour of another region must be at
 /// least as large and near the same plane, and the region that loses the piece must keep another. A part that is not
-/// connected with the rest of its region stays in the region. Each round tries many changes that are not near each
-/// other, and reverts changes after which a polygon became faulty. Changes that would plainly fail are not tried. Then
-/// corners get better places and are eased (ease.h), and the remaining diagonals and splits are tried again.
+/// connected with the rest of its region stays in the region. One change is tried after another (trials.h), the most
+/// promising first: unions whose pieces share most of their boundary. Changes that would plainly fail are not tried.
+/// Then corners get better places and are eased (ease.h), and the remaining diagonals and splits are tried again.
 /// \param usual  deviation of the regions: a union of two regions may add a share of it
 /// \param scope  diagonals and unions of other pieces are not tried
 /// \return the number of polygons removed
-/// Cost: up to eighty rounds of `State::update` and `Findings::judge`.
+/// Cost: a trial for each diagonal and each pair of adjacent pieces that may be united, twice.
 std::int32_t coarsen(State& state, Findings& findings, const Misses& usual, Scope scope, Job& job);
 
 }  // namespace isimp::meshing

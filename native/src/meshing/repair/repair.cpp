@@ -173,10 +173,7 @@ class Repairer {
       outcome_.planar = outcome.report;
       outcome_.let_go = outcome.let_go;
       if (outcome.stuck.empty() || is_last) return transaction.commit();
-      std::vector<std::int32_t> changed = transaction.restore_diagonals();
-      transaction.restore_places();
-      s_.update_in_place(std::move(changed));
-      transaction.commit();
+      transaction.rollback();
       polygons_ = 0;  // these splits are not counted
       find_met();
       bool any = false;
