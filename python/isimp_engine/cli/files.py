@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
+from typing import TypeVar
 
 from .. import FileError
 from ..drafts import deliver, draft_of
@@ -12,6 +13,7 @@ from .ending import too_late
 from .errors import UsageError
 
 STDOUT = "-"
+T = TypeVar("T")
 
 
 def place(text: str) -> Path | str:
@@ -69,13 +71,16 @@ class Outputs:
         else:
             show(text.removesuffix("\n"))
 
-    def write(self, path: Path, write: Callable[[Path], object]) -> None:
-        """Call `write` with the path to write to for now; a device or pipe is written to as it is."""
+    def write(self, path: Path, write: Callable[[Path], T]) -> T:
+        """Call `write` with the path to write to for now, and return its result.
+
+        A device or pipe is written to as it is.
+        """
         part, place = draft_of(path)
         if part != place:
             self._moves.append((part, place))
         try:
-            write(part)
+            return write(part)
         except FileError as error:
             raise FileError(str(error).replace(str(part), str(path))) from None
         except OSError as error:

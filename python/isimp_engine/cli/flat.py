@@ -73,8 +73,8 @@ def _merge(arguments: argparse.Namespace) -> None:
     surfaces = exporting.surfaces_of(poly)
     with Outputs() as outputs:
         with steps("write") as job:
-            of = {"crs": arguments.crs, "like": arguments.output, "surfaces": surfaces}
-            outputs.write(arguments.output, partial(exporting.write, polygons=poly, job=job, **of))
+            of = {"crs": arguments.crs, "like": arguments.output, "surfaces": surfaces, "unit": arguments.unit}
+            told = outputs.write(arguments.output, partial(exporting.write, polygons=poly, job=job, **of))
             if arguments.labels:
                 outputs.write(arguments.labels, lambda path: save_array(path, labels(source, mesh, region)))
         report = {
@@ -88,6 +88,7 @@ def _merge(arguments: argparse.Namespace) -> None:
             "regions": int(poly.report["regions"]),
             "output": {"path": str(arguments.output)} | poly.report,
             "validity": exporting.validity(poly, surfaces=surfaces),
+            "step": told or None,
             "seconds": steps.seconds,
             "peak_mb": simplify.peak_mb(),
         }
@@ -103,4 +104,6 @@ def _summary(source: Input, poly: PolygonMesh, report: dict[str, Any]) -> Iterat
     for line in words.repairs(report["repair"], report["repaired_at"]):
         yield f"  repaired: {line}"
     flat = words.count(report["regions"], "flat part")
+    if report["step"] is not None:
+        yield f"  {words.step(report['step'])}"
     yield f"  {flat} -> {words.count(len(poly.loop_start), 'polygon')}, {len(poly.vertices):,} vertices"

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions, RegulariseOptions, recipes
+from ..exporting import UNITS
 from . import closing, guiding, texturing
 from .errors import UsageError
 
@@ -94,6 +95,9 @@ def simplify_options() -> argparse.ArgumentParser:
         type=int,
         metavar="EPSG",
         help="the number of the scan's reference system, written to CityJSON and IFC",
+    )
+    command.add_argument(
+        "--unit", choices=UNITS, default="m", help="what a scene unit is in STEP. Default: %(default)s"
     )
     command.add_argument("--recipe", type=Path, metavar="R.json", help="the steps to do, as the add-on exports them")
     return command

@@ -183,7 +183,9 @@ def _make(
     cleaned: Cleaned | None,
 ) -> Done:
     """Make and write one result; its files appear when `outputs` are committed."""
-    options, recipe = arguments.options, arguments.recipe
+    options, recipe, step = arguments.options, arguments.recipe, None
+    if is_step := exporting.kind_of(arguments.output) in exporting.STEP_KINDS:
+        arguments.planar = True  # its faces are planes
     model = make_model(arguments, source, steps, cleaned)
     mesh, part, poly, closed = model.mesh, model.partition, model.found.polygons, model.closed
     made, written, surfaces = None, [], exporting.surfaces_of(poly)
@@ -192,8 +194,10 @@ def _make(
             made = texturing.make(arguments, source, mesh, part, poly, job)
     with steps("write") as job:
         if made is None:
-            of = {"crs": arguments.crs, "like": arguments.output, "surfaces": surfaces}
-            outputs.write(arguments.output, partial(exporting.write, polygons=poly, job=job, **of))
+            of = {"crs": arguments.crs, "like": arguments.output, "surfaces": surfaces, "unit": arguments.unit}
+            of |= {"partition": part, "mesh": mesh}
+            told = outputs.write(arguments.output, partial(exporting.write, polygons=poly, job=job, **of))
+            step = told if is_step else None
         else:
             files = files_of(arguments.output, poly, made, job)
             texturing.check_source(source, list(files))  # names of tiles and materials are known only now
@@ -228,6 +232,7 @@ def _make(
         "expected": model.expected,
         "output": {"path": str(arguments.output)} | model.found.report,
         "validity": exporting.validity(poly, surfaces=surfaces),
+        "step": step,
         "texture": None if made is None else made.report | {"files": [str(path) for path in written[1:]]},
         "seconds": steps.seconds,
         "peak_mb": peak_mb(),
@@ -317,6 +322,8 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     if out.get("scan_distance") is not None:
         kept = "within" if out["scan_distance"] <= out["scan_distance_allowed"] else "NOT within"
         yield f"  the scan is at most {out['scan_distance']:.4g} off, {kept} {out['scan_distance_allowed']:.4g}"
-    if exporting.kind_of(out["path"]):
+    if report["step"] is not None:
+        yield f"  {words.step(report['step'])}"
+    elif exporting.kind_of(out["path"]):
         yield f"  {words.surfaces(report['validity'])}"
     yield from words.flaws(out)

@@ -53,6 +53,18 @@ def surfaces(validity: dict[str, Any]) -> str:
     return f"{parts}; {kind}; {plane}"
 
 
+def step(told: dict[str, Any]) -> str:
+    """`STEP: a solid of 13 faces, valid; 1 of 2 round parts has a true surface`."""
+    made = "a solid" if told["solids"] == 1 else f"{told['solids']} solids" if told["solids"] else "open, no solid"
+    text = f"STEP: {made}, {count(told['faces'], 'face')}, {'valid' if told['valid'] else 'NOT valid'}"
+    true, rest = len(told["true_surfaces"]), told["planes"]
+    if true or rest:
+        text += f"; true surfaces for {true} of {count(true + len(rest), 'round part')}"
+    if rest:
+        text += f" (part {rest[0]['number']}: {rest[0]['reason']})"
+    return text
+
+
 def shape(report: dict[str, Any]) -> str:
     """`2 parts, 1 of them closed, 223 border edges in 5 loops`."""
     text = count(report["components"], "part")

@@ -1,6 +1,17 @@
-"""Ways out to programs for buildings: CityJSON, DXF and IFC, with surfaces by class, in double precision."""
+"""Ways out to other programs, in double precision: CityJSON, DXF and IFC for buildings, and STEP for CAD."""
 
 from .surfaces import PLANAR, Surfaces, surfaces_of, validity
-from .writing import KINDS, kind_of, require, write
+from .writing import KINDS, STEP_KINDS, UNITS, kind_of, require, write
 
-__all__ = ["KINDS", "PLANAR", "Surfaces", "kind_of", "require", "surfaces_of", "validity", "write"]
+__all__ = [
+    "KINDS",
+    "PLANAR",
+    "STEP_KINDS",
+    "UNITS",
+    "Surfaces",
+    "kind_of",
+    "require",
+    "surfaces_of",
+    "validity",
+    "write",
+]

@@ -4,16 +4,21 @@ import importlib.util
 from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from .. import _core
-from .._core import FileError, Job, PolygonMesh
+from .._core import FileError, InvalidInput, Job, Mesh, Partition, PolygonMesh
 from ..drafts import whole
 from ..reading import reader
 from . import cityjson, dxf, ifc
 from .surfaces import Surfaces, surfaces_of
 
-KINDS = (".city.json", ".dxf", ".ifc")
+KINDS = (".city.json", ".dxf", ".ifc", ".step", ".stp")
+STEP_KINDS = (".step", ".stp")
+UNITS = ("m", "mm")  #: what a scene unit may be in STEP
 _NEEDS = {".dxf": ("ezdxf", "dxf"), ".ifc": ("ifcopenshell", "ifc")}  # the package, and the extra that installs it
+_NEEDS |= dict.fromkeys(STEP_KINDS, ("OCP", "step"))
+_NAMES = {"OCP": "cadquery-ocp-novtk"}  # of packages that are imported under another name
 
 
 def kind_of(path: str | PathLike[str]) -> str | None:
@@ -27,9 +32,10 @@ def require(path: str | PathLike[str]) -> None:
     package, extra = _NEEDS.get(kind_of(path) or "", (None, None))
     if package is None:
         return
+    name = _NAMES.get(package, package)
     if importlib.util.find_spec(package) is None:
-        raise FileError(f"{path}: to write it the package {package} is needed: pip install 'isimp[{extra}]'")
-    with reader(path, f"the package {package}, which is needed to write it, can't be loaded"):
+        raise FileError(f"{path}: to write it the package {name} is needed: pip install 'isimp[{extra}]'")
+    with reader(path, f"the package {name}, which is needed to write it, can't be loaded"):
         importlib.import_module(package)
 
 
@@ -42,27 +48,48 @@ def write(
     version: str = "2.0",
     like: str | PathLike[str] | None = None,
     surfaces: Surfaces | None = None,
-) -> None:
-    """Write polygons: PLY, OBJ, and for buildings CityJSON (.city.json), DXF and IFC.
+    partition: Partition | None = None,
+    mesh: Mesh | None = None,
+    unit: str = "m",
+) -> dict[str, Any]:
+    """Write polygons: PLY, OBJ; for buildings CityJSON (.city.json), DXF and IFC; STEP (.step, .stp).
 
     The file appears whole or not at all. CityJSON, DXF and IFC have their polygons by class (walls, roofs, ground) and
     keep n-gons and the scan's coordinates in double precision; they take scene units for metres. DXF needs the package
     ezdxf, IFC ifcopenshell.
 
+    STEP is a solid where the polygons are closed, else a shell. Round parts of the partition (`Partition.curved`) have
+    true surfaces; where one can't be cut to a valid face, its cells are planes. Polygons that are not planar beside
+    others are triangles: `MeshingOptions.planar` avoids most. Needs the package cadquery-ocp-novtk.
+
     crs: the number of the EPSG reference system of the coordinates, written to CityJSON and IFC.
     version: of CityJSON, "2.0" or "1.1".
     like: a name with the kind of the file, where `path` is a temporary one.
     surfaces: the result of `surfaces_of` for these polygons, if it is known already.
+    partition, mesh: for STEP, of which the polygons were made.
+    unit: what a scene unit is in STEP, "m" or "mm".
+    Returns a dict, empty but for STEP: faces, solids, valid (by OpenCASCADE), volume, gap (largest distance of an edge
+    from a face), triangulated (polygons), true_surfaces (number and kind of round parts), planes (number of other round
+    parts, and the reason).
     Raises FileError (another extension, a missing package, or the place can't be written), InvalidInput, Cancelled.
     """
+    if unit not in UNITS:
+        raise InvalidInput(f"unit must be one of {', '.join(UNITS)}, got {unit!r}")
     named = Path(like if like is not None else path)
     kind = kind_of(named)
     if kind is None:
         _core.write(path, polygons, job)
-        return
+        return {}
     require(named)
     place = Path(path)
-    surfaces, name = surfaces or surfaces_of(polygons), named.name[: -len(kind)] or "building"
+    name = named.name[: -len(kind)] or "building"
+    if kind in STEP_KINDS:
+        from .step.step_file import write as write_step  # needs OpenCASCADE
+
+        told: dict[str, Any] = {}
+        _whole(place, lambda draft: told.update(write_step(draft, polygons, name, partition, mesh, job, unit)))
+        return told
+    surfaces = surfaces or surfaces_of(polygons)
     if kind == ".city.json":
         text = cityjson.cityjson(polygons, surfaces, name, crs, version)
         _whole(place, lambda draft: draft.write_text(text, encoding="utf-8"))
@@ -70,6 +97,7 @@ def write(
         _whole(place, lambda draft: dxf.write(draft, polygons, surfaces))
     else:
         _whole(place, lambda draft: ifc.write(draft, polygons, surfaces, name, crs))
+    return {}
 
 
 def _whole(place: Path, put: Callable[[Path], object]) -> None:

@@ -171,8 +171,13 @@ def test_ifcopenshell_reads_ifc(tmp_path: Path, crs: int | None) -> None:
 def test_a_missing_package_is_named_before_the_work(tmp_path: Path, monkeypatch, capsys) -> None:
     scan = tmp_path / "scan.obj"
     scan.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    for package, kind in (("ezdxf", "dxf"), ("ifcopenshell", "ifc")):
-        monkeypatch.setitem(sys.modules, package, None)
+    packages = [
+        ("ezdxf", "ezdxf", "dxf"),
+        ("ifcopenshell", "ifcopenshell", "ifc"),
+        ("OCP", "cadquery-ocp-novtk", "step"),
+    ]
+    for module, package, kind in packages:
+        monkeypatch.setitem(sys.modules, module, None)
         monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
         with pytest.raises(engine.FileError, match=rf"{package} is needed: pip install 'isimp\[{kind}\]'"):
             require(f"a.{kind}")

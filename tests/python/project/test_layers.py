@@ -127,6 +127,7 @@ def imports(path):
 
 
 OPTIONAL = {"on_dask.py": {"distributed"}, "images.py": {"PIL"}, "dxf.py": {"ezdxf"}, "ifc.py": {"ifcopenshell"}}
+OPTIONAL |= {name: {"OCP"} for name in ("faces.py", "kernel.py", "solid.py", "step_file.py")}
 
 
 def test_the_package_imports_itself_relatively_and_else_only_numpy_and_pillow_for_images():
@@ -137,7 +138,9 @@ def test_the_package_imports_itself_relatively_and_else_only_numpy_and_pillow_fo
 
 
 def test_optional_packages_are_not_imported_before_their_use():
-    code = "import sys, isimp_engine.cli, isimp_engine.batch.work; print({'distributed', 'PIL'} & set(sys.modules))"
+    code = (
+        "import sys, isimp_engine.cli, isimp_engine.batch.work\nprint({'distributed', 'PIL', 'OCP'} & set(sys.modules))"
+    )
     outer = str(Path(isimp_engine.__file__).parents[1])
     done = subprocess.run([sys.executable, "-c", code], env={"PYTHONPATH": outer}, capture_output=True, text=True)
     assert (done.stdout, done.stderr) == ("set()\n", "")

@@ -1,0 +1,91 @@
+"""Writes STEP files (AP 214), with the same bytes for the same shape."""
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
+from OCP.IFSelect import IFSelect_RetDone
+from OCP.Interface import Interface_Static
+from OCP.Message import Message, Message_Fail
+from OCP.StepBasic import StepBasic_Product
+from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
+from OCP.TCollection import TCollection_HAsciiString
+
+from ... import _core
+from ..._core import FileError, Job, Mesh, Partition, PolygonMesh
+from .solid import Made, make
+
+_LENGTHS = ("write.step.unit", "xstep.cascade.unit")
+
+
+def write(
+    path: Path,
+    poly: PolygonMesh,
+    name: str,
+    partition: Partition | None = None,
+    mesh: Mesh | None = None,
+    job: Job | None = None,
+    unit: str = "m",
+) -> dict[str, Any]:
+    """Write the shape; see `report_of` for the result. Raises FileError if OpenCASCADE can't write there."""
+    if not len(poly.loop_start):
+        raise FileError(f"{path}: there are no polygons, and a STEP file needs some")
+    made = make(poly, partition, mesh, job)
+    writer = STEPControl_Writer()  # before the settings, which it resets
+    for printer in Message.DefaultMessenger_s().Printers():
+        printer.SetTraceLevel(Message_Fail)  # it prints to stdout else
+    with _settings({"write.step.schema": "AP214IS", **dict.fromkeys(_LENGTHS, unit.upper())}):
+        done = writer.Transfer(made.shape, STEPControl_AsIs)
+    if done != IFSelect_RetDone:
+        raise FileError(f"{path}: OpenCASCADE can't write this shape")
+    _name(writer.Model(), name)
+    header = APIHeaderSection_MakeHeader(writer.Model())
+    header.SetName(TCollection_HAsciiString(name))
+    header.SetTimeStamp(TCollection_HAsciiString("1970-01-01T00:00:00"))
+    header.SetOriginatingSystem(TCollection_HAsciiString(f"isimp {_core.__version__}"))
+    # OpenCASCADE takes names in one encoding only, so the file is moved to its place.
+    with tempfile.TemporaryDirectory() as folder:
+        draft = Path(folder) / "shape.step"
+        if writer.Write(str(draft)) != IFSelect_RetDone:
+            raise FileError(f"{path}: OpenCASCADE can't write this shape")
+        path.write_bytes(draft.read_bytes())
+    return report_of(made)
+
+
+@contextmanager
+def _settings(values: dict[str, str]) -> Iterator[None]:
+    """Settings of OpenCASCADE, which all users in the process share, for a while."""
+    before = {name: Interface_Static.CVal_s(name) for name in values}
+    try:
+        for name, value in values.items():
+            Interface_Static.SetCVal_s(name, value)
+        yield
+    finally:
+        for name, value in before.items():
+            Interface_Static.SetCVal_s(name, value)
+
+
+def _name(model: Any, name: str) -> None:
+    """Name the product; OpenCASCADE numbers the products of a process."""
+    for number in range(1, model.NbEntities() + 1):
+        entity = model.Value(number)
+        if isinstance(entity, StepBasic_Product):
+            entity.SetId(TCollection_HAsciiString(name))
+            entity.SetName(TCollection_HAsciiString(name))
+
+
+def report_of(made: Made) -> dict[str, Any]:
+    """Counts of the shape, and for each round part the kind of its surface, or why its cells are planes."""
+    return {
+        "faces": made.faces,
+        "solids": made.solids,
+        "valid": made.valid,
+        "volume": made.volume,
+        "gap": made.gap,
+        "triangulated": made.triangulated,
+        "true_surfaces": [{"number": n, "kind": kind} for n, kind in made.surfaces.items()],
+        "planes": [{"number": n, "reason": reason} for n, reason in made.reasons.items()],
+    }
