@@ -1,4 +1,4 @@
-"""Write a report of the model of a scan: its planes as a table (CSV, GeoJSON), and a page with pictures (HTML)."""
+"""Write a report of a scan's model: tables of planes and round parts (CSV, GeoJSON), a page with pictures (HTML)."""
 
 import argparse
 from pathlib import Path
@@ -61,4 +61,7 @@ def run(arguments: argparse.Namespace) -> None:
             outputs.write_text(arguments.output / name, text)
         outputs.commit()
     if not arguments.quiet:
-        show(f"{arguments.output}: {words.count(len(table.rows), 'plane')} in {', '.join(texts)}")
+        found = words.count(len(table.rows), "plane")
+        if table.round_parts:
+            found += f" and {words.count(len(table.round_parts), 'round part')}"
+        show(f"{arguments.output}: {found} in {', '.join(texts)}")

@@ -1,4 +1,4 @@
-"""Reports about a model: tables of its planes, and a page with pictures."""
+"""Reports about a model: tables of its planes and round parts, and a page with pictures."""
 
 from .files import texts_of
 from .page import numbers_of, write_page

@@ -7,6 +7,7 @@ from .._core import Mesh, Partition, PolygonMesh
 from ..batch import picture
 from .page import numbers_of, write_page
 from .planes import PlaneTable, write_csv, write_geojson
+from .round_parts import ROUND_COLUMNS
 
 _SIDE = 420  # pixels of each picture
 
@@ -20,7 +21,7 @@ def texts_of(
     crs: int | None = None,
     turn: NDArray[np.float64] | None = None,
 ) -> dict[str, str]:
-    """Return the content of each file of a report, by the file's name.
+    """Return the content of each file of a report, by the file's name; of round parts where there are some.
 
     table: the planes, as `plane_table` returns them. crs: EPSG number of the coordinates, or None. turn: (3, 3) from
     the coordinates of the mesh to those of the pictures; None: the same.
@@ -30,8 +31,10 @@ def texts_of(
         scan, model = scan @ turn.T, model @ turn.T
     shown = model, polygons.loops, polygons.loop_start, polygons.polygon_region
     seen = picture.beside((scan, np.asarray(mesh.triangles)), shown, _SIDE)
+    parts = {"round_parts.csv": write_csv(table.round_parts, ROUND_COLUMNS)} if table.round_parts else {}
     return {
         "planes.csv": write_csv(table.rows),
+        **parts,
         "planes.geojson": write_geojson(table, crs),
         "report.html": write_page(title, numbers_of(mesh, part, polygons.report, table), table, seen),
     }

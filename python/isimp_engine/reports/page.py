@@ -1,4 +1,4 @@
-"""The page of a report: pictures, a histogram of the deviation, and the planes. It needs no other file."""
+"""The page of a report: pictures, a histogram of the deviation, planes and round parts. It needs no other file."""
 
 import base64
 import html
@@ -21,6 +21,11 @@ th { text-align: left; position: sticky; top: 0; background: #fff } td.n { text-
 img { display: block; max-width: 100% }
 """
 _SHOWN = ("region", "class", "area", "tilt", "azimuth", "distance_mean", "distance_rms", "distance_max")
+
+_ROUND_SHOWN = (
+    *("number", "kind", "radius", "axis_x", "axis_y", "axis_z", "segments", "rings", "area"),
+    *("distance_mean", "distance_rms", "distance_max"),
+)
 
 
 def numbers_of(mesh: Mesh, part: Partition, report: dict[str, Any], table: PlaneTable) -> dict[str, Any]:
@@ -72,7 +77,13 @@ def _lines(title: str, report: dict[str, Any], table: PlaneTable, picture: bytes
     yield f"<table><tr>{''.join(f'<th>{name}</th>' for name in _SHOWN)}</tr>"
     for row in rows[:_ROWS]:
         yield f"<tr>{''.join(_cell(row[name]) for name in _SHOWN)}</tr>"
-    yield "</table></body></html>"
+    yield "</table>"
+    if table.round_parts:
+        yield f"<h2>Round parts</h2><table><tr>{''.join(f'<th>{name}</th>' for name in _ROUND_SHOWN)}</tr>"
+        for row in table.round_parts:
+            yield f"<tr>{''.join(_cell(row[name]) for name in _ROUND_SHOWN)}</tr>"
+        yield "</table>"
+    yield "</body></html>"
 
 
 def _cell(value: Any) -> str:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .._core import Job, Mesh, Partition, PolygonMesh
 from ..exporting.surfaces import rings, surfaces_of
 from ..within import scan_distances
+from .round_parts import round_rows
 
 _LEVEL = np.sin(np.radians(0.05))  # least horizontal part of a normal: a plane with less has no azimuth
 
@@ -25,12 +26,13 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class PlaneTable:
-    """One row a region, and the distance of each vertex of the scan from the polygons."""
+    """One row a region and a round part, and the distance of each vertex of the scan from the polygons."""
 
     rows: list[dict[str, Any]]  #: keys: COLUMNS; scene units, degrees; None where there is no value
     away: NDArray[np.float64]  #: (V,) of the vertices of the mesh; NaN: in no region
     corners: list[NDArray[np.float64]]  #: corners of each polygon, in the coordinates of the table
     polygon_region: list[int]
+    round_parts: list[dict[str, Any]]  #: one row a round part; keys: ROUND_COLUMNS; scene units, degrees
 
 
 def plane_table(
@@ -82,7 +84,7 @@ def plane_table(
                 "distance_max": float(far.max()) if len(far) else None,
             }
         )
-    return PlaneTable(rows, away, corners, of.tolist())
+    return PlaneTable(rows, away, corners, of.tolist(), round_rows(mesh, part, rows, away, place))
 
 
 def _side(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -9,6 +9,7 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
+from bench.generators import round_shapes
 from isimp_engine import reports
 from isimp_engine.reports.page import histogram
 from test_cli import check_line, isimp
@@ -152,6 +153,46 @@ def test_the_command_writes_tables_and_a_page(tmp_path):
     assert page.count("<rect") == 40
     assert "data:image/png;base64," in page
     assert page.count("<tr>") == 10 + 1 + 7
+
+
+def test_round_parts_have_a_table(tmp_path):
+    source, out = tmp_path / "capped.ply", tmp_path / "out"
+    vertices, triangles = round_shapes.made(round_shapes.shapes()["capped"])
+    meshfiles.ply_binary(source, vertices, triangles.tolist())
+    done = isimp("report", source, out, "--curved")
+    assert done.returncode == 0, done.stderr
+    assert "1 round part in planes.csv, round_parts.csv, planes.geojson, report.html" in done.stdout
+    (row,) = read(out / "round_parts.csv")
+    axis = np.array([float(row[f"axis_{k}"]) for k in "xyz"])
+    away = np.array([float(row[f"point_{k}"]) for k in "xyz"])
+    truth = np.array([0.3, 0.2, 1]) / np.linalg.norm([0.3, 0.2, 1])
+    assert row["kind"] == "cylinder"
+    assert abs(axis @ truth) == pytest.approx(1, abs=1e-6)
+    assert np.linalg.norm(away - (away @ truth) * truth) < 1e-3
+    assert float(row["radius"]) == pytest.approx(1, abs=1e-3)
+    assert float(row["span"]) == pytest.approx(360)
+    assert row["slope"] == ""
+    assert int(row["segments"]) >= 8
+    assert row["rings"] == "1"
+    assert float(row["area"]) == pytest.approx(2 * np.pi * 3, rel=0.02)
+    assert 0 < float(row["distance_mean"]) <= float(row["distance_rms"]) <= float(row["distance_max"]) < 0.05
+    assert "<h2>Round parts</h2>" in (out / "report.html").read_text()
+
+
+def test_round_parts_are_turned_and_moved_with_the_table():
+    vertices, triangles = round_shapes.made(round_shapes.shapes()["cone"])
+    mesh = engine.clean(vertices, triangles)
+    part = engine.partition(mesh, engine.PartitionOptions(curved=True))
+    poly = engine.polygonize(mesh, part)
+    place = np.array([[1.0, 0, 0, 10], [0, 0, -1, 20], [0, 1, 0, 30], [0, 0, 0, 1]])  # z becomes -y
+    (plain,) = reports.plane_table(mesh, part, poly).round_parts
+    (moved,) = reports.plane_table(mesh, part, poly, place=place).round_parts
+    for name, shift in (("axis", 0.0), ("point", 1.0)):
+        x, y, z = (plain[f"{name}_{k}"] for k in "xyz")
+        found = [moved[f"{name}_{k}"] for k in "xyz"]
+        assert found == pytest.approx([x + 10 * shift, -z + 20 * shift, y + 30 * shift])
+    assert moved["slope"] == plain["slope"] != 0
+    assert (moved["area"], moved["distance_max"]) == pytest.approx((plain["area"], plain["distance_max"]))
 
 
 def test_wrong_uses_are_refused(tmp_path):
