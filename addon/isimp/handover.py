@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .engine import engine
+from .language import own, said
 from .outcome import Outcome
 
 
@@ -56,9 +58,24 @@ def _planarity(vertices: np.ndarray, loops: np.ndarray, start: np.ndarray) -> np
     return found
 
 
+def require(path: Path) -> None:
+    """Raises ValueError with the way to get the package that files of this kind need, if it is missing."""
+    if package := engine.exporting.missing(path):
+        text = own('For {kind} Blender needs the package {package}. In a terminal: "{python}" -m pip install {package}')
+        raise ValueError(said(text, kind=engine.exporting.kind_of(path), package=package, python=sys.executable))
+
+
 def export(path: Path, model: Model, crs: int | None) -> None:
-    """Writes a building; see `isimp_engine.exporting`. Raises ValueError, which names the missing package."""
+    """Writes a building; see `isimp_engine.exporting`. Raises ValueError."""
+    require(path)
     engine.exporting.write(path, model, crs=crs)
+
+
+def export_step(path: Path, mesh: Any, outcome: Outcome, place: np.ndarray, unit: str) -> dict[str, Any]:
+    """Writes a solid and returns what it is; see `isimp_engine.exporting`. place: (4, 4) from the mesh to the world."""
+    parts = {"partition": outcome.partition, "mesh": mesh}
+    told: dict[str, Any] = engine.exporting.write(path, outcome.polygons, **parts, place=place, unit=unit)
+    return told
 
 
 def far_origin(vertices: np.ndarray) -> np.ndarray:

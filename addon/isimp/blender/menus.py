@@ -98,6 +98,8 @@ def _draw_import(menu, context) -> None:
 
 def _draw_export(menu, context) -> None:
     menu.layout.operator("isimp.export_building", text="Building (.ifc, .dxf, .city.json)")
+    menu.layout.operator("isimp.export_step", text="Solid (.step)")
+    menu.layout.operator("isimp.export_lods", text="LODs (.glb, .obj, .ifc)")
 
 
 CLASSES = (ISIMP_MT_object, ISIMP_MT_planes, ISIMP_MT_planes_pie, ISIMP_MT_pie)

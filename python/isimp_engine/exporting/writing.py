@@ -6,6 +6,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .. import _core
 from .._core import FileError, InvalidInput, Job, Mesh, Partition, PolygonMesh
 from ..drafts import whole
@@ -27,15 +30,21 @@ def kind_of(path: str | PathLike[str]) -> str | None:
     return next((kind for kind in KINDS if name.endswith(kind)), None)
 
 
+def missing(path: str | PathLike[str]) -> str:
+    """The package, as pip names it, that a file of this kind needs and that is not installed; empty where none is."""
+    package, _ = _NEEDS.get(kind_of(path) or "", ("", ""))
+    is_there = not package or importlib.util.find_spec(package) is not None
+    return "" if is_there else _NAMES.get(package, package)
+
+
 def require(path: str | PathLike[str]) -> None:
     """Refuse a file for which a package is missing, or can't be loaded. Raises FileError, which names it."""
-    package, extra = _NEEDS.get(kind_of(path) or "", (None, None))
-    if package is None:
+    package, extra = _NEEDS.get(kind_of(path) or "", ("", ""))
+    if not package:
         return
-    name = _NAMES.get(package, package)
-    if importlib.util.find_spec(package) is None:
+    if name := missing(path):
         raise FileError(f"{path}: to write it the package {name} is needed: pip install 'isimp[{extra}]'")
-    with reader(path, f"the package {name}, which is needed to write it, can't be loaded"):
+    with reader(path, f"the package {_NAMES.get(package, package)}, which is needed to write it, can't be loaded"):
         importlib.import_module(package)
 
 
@@ -51,6 +60,7 @@ def write(
     partition: Partition | None = None,
     mesh: Mesh | None = None,
     unit: str = "m",
+    place: NDArray[np.float64] | None = None,
 ) -> dict[str, Any]:
     """Write polygons: PLY, OBJ; for buildings CityJSON (.city.json), DXF and IFC; STEP (.step, .stp).
 
@@ -68,6 +78,7 @@ def write(
     surfaces: the result of `surfaces_of` for these polygons, if it is known already.
     partition, mesh: for STEP, of which the polygons were made.
     unit: what a scene unit is in STEP, "m" or "mm".
+    place: (4, 4), for STEP: a rotation and a shift to the coordinates of the file; None: the polygons' own.
     Returns a dict, empty but for STEP: faces, solids, valid (by OpenCASCADE), volume, gap (largest distance of an edge
     from a face), triangulated (polygons), true_surfaces (number and kind of round parts), planes (number of other round
     parts, and the reason).
@@ -81,22 +92,22 @@ def write(
         _core.write(path, polygons, job)
         return {}
     require(named)
-    place = Path(path)
+    at = Path(path)
     name = named.name[: -len(kind)] or "building"
     if kind in STEP_KINDS:
         from .step.step_file import write as write_step  # needs OpenCASCADE
 
         told: dict[str, Any] = {}
-        _whole(place, lambda draft: told.update(write_step(draft, polygons, name, partition, mesh, job, unit)))
+        _whole(at, lambda draft: told.update(write_step(draft, polygons, name, partition, mesh, job, unit, place)))
         return told
     surfaces = surfaces or surfaces_of(polygons)
     if kind == ".city.json":
         text = cityjson.cityjson(polygons, surfaces, name, crs, version)
-        _whole(place, lambda draft: draft.write_text(text, encoding="utf-8"))
+        _whole(at, lambda draft: draft.write_text(text, encoding="utf-8"))
     elif kind == ".dxf":
-        _whole(place, lambda draft: dxf.write(draft, polygons, surfaces))
+        _whole(at, lambda draft: dxf.write(draft, polygons, surfaces))
     else:
-        _whole(place, lambda draft: ifc.write(draft, polygons, surfaces, name, crs))
+        _whole(at, lambda draft: ifc.write(draft, polygons, surfaces, name, crs))
     return {}
 
 

@@ -2,13 +2,14 @@
 
 import csv
 import json
+import re
 
 import bpy
 import numpy as np
 import pytest
 import scans
 
-from isimp.blender import places, store, targets
+from isimp.blender import menus, places, store, targets
 from isimp.engine import engine
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -112,7 +113,7 @@ def test_other_names_and_missing_packages_are_refused(file, tmp_path, monkeypatc
     with pytest.raises(RuntimeError, match="must end in"):
         OPS.export_building(filepath=str(tmp_path / "tower.txt"))
     monkeypatch.setattr(engine.exporting.writing.importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(RuntimeError, match="pip install 'isimp\\[ifc\\]'"):
+    with pytest.raises(RuntimeError, match=r"needs the package ifcopenshell.* -m pip install ifcopenshell"):
         OPS.export_building(filepath=str(tmp_path / "tower.ifc"))
     assert not (tmp_path / "tower.ifc").exists()
 
@@ -149,3 +150,84 @@ def test_a_report_has_map_coordinates_and_the_scene_up(file, tmp_path):
     assert found["crs"]["properties"]["name"].endswith("25832")
     assert "<svg" in (tmp_path / "report" / "report.html").read_text()
     assert store.load(scan) is not None
+
+
+def column():
+    """A round scan that is turned, moved and scaled."""
+    around, along = 96, 60
+    angle, high = np.meshgrid(np.arange(around) * 2 * np.pi / around, np.linspace(-2, 2, along + 1))
+    side = np.stack([np.cos(angle), np.sin(angle), high], axis=2).reshape(-1, 3)
+    k, m = (grid.ravel() for grid in np.meshgrid(np.arange(around), np.arange(along) * around))
+    a, b = m + k, m + (k + 1) % around
+    quads = [tuple(q) for q in np.stack([a, b, b + around, a + around], axis=1).tolist()]
+    last = along * around
+    caps = [tuple(range(around - 1, -1, -1)), tuple(range(last, last + around))]
+    scan = scans.add("column", side.tolist(), [*quads, *caps])
+    scan.location, scan.rotation_euler, scan.scale = (10, 20, 30), (np.pi / 2, 0, 0), (2, 2, 2)
+    bpy.context.view_layer.update()
+    return scan
+
+
+def test_a_round_part_is_a_true_surface_in_step_and_a_row_of_the_report(tmp_path):
+    pytest.importorskip("OCP", reason="cadquery-ocp-novtk is not installed")
+    column()
+    OPS.partition(count_by="detail", curved=True)
+    OPS.mesh()
+    path = tmp_path / "column.step"
+    assert OPS.export_step(filepath=str(path), unit="mm") == {"FINISHED"}
+    text = path.read_text()
+    assert "SI_UNIT(.MILLI.,.METRE.)" in text
+    assert text.count("MANIFOLD_SOLID_BREP(") == 1
+    (radius,) = re.findall(r"CYLINDRICAL_SURFACE\('',#\d+,([\d.]+)\)", text)
+    assert float(radius) == pytest.approx(2, rel=0.01)
+    assert OPS.write_report(directory=str(tmp_path / "report")) == {"FINISHED"}
+    (row,) = csv.DictReader((tmp_path / "report" / "round_parts.csv").read_text().splitlines())
+    assert abs(float(row["axis_y"])) == pytest.approx(1, abs=1e-3)
+    assert (float(row["point_x"]), float(row["point_z"])) == pytest.approx((10, 30), abs=0.02)
+    assert float(row["radius"]) == pytest.approx(2, rel=0.01)
+
+
+def test_step_says_what_it_needs_before_the_work(file, tmp_path, monkeypatch):
+    meshed(file)
+    with pytest.raises(RuntimeError, match=r"must end in \.step or \.stp"):
+        OPS.export_step(filepath=str(tmp_path / "tower.dxf"))
+    monkeypatch.setattr(engine.exporting.writing.importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(RuntimeError, match=r"-m pip install cadquery-ocp-novtk"):
+        OPS.export_step(filepath=str(tmp_path / "tower.step"))
+    assert [path.name for path in tmp_path.iterdir()] == [file.name]
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of Blender's own exporter
+@pytest.mark.parametrize("kind", [".glb", ".obj", ".city.json"])
+def test_levels_of_detail_are_written_each_to_its_file(file, tmp_path, kind):
+    scan = meshed(file)
+    OPS.keep_lod()
+    OPS.partition(proxies=4)
+    OPS.mesh()
+    kept = bpy.data.objects[f"{scan.name}_LOD0"]
+    before = [(obj.name, obj.hide_get(), obj.select_get()) for obj in bpy.context.view_layer.objects]
+    folder = tmp_path / "out"
+    folder.mkdir()
+    assert OPS.export_lods(filepath=str(folder / f"tower{kind}")) == {"FINISHED"}
+    names = sorted(path.name for path in folder.iterdir() if path.suffix != ".mtl")
+    assert names == [f"tower_LOD0{kind}", f"tower_LOD1{kind}"]
+    assert [(obj.name, obj.hide_get(), obj.select_get()) for obj in bpy.context.view_layer.objects] == before
+    assert kept.hide_get()
+    if kind == ".obj":
+        counts = [(folder / name).read_text().count("\nf ") for name in names]
+        result = targets.result_of(bpy.context.scene, scan)
+        assert counts == [len(kept.data.polygons), len(result.data.polygons)]
+
+
+def test_levels_of_detail_of_another_kind_are_refused(file, tmp_path):
+    meshed(file)
+    with pytest.raises(RuntimeError, match=r"must end in \.glb, \.obj"):
+        OPS.export_lods(filepath=str(tmp_path / "tower.txt"))
+    assert [path.name for path in tmp_path.iterdir()] == [file.name]
+
+
+def test_the_export_menu_has_all_three():
+    drawn = []
+    layout = type("Layout", (), {"operator": lambda _, name, **__: drawn.append(name)})()
+    menus._draw_export(type("Menu", (), {"layout": layout})(), bpy.context)
+    assert drawn == ["isimp.export_building", "isimp.export_step", "isimp.export_lods"]

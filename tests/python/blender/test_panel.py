@@ -23,6 +23,7 @@ MANUAL = Path(__file__).parents[3] / "docs" / "manual.md"
 #: Bold words of the manual that are no texts of the add-on: keys, signs, and beginnings of paragraphs
 NO_TEXT = {"+", "\u2212", "C", "Click", "Ctrl-click", "eye", "name", "red", "Object > iSimp", "iSimp"}
 NO_TEXT |= {"CAD", "File > Import > Scan (iSimp)", "File > Export > Building (.ifc, .dxf, .city.json)"}
+NO_TEXT |= {"File > Export > Solid (.step)", "File > Export > LODs (.glb, .obj, .ifc)"}
 NO_TEXT |= {"The result is yours.", "Rigged figures.", "Further layers."}
 
 

@@ -1,19 +1,25 @@
 """Scans in and models out: exact import, export of buildings, reports."""
 
+import re
+from contextlib import contextmanager
+from dataclasses import replace
+from operator import itemgetter
 from pathlib import Path
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, CollectionProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from ... import handover, messages
 from ... import recipe as rcp
 from ...engine import engine
-from ...language import said
+from ...language import own, said
 from .. import mesh_io, places, reading, runtime, store, targets
 
 _SCANS = (".ply", ".obj", ".stl", ".off")
+_LOD_KINDS = (".glb", ".obj", ".city.json", ".dxf", ".ifc")
+_UNITS = (("m", "Metre", "A unit is a metre"), ("mm", "Millimetre", "A unit is a millimetre"))
 
 
 class ISIMP_OT_import_scan(ImportHelper, bpy.types.Operator):
@@ -94,7 +100,7 @@ class ISIMP_OT_export_building(_Model, bpy.types.Operator):
     def execute(self, context):
         scan, result, _ = targets.find_result(context)
         path = Path(bpy.path.abspath(self.filepath))
-        if engine.exporting.kind_of(path) is None:
+        if engine.exporting.kind_of(path) not in (".city.json", ".dxf", ".ifc"):
             self.report({"ERROR"}, said("The name must end in .city.json, .dxf or .ifc."))
             return {"CANCELLED"}
         shown = context.view_layer.objects.active if targets.scan_of(context.view_layer.objects.active) else result
@@ -107,6 +113,140 @@ class ISIMP_OT_export_building(_Model, bpy.types.Operator):
         told = messages.count(len(model.loop_start), "polygon")
         self.report({"INFO"}, said("{polygons} written to {file}", polygons=told, file=path.name))
         return {"FINISHED"}
+
+
+def _replayed(context, scan, meshed):
+    """The prepared scan, and the outcome of its steps with a Mesh step at the end. meshed: function of the recipe."""
+    recipe = meshed(store.load(scan) or rcp.Recipe())
+    arrays, session = reading.read(context, scan, recipe.layers()), runtime.get().session
+    outcome = session.replay(arrays, recipe)
+    return session.prepare(arrays, closing=outcome.closing).mesh, outcome
+
+
+def _last_mesh(recipe):
+    return next((step for _, step in reversed(list(recipe.active())) if isinstance(step, rcp.Mesh)), None)
+
+
+class ISIMP_OT_export_step(_Model, bpy.types.Operator):
+    """Export the steps' result as a solid for CAD, with true surfaces for round parts. Faces are planar"""
+
+    bl_idname = "isimp.export_step"
+    bl_label = "Export STEP"
+
+    filepath: StringProperty(subtype="FILE_PATH")
+    filter_glob: StringProperty(default="*.step;*.stp", options={"HIDDEN"})
+    unit: EnumProperty(name="Unit", description="What a unit of the scene is in the file", items=_UNITS)
+
+    def invoke(self, context, event):
+        scan, _, _ = targets.find_result(context)
+        self.filepath = f"{scan.name}.step"
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        scan, _, _ = targets.find_result(context)
+        path = Path(bpy.path.abspath(self.filepath))
+        if engine.exporting.kind_of(path) not in engine.exporting.STEP_KINDS:
+            self.report({"ERROR"}, said("The name must end in .step or .stp."))
+            return {"CANCELLED"}
+
+        def planar(recipe):
+            return recipe.without_mesh().then(replace(_last_mesh(recipe) or rcp.Mesh(), planar=True))
+
+        try:
+            handover.require(path)  # before the work
+            mesh, outcome = _replayed(context, scan, planar)
+            told = handover.export_step(path, mesh, outcome, places.to_world(scan), self.unit)
+        except (ValueError, OSError, mesh_io.Unusable) as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
+        true, planes = len(told["true_surfaces"]), len(told["planes"])
+        text = own("{faces} written to {file}; {true} of {all} have true surfaces")
+        faces, parts = messages.count(told["faces"], "face"), messages.count(true + planes, "round part")
+        self.report({"INFO"}, said(text, faces=faces, file=path.name, true=true, all=parts))
+        return {"FINISHED"}
+
+
+class ISIMP_OT_export_lods(bpy.types.Operator):
+    """Export the levels of Keep as LOD and the result, each to a file of its own: NAME_LOD0, NAME_LOD1"""
+
+    bl_idname = "isimp.export_lods"
+    bl_label = "Export LODs"
+
+    filepath: StringProperty(subtype="FILE_PATH")
+    filter_glob: StringProperty(default="*.glb;*.obj;*.ifc;*.dxf;*.json", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context):
+        return targets.allows(cls, context, lambda scan: "" if _levels(context, scan) else targets.NO_RESULT)
+
+    def invoke(self, context, event):
+        scan, _ = targets.find(context)
+        self.filepath = f"{scan.name}.glb"
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        scan, _ = targets.find(context)
+        path = Path(bpy.path.abspath(self.filepath))
+        kind = engine.exporting.kind_of(path) or path.suffix.lower()
+        if kind not in _LOD_KINDS:
+            self.report({"ERROR"}, said("The name must end in {kinds}.", kinds=", ".join(_LOD_KINDS)))
+            return {"CANCELLED"}
+        levels = _levels(context, scan)
+        stem = path.name[: len(path.name) - len(kind)]
+        try:
+            handover.require(path)
+            for number, obj in enumerate(levels):
+                with _alone(context, obj):
+                    _export_level(context, scan, obj, path.with_name(f"{stem}_LOD{number}{kind}"), kind)
+        except (ValueError, OSError, RuntimeError) as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
+        files = messages.count(len(levels), "file")
+        self.report({"INFO"}, said("{files} written, the first is {name}", files=files, name=f"{stem}_LOD0{kind}"))
+        return {"FINISHED"}
+
+
+def _levels(context, scan) -> list:
+    """The levels of detail of a scan, the finest first: those that were kept, then the result of Mesh."""
+    named = [(re.fullmatch(rf"{re.escape(scan.name)}_LOD(\d+)", obj.name), obj) for obj in context.scene.objects]
+    found = [obj for _, obj in sorted(((int(match[1]), obj) for match, obj in named if match), key=itemgetter(0))]
+    result = targets.result_of(context.scene, scan)
+    return found if result is None or result in found else [*found, result]
+
+
+@contextmanager
+def _alone(context, obj):
+    """The object visible, selected and active, and no other; afterwards all is as before."""
+    layer = context.view_layer
+    active, chosen = layer.objects.active, [other for other in layer.objects if other.select_get()]
+    hidden = obj.hide_get(), obj.hide_viewport
+    try:
+        for other in chosen:
+            other.select_set(False)
+        obj.hide_viewport = False
+        obj.hide_set(False)
+        obj.select_set(True)
+        layer.objects.active = obj
+        layer.update()
+        yield
+    finally:
+        obj.select_set(False)
+        obj.hide_set(hidden[0])
+        obj.hide_viewport = hidden[1]
+        for other in chosen:
+            other.select_set(True)
+        layer.objects.active = active
+
+
+def _export_level(context, scan, obj, path: Path, kind: str) -> None:
+    if kind == ".glb":
+        bpy.ops.export_scene.gltf(filepath=str(path), export_format="GLB", use_selection=True)
+    elif kind == ".obj":
+        bpy.ops.wm.obj_export(filepath=str(path), export_selected_objects=True)
+    else:
+        handover.export(path, places.model_of(context, scan, obj), places.epsg(scan) or None)
 
 
 class ISIMP_OT_write_report(_Model, bpy.types.Operator):
@@ -127,14 +267,9 @@ class ISIMP_OT_write_report(_Model, bpy.types.Operator):
         if not self.directory:
             self.report({"ERROR"}, said("No folder is named: choose one for the report."))
             return {"CANCELLED"}
-        recipe = store.load(scan)
-        meshed = [step for _, step in recipe.active() if isinstance(step, rcp.Mesh)] if recipe else []
         folder = Path(bpy.path.abspath(self.directory))
         try:
-            recipe = recipe if meshed else recipe.then(rcp.Mesh())
-            arrays, session = reading.read(context, scan, recipe.layers()), runtime.get().session
-            outcome = session.replay(arrays, recipe)
-            mesh = session.prepare(arrays, closing=outcome.closing).mesh
+            mesh, outcome = _replayed(context, scan, lambda r: r if _last_mesh(r) else r.then(rcp.Mesh()))
             texts = handover.report_texts(mesh, outcome, places.to_world(scan), scan.name, places.epsg(scan) or None)
             folder.mkdir(parents=True, exist_ok=True)
             for name, text in texts.items():
@@ -147,6 +282,7 @@ class ISIMP_OT_write_report(_Model, bpy.types.Operator):
 
 
 CLASSES: tuple = (ISIMP_OT_import_scan, ISIMP_OT_export_building, ISIMP_OT_write_report)
+CLASSES = (*CLASSES, ISIMP_OT_export_step, ISIMP_OT_export_lods)
 
 
 if hasattr(bpy.types, "FileHandler"):  # Blender 4.1 and later

@@ -252,7 +252,7 @@ class _Attempt:
         return Plane(points.mean(axis=0), unit(area_normal(points)))
 
     def improve(self) -> bool:
-        """Take the faces that can't be made apart; False where nothing can be done or need be."""
+        """Split or replace the faces that can't be made; False where nothing remains to do."""
         choice, changed = self._choice, False
         if not self._bad:
             self._check()
@@ -262,7 +262,7 @@ class _Attempt:
                 choice.reasons[self._key[g]] = why
                 changed = True
         if changed:
-            return True  # planes beside them may be sound then
+            return True  # neighbours may be sound then
         for g in self._bad:
             region = {int(self._given.region[q]) for q in self._members[g]}
             if self._key[g] < 2 * PLANES and not region <= choice.own:

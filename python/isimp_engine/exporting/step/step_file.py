@@ -6,13 +6,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
+from OCP.gp import gp_Trsf
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.Interface import Interface_Static
 from OCP.Message import Message, Message_Fail
 from OCP.StepBasic import StepBasic_Product
 from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
 from OCP.TCollection import TCollection_HAsciiString
+from OCP.TopLoc import TopLoc_Location
 
 from ... import _core
 from ..._core import FileError, Job, Mesh, Partition, PolygonMesh
@@ -29,16 +33,18 @@ def write(
     mesh: Mesh | None = None,
     job: Job | None = None,
     unit: str = "m",
+    place: NDArray[np.float64] | None = None,
 ) -> dict[str, Any]:
     """Write the shape; see `report_of` for the result. Raises FileError if OpenCASCADE can't write there."""
     if not len(poly.loop_start):
         raise FileError(f"{path}: there are no polygons, and a STEP file needs some")
     made = make(poly, partition, mesh, job)
+    shape = made.shape if place is None else _moved(made.shape, place)
     writer = STEPControl_Writer()  # before the settings, which it resets
     for printer in Message.DefaultMessenger_s().Printers():
         printer.SetTraceLevel(Message_Fail)  # it prints to stdout else
     with _settings({"write.step.schema": "AP214IS", **dict.fromkeys(_LENGTHS, unit.upper())}):
-        done = writer.Transfer(made.shape, STEPControl_AsIs)
+        done = writer.Transfer(shape, STEPControl_AsIs)
     if done != IFSelect_RetDone:
         raise FileError(f"{path}: OpenCASCADE can't write this shape")
     _name(writer.Model(), name)
@@ -53,6 +59,12 @@ def write(
             raise FileError(f"{path}: OpenCASCADE can't write this shape")
         path.write_bytes(draft.read_bytes())
     return report_of(made)
+
+
+def _moved(shape: Any, place: NDArray[np.float64]) -> Any:
+    move = gp_Trsf()
+    move.SetValues(*np.asarray(place, float)[:3].ravel().tolist())
+    return shape.Moved(TopLoc_Location(move))
 
 
 @contextmanager
