@@ -124,13 +124,16 @@ Loop = list[tuple[Edge, bool]]
 
 
 class FaceMaker:
-    """Makes one face of a surface and loops of edges that run round it counter-clockwise, seen along the normal."""
+    """Makes one face of a surface and loops of edges that run round it counter-clockwise, seen along the normal.
 
-    def __init__(self, shape: Surface, size: float) -> None:
+    limit: how far an edge may be from its image on the surface.
+    """
+
+    def __init__(self, shape: Surface, limit: float) -> None:
         self._shape = shape
         with refused():
             self._surface = kernel.surface_of(shape)
-        self._size = size
+        self._limit = limit
         self._build = BRep_Builder()
         self._nowhere = TopLoc_Location()
 
@@ -310,6 +313,8 @@ class FaceMaker:
         off = np.linalg.norm(
             kernel.places(edge.curve, between) - kernel.places_on(self._surface, curve, between), axis=1
         )
+        if float(off.max()) > self._limit:
+            raise NoFace(f"its borders are {float(off.max()):.2g} from it")
         edge.tolerance = max(edge.tolerance, 1.05 * float(off.max()))
         self._build.UpdateEdge(edge.edge, curve, self._surface, self._nowhere, edge.tolerance)
         for end in (edge.begin, edge.end):

@@ -1,5 +1,7 @@
 """The polygons and the scan that a boundary representation is made of, and the surfaces of their parts. Numpy only."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,7 @@ _COPLANAR = float(np.cos(np.radians(1.5)))  # regions beside each other with a s
 _ON = 1.5  # times the deviation of the scan from a round part: regions this near are part of it
 _NEAR = 3e-4  # share of the diagonal: and those this near
 _ALONG = 0.8  # cosine of the angle between their normals
+_FLAT = 1e-7  # share of the diagonal: polygons this near to a plane are in it
 _SQUARE = float(np.cos(np.radians(0.6)))  # a plane that is square to an axis but for a smaller angle is square to it
 
 
@@ -68,6 +71,15 @@ class Given:
         corners = np.unique(np.concatenate([self.loops[q] for q in polygons]))
         return fitting.plane_of(self.places[corners], np.sum([self.normal[q] for q in polygons], axis=0))
 
+    def area(self, regions: list[int]) -> float:
+        """The area of the polygons of some regions."""
+        return float(sum(np.linalg.norm(self.normal[q]) for r in regions for q in self.polygons.get(r, [])))
+
+    def is_flat(self, polygons: list[int]) -> bool:
+        """Whether polygons are in one plane."""
+        corners = self.places[np.concatenate([self.loops[q] for q in polygons])]
+        return float(np.abs(self.plane_of_polygons(polygons).distance(corners)).max()) <= _FLAT * self.size
+
     def held(self, region: int) -> Plane | None:
         """The plane that was set for a region; None where none was."""
         part = self.part
@@ -96,6 +108,8 @@ class Surfaces:
         self.reasons: dict[int, str] = {}
         self.same: dict[int, int] = {}  #: of a round part or a region: the first one that it is one with
         self.planes: dict[int, Plane] = {}
+        self.apart: set[int] = set()  #: regions of flat polygons in several planes
+        self._fixed: set[int] = set()  # regions of flat polygons, which keep their planes
         self._ends: dict[int, list[float]] = {}
         self._deviation: dict[int, float] = {}
         groups = {int(g): int(k) for g, k in zip(found.of_polygon, key, strict=True)}
@@ -177,20 +191,39 @@ class Surfaces:
 
     def _make_planes(self, beside: list[tuple[int, int]]) -> None:
         given = self._given
+        near = {pair[1] - PLANES for pair in beside if self.of(pair[0]) in self.round}
         for region in sorted({int(r) for r in given.region}):
+            polygons = given.polygons[region]
+            if region not in near and all(given.is_flat([q]) for q in polygons):
+                self._fixed.add(region)
+                self.planes[region] = given.plane_of_polygons(polygons)
+                if not given.is_flat(polygons):
+                    self.apart.add(region)
+                continue
             held = given.held(region)
             self.planes[region] = held or fitting.plane_of(self._points([region]), given.looks([region]))
-        for pair in beside:
-            number, region = self.of(pair[0]), pair[1] - PLANES
-            if self.of(pair[1]) < PLANES:
-                continue
-            plane = self.planes[region]
-            if number not in self.round or given.held(region) or region in given.patch_of:
-                continue
-            axis = self.round[number].axis
-            cosine = float(axis @ plane.normal_)
-            if self.round[number].kind != "sphere" and abs(cosine) >= _SQUARE:
-                self.planes[region] = Plane(plane.point, axis * np.sign(cosine))
+        for number in self.round:
+            if number not in self.same and self.round[number].kind != "sphere":
+                ends = {key - PLANES for other, key in beside if self.of(other) == number and self.of(key) >= PLANES}
+                self._make_square(number, sorted(ends))
+
+    def _make_square(self, number: int, regions: list[int]) -> None:
+        """Make an axis and the planes square to it parallel: the axis follows a plane that is larger than its part."""
+        given, shape = self._given, self.round[number]
+        patches = [n for n in given.patches if self.of(n) == number]
+        own = sum(given.area([int(r) for r in given.patches[n]["regions"]]) for n in patches)
+        ends = [
+            r for r in regions if abs(float(shape.axis @ self.planes[r].normal_)) >= _SQUARE and r not in given.patch_of
+        ]
+        ends.sort(key=lambda r: (-given.area([r]), r))
+        if ends and given.area(ends[:1]) > own:
+            normal = self.planes[ends[0]].normal_
+            axis = normal * np.sign(normal @ shape.axis)
+            self.round[number] = shape = replace(shape, axis=axis, x=square_to(axis))
+        for region in ends:
+            if not given.held(region):
+                plane = self.planes[region]
+                self.planes[region] = Plane(plane.point, shape.axis * np.sign(shape.axis @ plane.normal_))
 
     def _points(self, regions: list[int]) -> Array:
         """Points on the plane of some regions: of the scan, or corners of polygons, which cells keep to."""
@@ -206,7 +239,16 @@ class Surfaces:
         members = {r: [r] for r in self.planes}
         for first, second in beside:
             a, b = sorted((self.of(first) - PLANES, self.of(second) - PLANES))
-            if a < 0 or a == b or given.held(a) or given.held(b) or a in given.patch_of or b in given.patch_of:
+            if (
+                a < 0
+                or a == b
+                or a in self._fixed
+                or b in self._fixed
+                or given.held(a)
+                or given.held(b)
+                or a in given.patch_of
+                or b in given.patch_of
+            ):
                 continue
             one, two = self.planes[a], self.planes[b]
             if one.normal_ @ two.normal_ < _COPLANAR:

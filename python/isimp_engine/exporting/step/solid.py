@@ -66,7 +66,7 @@ def make(poly: PolygonMesh, part: Partition | None, mesh: Mesh | None, job: Job 
     """Make the shape; what can't be one valid face is tried again in smaller parts, at last in triangles."""
     given = Given(poly, part, mesh)
     surfaces = Surfaces(given)
-    choice = _Choice(dict(surfaces.reasons))
+    choice = _Choice(dict(surfaces.reasons), apart=set(surfaces.apart))
     for number in range(_TRIES):
         if number == _TRIES - 1:
             choice.all_triangles(given)
@@ -230,11 +230,11 @@ class _Attempt:
 
     def _made(self, group: int, shape: Surface, loops: list[Any]) -> TopoDS_Face:
         if isinstance(shape, Plane):
-            return FaceMaker(shape, self._given.size).face(loops)
+            return FaceMaker(shape, self._limit).face(loops)
         turned = self._natural(group, shape) < 0
         if turned:
             loops = [[(edge, not forward) for edge, forward in loop[::-1]] for loop in loops]
-        face = FaceMaker(shape, self._given.size).face([_from_seam(shape, loop) for loop in loops])
+        face = FaceMaker(shape, self._limit).face([_from_seam(shape, loop) for loop in loops])
         return face.Reversed() if turned else face
 
     def _natural(self, group: int, shape: Turned) -> float:
