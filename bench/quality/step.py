@@ -23,7 +23,6 @@ from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepGProp import BRepGProp
 from OCP.GProp import GProp_GProps
-from OCP.Interface import Interface_Static
 from OCP.STEPControl import STEPControl_Reader
 from OCP.TopAbs import TopAbs_FACE
 from OCP.TopExp import TopExp_Explorer
@@ -39,9 +38,8 @@ TRUE_FACES = _ONE_TO_THREE | _MORE | {"column": 13, "baluster": 13, "fillet": 26
 
 
 def read(path):
-    """The shape of a file, in scene units."""
+    """The shape of a file, in thousandths of scene units."""
     reader = STEPControl_Reader()
-    Interface_Static.SetCVal_s("xstep.cascade.unit", "M")
     reader.ReadFile(str(path))
     reader.TransferRoots()
     return reader.OneShape()
@@ -58,14 +56,14 @@ def round_faces(shape):
             (surface.FirstUParameter() + surface.LastUParameter()) / 2,
             (surface.FirstVParameter() + surface.LastVParameter()) / 2,
         )
-        place = np.array([[p.X(), p.Y(), p.Z()]])
+        place = np.array([[p.X(), p.Y(), p.Z()]]) / 1000
         count += 1
         walk.Next()
         if kind == "Plane":
             continue
         body = surface.AxeOfRevolution() if kind == "SurfaceOfRevolution" else getattr(surface, kind)()
         axis = body.Direction() if kind == "SurfaceOfRevolution" else body.Position().Direction()
-        radius = body.Radius() if kind in ("Cylinder", "Sphere") else None
+        radius = body.Radius() / 1000 if kind in ("Cylinder", "Sphere") else None
         found.append((kind, None if kind == "Sphere" else np.array([axis.X(), axis.Y(), axis.Z()]), radius, place))
     return count, found
 
@@ -105,7 +103,7 @@ def row_of(name, shape, noise, seed, folder):
         "true": float(TRUE_FACES[name]),
         "valid": float(BRepCheck_Analyzer(found).IsValid()),
         "solid": float("SOLID" in str(found.ShapeType())),
-        "volume": abs(volume.Mass() / scan - 1) * 100,
+        "volume": abs(volume.Mass() * 1e-9 / scan - 1) * 100,
         "parts": true / (true + planes) if true + planes else np.nan,
         "axis": axis,
         "radius": radius,

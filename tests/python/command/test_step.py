@@ -23,24 +23,21 @@ SHAPES = shapes()
 
 
 class Read:
-    """A STEP file as OpenCASCADE reads it, in metres."""
+    """A STEP file as OpenCASCADE reads it: its surfaces in millimetres, the volume in cubic metres."""
 
     def __init__(self, path: Path) -> None:
         from OCP.BRepCheck import BRepCheck_Analyzer
         from OCP.BRepGProp import BRepGProp
         from OCP.GProp import GProp_GProps
-        from OCP.Interface import Interface_Static
         from OCP.STEPControl import STEPControl_Reader
 
         reader = STEPControl_Reader()
-        Interface_Static.SetCVal_s("xstep.cascade.unit", "M")
         reader.ReadFile(str(path))
         reader.TransferRoots()
         self.shape = reader.OneShape()
-        Interface_Static.SetCVal_s("xstep.cascade.unit", "MM")
         found = GProp_GProps()
         BRepGProp.VolumeProperties_s(self.shape, found)
-        self.volume = found.Mass()
+        self.volume = found.Mass() * 1e-9
         self.valid = bool(BRepCheck_Analyzer(self.shape).IsValid())
         self.solid = "SOLID" in str(self.shape.ShapeType())
         self.surfaces = list(self._surfaces())
@@ -118,7 +115,7 @@ def test_axes_and_radii_are_those_of_the_plate(tmp_path: Path, read: Any) -> Non
     engine.write(tmp_path / "plate.stp", poly, partition=part, mesh=mesh)
     holes = [surface.Cylinder() for kind, surface in read(tmp_path / "plate.stp").surfaces if kind == "Cylinder"]
     assert max(degrees(hole.Axis().Direction(), Z) for hole in holes) < 0.2
-    assert sorted(hole.Radius() for hole in holes) == pytest.approx([0.35, 0.45, 0.55], rel=0.005)
+    assert sorted(hole.Radius() for hole in holes) == pytest.approx([350, 450, 550], rel=0.005)
 
 
 @pytest.mark.parametrize("unit", ["m", "mm"])
@@ -133,7 +130,7 @@ def test_the_file_has_the_unit_and_the_place(unit: str, tmp_path: Path, read: An
     found = read(path)
     assert found.valid
     (axis,) = [surface.Cylinder().Axis() for kind, surface in found.surfaces if kind == "Cylinder"]
-    place, scale = axis.Location(), 1.0 if unit == "m" else 1000.0
+    place, scale = axis.Location(), 1e-3 if unit == "m" else 1.0
     away = np.array([place.X(), place.Y(), place.Z()]) * scale - [450000.25, 5500000.5, 112.0]
     along = np.array([0.3, 0.2, 1]) / np.linalg.norm([0.3, 0.2, 1])
     assert np.linalg.norm(away - (away @ along) * along) < 0.001
@@ -146,6 +143,15 @@ def test_the_same_input_gives_the_same_file(tmp_path: Path, read: Any) -> None:
         engine.write(tmp_path / name / "dome.step", poly, partition=part, mesh=mesh)
     assert (tmp_path / "a" / "dome.step").read_bytes() == (tmp_path / "b" / "dome.step").read_bytes()
     assert read(tmp_path / "a" / "dome.step").valid
+
+
+def test_a_name_of_any_letters_is_written_in_ascii(tmp_path: Path, read: Any) -> None:
+    mesh, part, poly = scanned("capped")
+    path = tmp_path / "Säule's 漢.step"
+    engine.write(path, poly, partition=part, mesh=mesh)
+    text = path.read_bytes().decode("ascii")
+    assert "PRODUCT('S_ule''s _'" in text
+    assert read(path).valid
 
 
 def test_polygons_alone_are_a_solid_of_planes(tmp_path: Path, read: Any) -> None:

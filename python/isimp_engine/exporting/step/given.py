@@ -16,6 +16,7 @@ _COPLANAR = float(np.cos(np.radians(1.5)))  # regions beside each other with a s
 _ON = 1.5  # times the deviation of the scan from a round part: regions this near are part of it
 _NEAR = 3e-4  # share of the diagonal: and those this near
 _ALONG = 0.8  # cosine of the angle between their normals
+_MOST = 20000  # vertices of a scan to which a surface is fitted
 _FLAT = 1e-7  # share of the diagonal: polygons this near to a plane are in it
 _SQUARE = float(np.cos(np.radians(0.6)))  # a plane that is square to an axis but for a smaller angle is square to it
 
@@ -55,12 +56,14 @@ class Given:
         self.normal = [area_normal(self.places[loop]) for loop in self.loops]
 
     def scanned(self, regions: list[int]) -> Array:
-        """The vertices of the scan in some regions, those at a border of regions too."""
+        """Vertices of the scan in some regions, those at a border of regions too; evenly chosen ones of many."""
         if self._mesh is None or not regions:
             return np.zeros((0, 3))
         faces = np.concatenate([self._faces[r] for r in regions])
         corners = np.asarray(self._mesh.triangles)[faces]
-        return np.asarray(np.asarray(self._mesh.vertices)[np.unique(corners)] - self.shift)
+        corners = np.unique(corners)
+        corners = corners[:: len(corners) // _MOST + 1]
+        return np.asarray(np.asarray(self._mesh.vertices)[corners] - self.shift)
 
     def looks(self, regions: list[int]) -> Array:
         """The direction in which the polygons of some regions look."""

@@ -44,12 +44,15 @@ def write(
     for printer in Message.DefaultMessenger_s().Printers():
         printer.SetTraceLevel(Message_Fail)  # it prints to stdout else
     with _settings({"write.step.schema": "AP214IS", **dict.fromkeys(_LENGTHS, unit.upper())}):
+        length = 1000.0 if unit == "m" else 1.0  # in millimetres; OpenCASCADE 7 takes it from here
+        writer.Model().SetLocalLengthUnit(length)
+        writer.Model().SetWriteLengthUnit(length)
         done = writer.Transfer(shape, STEPControl_AsIs)
     if done != IFSelect_RetDone:
         raise FileError(f"{path}: OpenCASCADE can't write this shape")
     _name(writer.Model(), name)
     header = APIHeaderSection_MakeHeader(writer.Model())
-    header.SetName(TCollection_HAsciiString(name))
+    header.SetName(_text(name))
     header.SetTimeStamp(TCollection_HAsciiString("1970-01-01T00:00:00"))
     header.SetOriginatingSystem(TCollection_HAsciiString(f"isimp {_core.__version__}"))
     # OpenCASCADE takes names in one encoding only, so the file is moved to its place.
@@ -59,6 +62,11 @@ def write(
             raise FileError(f"{path}: OpenCASCADE can't write this shape")
         path.write_bytes(draft.read_bytes())
     return report_of(made)
+
+
+def _text(text: str) -> TCollection_HAsciiString:
+    """A text of ASCII letters: versions of OpenCASCADE write others in different ways."""
+    return TCollection_HAsciiString("".join(c if " " <= c <= "~" and c != "\\" else "_" for c in text))
 
 
 def _moved(shape: Any, place: NDArray[np.float64]) -> Any:
@@ -85,8 +93,8 @@ def _name(model: Any, name: str) -> None:
     for number in range(1, model.NbEntities() + 1):
         entity = model.Value(number)
         if isinstance(entity, StepBasic_Product):
-            entity.SetId(TCollection_HAsciiString(name))
-            entity.SetName(TCollection_HAsciiString(name))
+            entity.SetId(_text(name))
+            entity.SetName(_text(name))
 
 
 def report_of(made: Made) -> dict[str, Any]:
