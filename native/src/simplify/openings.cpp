@@ -6,6 +6,7 @@
 
 #include "density/noise.h"
 #include "isimp/core/errors.h"
+#include "isimp/core/forest.h"
 
 namespace isimp {
 namespace {
@@ -14,6 +15,8 @@ constexpr double kOfRegion = 0.5;      // share of sqrt(area / regions)
 constexpr double kMostEdges = 20;      // mean edges
 constexpr double kPinhole = 8;         // mean edges: the border of the faces at one vertex
 constexpr double kLikely = 2.5;        // detail times number of regions: 9 of 10 scans are below
+constexpr double kMostPatch = 2;       // mean regions; patches that cut a handle have up to 1.6
+constexpr double kMostShare = 0.01;    // of the surface
 constexpr double kLeastNoise = 0.005;  // share of the mean edge: scans have .01 and more, CAD models .001 and less
 
 /// As `opening_lengths`, for a scan with openings.
@@ -57,6 +60,29 @@ GuessedLengths guess_opening_lengths(const Mesh& mesh, const PartitionOptions& o
 
 double opening_length(const Mesh& mesh, std::int32_t regions, Job& job) {
   return opening_lengths(mesh, regions, job).handles;
+}
+
+std::vector<double> weights_without_patches(const Mesh& mesh, std::vector<double> weights, std::int32_t regions) {
+  const auto source = mesh.source_face();
+  if (std::find(source.begin(), source.end(), kNone) == source.end()) return weights;
+  const auto count = static_cast<std::size_t>(mesh.face_count());
+  if (!weights.empty() && weights.size() != count) return weights;
+  detail::Forest patches(count);
+  std::vector<double> area(count, 0.0);  // share of the surface, by root
+  for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h) {
+    const std::int32_t other = mesh.opposite(h);
+    if (other != kNone && source[h / 3] == kNone && source[other / 3] == kNone) patches.join(h / 3, other / 3);
+  }
+  const FaceGraph& graph = mesh.graph();
+  const double most = std::min(kMostShare, kMostPatch / regions);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    if (source[f] == kNone) area[patches.root(f)] += graph.faces[graph.graph_face[f]].area;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    if (source[f] != kNone || area[patches.root(f)] > most) continue;
+    if (weights.empty()) weights.assign(count, 1.0);
+    weights[f] = 0.0;
+  }
+  return weights;
 }
 
 }  // namespace isimp

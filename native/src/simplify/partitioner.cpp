@@ -17,6 +17,7 @@
 #include "isimp/curved/round.h"
 #include "isimp/partition/soundness.h"
 #include "isimp/simplify/mirror.h"
+#include "isimp/simplify/openings.h"
 #include "isimp/thesis/thesis.h"
 #include "make_partition.h"
 #include "methods.h"
@@ -90,14 +91,17 @@ Partitioner::Prepared Partitioner::prepare(Guides guides, double adaptivity, Job
   return {surface, std::move(kept)};
 }
 
-Partition Partitioner::run(const PartitionOptions& options, const Constraints& constraints, Job& job) const {
+Partition Partitioner::run(const PartitionOptions& options, const Constraints& given, Job& job) const {
   if (options.triangles) {
     check(*mesh_, options);
     PartitionOptions counted = options;
     counted.triangles.reset();
     counted.proxies = proxies_for(*options.triangles, mesh_->face_count());
-    return run(counted, constraints, job);
+    return run(counted, given, job);
   }
+  Constraints constraints = given;
+  if (options.proxies)
+    constraints.guides.weights = weights_without_patches(*mesh_, given.guides.weights, *options.proxies);
   const bool plain = options.symmetry == Symmetry::none;
   Partition result = options.curved ? with_round_parts(options, constraints, job)
                      : plain        ? without_symmetry(options, constraints, job)

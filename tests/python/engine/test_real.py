@@ -52,6 +52,33 @@ def test_a_cover_is_no_excuse_for_polygons_that_meet():
     assert report["polygons"] <= 3  # none is split for what no split can change
 
 
+def cube_without(gone):
+    """A cube of 4,800 faces without those whose middle satisfies a condition, closed."""
+    vertices, faces = real_scans.carton(size=(0.07, 0.07, 0.07), bulge=0.0, rounding=0.0)
+    return engine.clean(vertices, faces[~gone(vertices[faces].mean(1))], engine.CleanOptions(fill_holes=np.inf))
+
+
+def regions_of_patches(mesh, part):
+    """The regions all of whose faces cover openings."""
+    scanned = np.asarray(part.face_region)[np.asarray(mesh.source_face) >= 0]
+    return sorted(set(range(part.region_count)) - set(scanned.tolist()))
+
+
+@pytest.mark.parametrize("proxies", [6, 8])
+def test_a_small_patch_draws_no_region(proxies):
+    mesh = cube_without(lambda middle: middle.sum(1) > 0.093)  # a corner is cut off
+    assert (np.asarray(mesh.source_face) < 0).any()
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=proxies))
+    assert part.region_count == proxies
+    assert regions_of_patches(mesh, part) == []
+
+
+def test_a_large_patch_is_a_region():
+    mesh = cube_without(lambda middle: middle[:, 2] > 0.0349)
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=6))
+    assert len(regions_of_patches(mesh, part)) == 1
+
+
 def test_the_rim_of_a_ragged_sheet_is_straight_by_itself():
     vertices, faces = ragged_sheet()
     mesh = engine.Mesh(vertices, faces)

@@ -1,7 +1,8 @@
-// The lengths up to which openings of a scan count as errors of scanning.
+// Openings of a scan: the lengths up to which they count as errors of scanning, and the weights of their patches.
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "isimp/core/job.h"
 #include "isimp/mesh/mesh.h"
@@ -48,5 +49,16 @@ OpeningLengths opening_lengths(const Mesh& mesh, std::int32_t regions, Job& job)
 /// \param options  of the partition
 /// Cost: O(V + F).
 GuessedLengths guess_opening_lengths(const Mesh& mesh, const PartitionOptions& options, Job& job);
+
+/// Takes the weight from patches that closed an opening, so that no region is drawn for a surface that was not scanned.
+/// Their faces join the regions beside them.
+///
+/// A patch larger than two regions of mean size or a hundredth of the surface keeps its weight: it is the bottom of a
+/// figure, for example, and not an error of scanning.
+/// \param weights  (F) of faces, or empty: 1 everywhere
+/// \param regions  at least 1
+/// \return (F) weights, with 0 for faces of small patches; `weights` if there is none, or their number is not F
+/// Cost: O(F).
+std::vector<double> weights_without_patches(const Mesh& mesh, std::vector<double> weights, std::int32_t regions);
 
 }  // namespace isimp

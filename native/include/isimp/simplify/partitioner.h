@@ -50,7 +50,8 @@ class Partitioner {
   /// order of threads or on a library's random numbers. May be called from several threads at once.
   ///
   /// Constraints:
-  ///  - weights multiply the areas, also for `error`; barriers cut the mesh, so that it may have more components;
+  ///  - weights multiply the areas, also for `error`; if `proxies` are given, small patches that closed openings have
+  ///    none (see weights_without_patches); barriers cut the mesh, so that it may have more components;
   ///  - a region that contains the end of a cut is split (see parted_at);
   ///  - if only some faces are split, they become a mesh of their own, which is partitioned with nothing left out.
   ///    Borders to the other faces stay as they are; regions that fall apart by it become several. With locked regions
