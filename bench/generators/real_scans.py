@@ -167,57 +167,91 @@ def chunks(
 
 
 def house(seed: int):
-    """Signed distance of a drawn house, its box, and the number of its planes: a body, and what `seed` adds to it."""
+    """Signed distance of a drawn house and its box: a body, and what `seed` adds to it."""
     rng = np.random.default_rng(seed)
     long, deep, eave, rise = rng.uniform(11, 14), rng.uniform(8, 9), rng.uniform(5, 6), rng.uniform(2.5, 3.5)
     solids = [((0, 0, 0), (long, deep, eave))]
     prisms = [((0, 0, eave), (long, deep, 0), 0, rise)]
-    planes = 7
     if rng.random() < 0.7:  # a wing
         solids.append(((1.5, -3.5, 0), (6, deep / 2, eave - 1.5)))
         prisms.append(((1.5, -3.5, eave - 1.5), (6, deep / 2, 0), 1, 1.3))
-        planes += 5
-    for k in range(rng.integers(0, 3)):  # bays
-        solids.append(((7.5, -1.2, 0), (9.5, 1, 2.6)) if k == 0 else ((long - 1, 3, 0), (long + 1.2, 5.2, 3)))
-        planes += 4
+    bays = [((7.5, -1.2, 0), (9.5, 1, 2.6)), ((long - 1, 3, 0), (long + 1.2, 5.2, 3))]
+    solids += bays[: rng.integers(0, 3)]
     for k in range(rng.integers(0, 4)):  # dormers with flat roofs, behind
         x = 1.2 + 3 * k
         solids.append(((x, deep - 3.2, eave), (x + 1.6, deep - 1.1, eave + 1.5)))
-        planes += 4
     for k in range(rng.integers(0, 3)):  # chimneys through the ridge
         x = 2.5 + 4.5 * k
         solids.append(((x, deep / 2 - 0.5, eave), (x + 1, deep / 2 + 0.5, eave + rise + 1)))
-        planes += 5
 
     def distance(p: np.ndarray) -> np.ndarray:
         parts = [box(p, low, high) for low, high in solids] + [prism(p, *each) for each in prisms]
         return np.minimum.reduce(parts)
 
-    return distance, np.array([-1.0, -4.5, -1.0]), np.array([long + 2.2, deep + 1, eave + rise + 2]), planes
+    return distance, np.array([-1.0, -4.5, -1.0]), np.array([long + 2.2, deep + 1, eave + rise + 2])
 
 
-def drawn_house(seed: int, noise: float = 0.001, cells: int = 110) -> tuple[np.ndarray, np.ndarray, int]:
-    """A house with sharp edges and white noise, a share of the diagonal, and how many planes it has."""
-    distance, low, high, planes = house(seed)
-    cell, rng = float((high - low).max()) / cells, np.random.default_rng(seed)
+def _slopes(distance, points: np.ndarray) -> np.ndarray:
+    return np.stack([distance(points + e) - distance(points - e) for e in np.eye(3) * 1e-5], -1) / 2e-5
+
+
+def _onto(distance, points: np.ndarray) -> np.ndarray:
+    """Points moved to where the distance is 0."""
+    for _ in range(6):
+        slope = _slopes(distance, points)
+        points = points - (distance(points) / np.maximum((slope**2).sum(1), 0.25))[:, None] * slope
+    return points
+
+
+def _clean_house(seed: int, cells: int) -> tuple[np.ndarray, np.ndarray]:
+    distance, low, high = house(seed)
+    cell = float((high - low).max()) / cells
     points, faces = surface(distance(_grid(low, high, cell)) / cell)
-    points = points * cell + low
-    for _ in range(6):  # onto the surface
-        d = distance(points)
-        slope = np.stack([distance(points + e) - distance(points - e) for e in np.eye(3) * 1e-5], -1) / 2e-5
-        points = points - (d / np.maximum((slope**2).sum(1), 0.25))[:, None] * slope
+    return _onto(distance, points * cell + low), faces.astype(np.int32)
+
+
+def drawn_house(seed: int, noise: float = 0.001, cells: int = 110) -> tuple[np.ndarray, np.ndarray]:
+    """A house with sharp edges and white noise, a share of the diagonal."""
+    points, faces = _clean_house(seed, cells)
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-    return points + rng.normal(0, noise * diagonal, points.shape), faces.astype(np.int32), planes
+    return points + np.random.default_rng(seed).normal(0, noise * diagonal, points.shape), faces
 
 
-def grid_house(
-    seed: int, binary: bool = True, cells: int = 96, turn: float = 31.0
-) -> tuple[np.ndarray, np.ndarray, int]:
-    """A house by marching cubes on a grid of occupancy (0 or 1) or of signed distances, and how many planes it has.
+def house_planes(seed: int, cells: int = 110, least: float = 0.1) -> int:
+    """The number of planar faces of a house: connected, in one plane, and of at least some square metres.
+
+    They are counted on its surface, as parts of a house meet or hide each other's faces.
+    """
+    distance, (points, faces) = house(seed)[0], _clean_house(seed, cells)
+    corner = points[faces]
+    area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    middle = _onto(distance, corner.mean(1))
+    normal = _slopes(distance, middle)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
+    ends = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), 1)
+    edge = np.unique(ends, axis=0, return_inverse=True)[1].ravel()
+    order = np.argsort(edge, kind="stable")
+    twice = edge[order][1:] == edge[order][:-1]
+    a, b = order[:-1][twice] // 3, order[1:][twice] // 3
+    away = np.abs((normal[a] * (middle[b] - middle[a])).sum(1))
+    coplanar = ((normal[a] * normal[b]).sum(1) > 0.9999) & (away < 1e-3)
+    a, b = a[coplanar], b[coplanar]
+    piece = np.arange(len(faces))
+    before = None
+    while before is None or (piece != before).any():  # the lowest number spreads over each piece
+        before, low = piece.copy(), np.minimum(piece[a], piece[b])
+        np.minimum.at(piece, piece[a], low)
+        np.minimum.at(piece, piece[b], low)
+        piece = piece[piece]
+    return int((np.bincount(piece, weights=area) >= least).sum())
+
+
+def grid_house(seed: int, binary: bool = True, cells: int = 96, turn: float = 31.0) -> tuple[np.ndarray, np.ndarray]:
+    """A house by marching cubes on a grid of occupancy (0 or 1) or of signed distances.
 
     turn: of the house against the grid, in degrees about the vertical and half of it about another axis.
     """
-    distance, low, high, planes = house(seed)
+    distance, low, high = house(seed)
     middle, reach = (low + high) / 2, np.linalg.norm(high - low) / 2
     a, b = np.radians(turn), np.radians(turn / 2)
     about = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]]) @ np.array(
@@ -227,7 +261,7 @@ def grid_house(
     grid = _grid(np.full(3, -reach), np.full(3, reach), cell)
     field = distance(grid @ about.T + middle) / cell
     points, faces = marching_cubes(np.where(field < 0, -0.5, 0.5) if binary else field)
-    return points * cell - reach, faces, planes
+    return points * cell - reach, faces
 
 
 CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])

@@ -48,22 +48,19 @@ def scans(data: Path | None) -> Iterator[tuple[str, np.ndarray, np.ndarray, int 
         yield f"chunks-{seed}", *real_scans.chunks(seed), 6, None, []
     for seed in (1, 2, 3, 4, 8, 10):
         for turn in (0.0, 31.0):
-            yield f"grid-{seed}-{turn:.0f}", *real_scans.grid_house(seed, turn=turn)[:2], None, None, []
+            true = real_scans.house_planes(seed)
+            yield f"grid-{seed}-{turn:.0f}", *real_scans.grid_house(seed, turn=turn), true, None, []
             distances = real_scans.grid_house(seed, binary=False, turn=turn)
-            yield f"sdf-{seed}-{turn:.0f}", *distances[:2], None, None, []
+            yield f"sdf-{seed}-{turn:.0f}", *distances, true, None, []
     for noise in (0.001, 0.003):
         for seed in range(1, 31):
-            yield f"house-{noise:.1%}-{seed}", *_rest(real_scans.drawn_house(seed, noise))
+            house = real_scans.drawn_house(seed, noise)
+            yield f"house-{noise:.1%}-{seed}", *house, real_scans.house_planes(seed), None, []
     if data is not None:
         for path in sorted((data / "real").glob("*.ply")):
             vertices, triangles = engine.read(str(path))
             wanted = 100 if "office" in path.name else None
             yield path.stem, vertices, triangles, None, wanted, []
-
-
-def _rest(made: tuple) -> tuple:
-    vertices, faces, planes = made
-    return vertices, faces, planes, None, []
 
 
 def write_ply(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> None:

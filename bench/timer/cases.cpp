@@ -238,7 +238,8 @@ std::vector<Case> all_cases(const SetupPtr& setup) {
   }));
   cases.push_back(mesh_case(setup, "close", [setup](Arrays a, Job& job) {
     const OpeningLengths lengths = opening_lengths(*setup->mesh, setup->proxies, job);
-    const CleanOptions options{.fill_holes = lengths.holes, .cut_handles = lengths.handles};
+    const CleanOptions options{
+        .fill_holes = lengths.holes, .fill_flat_holes = lengths.flat_holes, .cut_handles = lengths.handles};
     return clean(std::move(a.vertices), std::move(a.triangles), options, job);
   }));
   cases.push_back(reference_case(setup));

@@ -174,14 +174,14 @@ def test_borders_of_holes_beside_each_other_are_not_stitched():
 
 
 def test_stair_steps_of_a_grid_are_smoothed_within_half_a_cell():
-    vertices, faces, _ = real_scans.grid_house(8, cells=64)
+    vertices, faces = real_scans.grid_house(8, cells=64)
     steps = engine.clean(vertices, faces, engine.CleanOptions(grid=0))
     mesh = engine.clean(vertices, faces)
     assert steps.report["smoothed_vertices"] == 0
     assert mesh.report["smoothed_vertices"] > 0.5 * len(vertices)
     cell = 2 * np.diff(np.unique(vertices[:, 0].round(6))).min()
     assert np.abs(mesh.vertices - steps.vertices).max() <= 0.5 * cell * (1 + 1e-4)
-    distances = engine.Mesh(*real_scans.grid_house(8, binary=False, cells=64)[:2])
+    distances = engine.Mesh(*real_scans.grid_house(8, binary=False, cells=64))
     before, after, true = (
         engine.partition(m, engine.PartitionOptions()).region_count for m in (steps, mesh, distances)
     )
@@ -189,7 +189,7 @@ def test_stair_steps_of_a_grid_are_smoothed_within_half_a_cell():
     assert abs(after - true) <= 2
 
 
-@pytest.mark.parametrize("scan", [lambda: real_scans.grid_house(8, binary=False, cells=48)[:2], cube, bumpy])
+@pytest.mark.parametrize("scan", [lambda: real_scans.grid_house(8, binary=False, cells=48), cube, bumpy])
 def test_what_is_no_grid_of_occupancy_stays(scan):
     mesh = engine.clean(*scan())
     assert mesh.report["smoothed_vertices"] == 0
@@ -231,3 +231,8 @@ def test_a_drawn_model_is_not_stitched_by_itself(data):
     """Its triangles are large, so walls and grounds of other components are within two edges of its borders."""
     mesh = engine.clean(*engine.read(data / "building" / "frankfurt_tile_49k.ply"))
     assert mesh.report["stitched_vertices"] == 0
+
+
+@pytest.mark.parametrize(("seed", "planes"), [(8, 16), (30, 19)])
+def test_faces_of_a_drawn_house_are_counted_where_they_show(seed, planes):
+    assert real_scans.house_planes(seed) == planes
