@@ -21,14 +21,20 @@ class Closing:
 
     handles: float = 0.0  #: scene units; handles up to this length are cut,
     holes: float = 0.0  #: and holes up to this length filled,
+    flat_holes: float = 0.0  #: in walls up to this one,
     kept: tuple = ()  #: but for those at these places
     stitch: float | None = None  #: how far borders may be apart that become one; None: it is found
     grid: float | None = None  #: cell of the grid whose steps are smoothed; None: it is found
 
+    def up_to(self, lengths, kept: tuple) -> Closing:
+        """The same repair with openings closed up to these lengths, but for those at the kept places."""
+        holes, flat, handles = lengths.holes, lengths.flat_holes, lengths.handles
+        return replace(self, handles=handles, holes=holes, flat_holes=flat, kept=kept)
+
     @property
     def opened(self) -> Closing:
         """The same repair with no opening closed."""
-        return replace(self, handles=0.0, holes=0.0, kept=())
+        return replace(self, handles=0.0, holes=0.0, flat_holes=0.0, kept=())
 
 
 NONE_CLOSED = Closing()

@@ -235,8 +235,7 @@ class Session:
                 opened = Closing(stitch=found(step.stitch), grid=found(step.grid))
                 args = (step, prepared.scan, opened, options, count, watch, begin, begin + 0.3 * (end - begin))
                 lengths = self._lengths(*args)
-                closed = {"handles": lengths.handles, "holes": lengths.holes, "kept": step.keep_openings}
-                closing = replace(opened, **closed) if lengths else opened
+                closing = opened.up_to(lengths, step.keep_openings) if lengths else opened
                 prepared = replace(self.prepare(prepared.scan, watch, begin, end, closing), layers=prepared.layers)
             guides = _guides(step, prepared, before)
             made = engine.within.Made(options, guides, self._part(prepared, guides, options))
@@ -298,7 +297,11 @@ def _prepare(scan: Scan, plain, closing: Closing, watch: Watch, begin: float, en
         raise ValueError(said("The mesh has no faces: there is nothing to simplify"))
     middle = begin + 0.4 * (end - begin)
     options = engine.CleanOptions(
-        cut_handles=closing.handles, fill_holes=closing.holes, stitch=closing.stitch, grid=closing.grid
+        cut_handles=closing.handles,
+        fill_holes=closing.holes,
+        fill_flat_holes=closing.flat_holes,
+        stitch=closing.stitch,
+        grid=closing.grid,
     )
     if plain is None:
         args = (engine.clean, scan.vertices, scan.triangles, options)

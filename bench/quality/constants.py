@@ -197,6 +197,12 @@ TUNED = (
     Tuned("native/src/mesh/stitch.cpp", "kShare", "of the border that has another near, to be stitched", REAL),
     Tuned("native/src/mesh/stitch.cpp", "kNearEnd", "of an edge: nearer vertices become one with its end", REAL,
           values=("0.2", "0.5")),
+    Tuned("native/src/mesh/close.cpp", "kOffPlane",
+          "deviation of a hole in a wall from its plane, share of sqrt(its area)", REAL),
+    Tuned("native/src/simplify/openings.cpp", "kFlat",
+          "longest hole in a wall that is closed, in sqrt(area / regions)", REAL),
+    Tuned("native/src/simplify/openings.cpp", "kMostPatch",
+          "largest patch that draws no region, in mean regions", REAL),
 )  # fmt: skip
 
 

@@ -167,8 +167,8 @@ Cancelled. Cost: O(V + F); closing holes or handles adds O((V + F) log F).)");
         R"(Close openings of a mesh that is repaired already.
 
 The result is that of `clean` with these options for the arrays that the mesh was made from; its report covers both. The
-other repairs are not repeated. `fill_holes`, `cut_handles` and `threads` of the options count; `opening_lengths` gives
-lengths. keep: see `clean`.
+other repairs are not repeated. `fill_holes`, `fill_flat_holes`, `cut_handles` and `threads` of the options count;
+`opening_lengths` gives lengths. keep: see `clean`.
 Raises InvalidInput (a negative length, a place that is not finite) or Cancelled. Cost: O((V + F) log F).)");
 }
 

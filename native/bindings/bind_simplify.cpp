@@ -97,17 +97,19 @@ Raises InvalidInput (regions below 1) or Cancelled. Cost: O(V + F).)");
       "opening_lengths",
       [](const KeptMesh& mesh, std::int32_t regions, Job* job) {
         const OpeningLengths lengths = call_here(job, [&](Job& j) { return opening_lengths(mesh, regions, j); });
-        return std::tuple{lengths.holes, lengths.handles};
+        return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles};
       },
       "mesh"_a, "regions"_a, "job"_a = py::none(),
-      R"((fill_holes, cut_handles) for CleanOptions, as the command and the add-on use them: see opening_length.
+      R"((fill_holes, fill_flat_holes, cut_handles) for CleanOptions, as the command and the add-on use them: see opening_length.
 
-Holes of up to 8 mean edges, such as a missing vertex makes, are filled up to sqrt(area / regions).)");
+Holes of up to 8 mean edges, such as a missing vertex makes, are filled up to sqrt(area / regions), holes in walls up to
+twice that and at most 20 mean edges.)");
   m.def(
       "_guess_opening_lengths",
       [](const KeptMesh& mesh, const PartitionOptions& options, Job* job) {
         const GuessedLengths found = call_here(job, [&](Job& j) { return guess_opening_lengths(mesh, options, j); });
-        return std::tuple{found.lengths.holes, found.lengths.handles, found.most, found.likely};
+        const OpeningLengths& lengths = found.lengths;
+        return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles, found.most, found.likely};
       },
       "mesh"_a, "options"_a, "job"_a = py::none(), "See openings.lengths_for.");
 }

@@ -51,6 +51,7 @@ class Mesh:
 class CleanOptions:
     weld: float
     fill_holes: float
+    fill_flat_holes: float
     cut_handles: float
     stitch: float | None
     grid: float | None
@@ -60,6 +61,7 @@ class CleanOptions:
         *,
         weld: float = ...,
         fill_holes: float = ...,
+        fill_flat_holes: float = ...,
         cut_handles: float = ...,
         stitch: float | None = ...,
         grid: float | None = ...,
@@ -380,14 +382,14 @@ def triangulate(
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]: ...
 def write(path: str | PathLike[str], polygons: PolygonMesh, job: Job | None = None) -> None: ...
 def opening_length(mesh: Mesh, regions: int, job: Job | None = None) -> float: ...
-def opening_lengths(mesh: Mesh, regions: int, job: Job | None = None) -> tuple[float, float]: ...
+def opening_lengths(mesh: Mesh, regions: int, job: Job | None = None) -> tuple[float, float, float]: ...
 
 # Private functions that the modules guides, guided, within and tiles publish under their own names.
 _inner_edges: Callable[[Mesh], tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]]
 _sharp_edges: Callable[[Mesh, float], NDArray[np.int32]]
 _marked_edges: Callable[[Mesh, NDArray[Any]], NDArray[np.int32]]
 _shared_edges: Callable[[NDArray[Any]], tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]]
-_guess_opening_lengths: Callable[[Mesh, PartitionOptions, Job | None], tuple[float, float, int, bool]]
+_guess_opening_lengths: Callable[[Mesh, PartitionOptions, Job | None], tuple[float, float, float, int, bool]]
 _partition: Callable[..., Partition]
 _open_faces: Callable[[Mesh, NDArray[Any] | None, Partition | None, int, float], NDArray[np.int32] | None]
 _part_of: Callable[[Mesh, NDArray[Any], Job | None], Mesh]

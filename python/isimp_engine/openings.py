@@ -19,6 +19,7 @@ class Lengths:
     """The largest lengths of openings that are closed, scene units. For CleanOptions."""
 
     holes: float = 0.0
+    flat_holes: float = 0.0
     handles: float = 0.0
     most: int | None = None  #: largest number of regions with these lengths; None: the number is known
 
@@ -33,8 +34,11 @@ class Lengths:
         """The repaired scan without these openings; the mesh itself if the lengths are 0. See `close_openings`."""
         if not self:
             return mesh
-        options = CleanOptions(fill_holes=self.holes, cut_handles=self.handles, threads=threads)
-        return close_openings(mesh, options, job)
+        return close_openings(mesh, CleanOptions(**self.options(), threads=threads), job)
+
+    def options(self) -> dict[str, float]:
+        """For CleanOptions."""
+        return {"fill_holes": self.holes, "fill_flat_holes": self.flat_holes, "cut_handles": self.handles}
 
 
 def closed_for(mesh: Mesh, regions: int, job: Job | None = None, threads: int = 0) -> Mesh:
@@ -55,8 +59,8 @@ def lengths_for(
     this again with that number. Cost: O(V + F), and that of `count`.
     """
     if regions is None:
-        holes, handles, most, likely = _guess_opening_lengths(mesh, options, job)
+        holes, flat, handles, most, likely = _guess_opening_lengths(mesh, options, job)
         if likely:
-            return Lengths(holes, handles, most)
+            return Lengths(holes, flat, handles, most)
         regions = count()
     return Lengths(*opening_lengths(mesh, regions, job))

@@ -190,7 +190,7 @@ void check(const std::vector<Vec3>& keep) {
 Cleaned detail::Cleaning::finish(const CleanOptions& options, const std::vector<Vec3>& keep, const Threads& threads,
                                  Job& job) && {
   std::vector<FoundOpening> found;
-  const bool closing = options.fill_holes > 0 || options.cut_handles > 0;
+  const bool closing = options.fill_holes > 0 || options.fill_flat_holes > 0 || options.cut_handles > 0;
   if (closing) {
     const Job::Part part(job, "closing holes", 0.5, 0.75);
     found = close_small(arrays, topology, options, keep, log, threads, job);

@@ -12,6 +12,9 @@ namespace isimp::detail {
 namespace {
 
 constexpr int kPasses = 8;
+constexpr double kOffPlane = 0.1;    // deviation of a flat hole's border from its plane, share of sqrt(its area)
+constexpr double kFlatCosine = 0.9;  // of the angle between that plane and the faces beside the hole
+constexpr double kAlike = 0.7;       // length of the mean of their normals
 
 double area(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).cross(c - a).norm(); }
 
@@ -34,19 +37,45 @@ struct Components {
   }
 };
 
-std::vector<Opening> find_holes(const MeshArrays& arrays, const Topology& topology, double longest) {
+/// Whether a hole is in one plane with the faces beside it: a gap in a wall, and no end of a tube and no outer rim.
+/// \param border  half-edges of the border in order
+bool is_flat(const MeshArrays& arrays, const std::vector<std::int32_t>& border) {
+  const auto point = [&](std::int32_t h, std::int32_t k) -> const Vec3& {
+    return arrays.vertices[arrays.triangles[h / 3][(h + k) % 3]];
+  };
+  const Vec3& origin = point(border[0], 0);
+  Vec3 doubled = Vec3::Zero(), middle = Vec3::Zero(), normals = Vec3::Zero();
+  for (const std::int32_t h : border) {
+    const Vec3 a = point(h, 0) - origin, b = point(h, 1) - origin;
+    doubled -= a.cross(b);  // the border runs clockwise around a hole
+    middle += a;
+    normals += (b - a).cross(point(h, 2) - origin - a).normalized();
+  }
+  const auto count = static_cast<double>(border.size());
+  const Vec3 normal = doubled.normalized(), centre = middle / count;
+  if (normals.norm() < kAlike * count || normals.normalized().dot(normal) < kFlatCosine) return false;
+  double squares = 0;
+  for (const std::int32_t h : border) {
+    const double d = (point(h, 0) - origin - centre).dot(normal);
+    squares += d * d;
+  }
+  return squares / count <= kOffPlane * kOffPlane * doubled.norm() / 2;
+}
+
+std::vector<Opening> find_holes(const MeshArrays& arrays, const Topology& topology, const CleanOptions& options) {
   const auto end = [&](std::int32_t h) { return arrays.triangles[h / 3][(h + 1) % 3]; };
   std::vector<Opening> holes;
   std::vector<bool> seen(topology.opposite.size(), false);
   for (const std::int32_t h : topology.border) {
     if (seen[h]) continue;
-    std::vector<std::int32_t> loop;
+    std::vector<std::int32_t> loop, border;
     for (std::int32_t g = h; !seen[g]; g = topology.vertex_halfedge[end(g)]) {
       seen[g] = true;
       loop.push_back(end(g));
+      border.push_back(g);
     }
     const double round = length(arrays, loop);
-    if (round > longest) continue;
+    if (round > options.fill_holes && (round > options.fill_flat_holes || !is_flat(arrays, border))) continue;
     std::reverse(loop.begin(), loop.end());  // a patch runs against its neighbours
     holes.push_back({RepairKind::filled_holes, {}, {std::move(loop)}, {}, round, {}});
   }
@@ -315,10 +344,10 @@ std::vector<FoundOpening> close_small(MeshArrays& arrays, Topology& topology, co
   const auto tell = [&](const std::vector<Opening>& openings, bool kept) {
     for (const Opening& o : openings) found.push_back(found_opening(arrays, o, kept));
   };
-  if (options.fill_holes > 0 && !topology.border.empty()) {
+  if ((options.fill_holes > 0 || options.fill_flat_holes > 0) && !topology.border.empty()) {
     const Components components(arrays, job);
     Closer closer(arrays, topology, &components, threads, job);
-    std::vector<Opening> holes = find_holes(arrays, topology, options.fill_holes);
+    std::vector<Opening> holes = find_holes(arrays, topology, options);
     const auto end =
         std::stable_partition(holes.begin(), holes.end(), [&](const Opening& o) { return !is_kept(arrays, o, keep); });
     tell({end, holes.end()}, true);

@@ -13,9 +13,10 @@ namespace {
 
 constexpr double kOfRegion = 0.5;      // share of sqrt(area / regions)
 constexpr double kMostEdges = 20;      // mean edges
+constexpr double kFlat = 2.0;          // sqrt(area / regions): holes in walls
 constexpr double kPinhole = 8;         // mean edges: the border of the faces at one vertex
 constexpr double kLikely = 2.5;        // detail times number of regions: 9 of 10 scans are below
-constexpr double kMostPatch = 2;       // mean regions; patches that cut a handle have up to 1.6
+constexpr double kMostPatch = 2.0;     // mean regions; patches that cut a handle have up to 1.6
 constexpr double kMostShare = 0.01;    // of the surface
 constexpr double kLeastNoise = 0.005;  // share of the mean edge: scans have .01 and more, CAD models .001 and less
 
@@ -24,7 +25,9 @@ OpeningLengths lengths_of(double area, double edge, std::int32_t regions) {
   const double side = std::sqrt(area / regions);
   const auto rounded = [&](double length) { return edge * std::exp2(std::floor(2 * std::log2(length / edge)) / 2); };
   const double length = rounded(std::min(kOfRegion * side, kMostEdges * edge));
-  return {.holes = std::max(length, rounded(std::min(side, kPinhole * edge))), .handles = length};
+  return {.holes = std::max(length, rounded(std::min(side, kPinhole * edge))),
+          .flat_holes = rounded(std::min(kFlat * side, kMostEdges * edge)),
+          .handles = length};
 }
 
 /// Whether a mesh has openings that may be errors of scanning.

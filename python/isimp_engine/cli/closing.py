@@ -15,7 +15,8 @@ _NEAR = 0.5  #: share of an opening's length: a place that is further from all o
 def is_wanted(arguments: argparse.Namespace) -> bool:
     """False if the user has chosen openings, and with a bound: a bound is a promise for each vertex of the scan."""
     kept = arguments.keep_openings or (arguments.recipe is not None and not arguments.recipe.close_openings)
-    given = arguments.clean.fill_holes > 0 or arguments.clean.cut_handles > 0
+    clean = arguments.clean
+    given = max(clean.fill_holes, clean.fill_flat_holes, clean.cut_handles) > 0
     return not (kept or given or arguments.options.bound)
 
 
@@ -69,4 +70,4 @@ def lengths_of(mesh: Mesh, options: PartitionOptions, regions: int | None, job: 
 
 def closing_options(clean: CleanOptions, lengths: Lengths) -> CleanOptions:
     """How to repair the scan so that openings up to these lengths are closed."""
-    return CleanOptions(**clean.as_dict() | {"fill_holes": lengths.holes, "cut_handles": lengths.handles})
+    return CleanOptions(**clean.as_dict() | lengths.options())

@@ -148,7 +148,7 @@ def test_openings_that_are_closed_before_the_regions_are_counted_are_the_same(mo
 
     def guess(mesh, options, job):
         asked.append(len(mesh.triangles))
-        return *((9.0, 9.0) if most == 1 else lengths), most, True
+        return *((9.0, 9.0, 9.0) if most == 1 else lengths), most, True
 
     monkeypatch.setattr(engine.openings, "_guess_opening_lengths", guess)
     guessed = Session().replay(scan_of(*shapes.room(16)), steps)

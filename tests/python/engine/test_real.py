@@ -236,3 +236,32 @@ def test_a_drawn_model_is_not_stitched_by_itself(data):
 @pytest.mark.parametrize(("seed", "planes"), [(8, 16), (30, 19)])
 def test_faces_of_a_drawn_house_are_counted_where_they_show(seed, planes):
     assert real_scans.house_planes(seed) == planes
+
+
+def pierced_wall(width):
+    """A noisy wall with a hole as wide as that, and a tube of that width that stands beside it."""
+    wall, faces = real_scans.sheet((0, 0, 0), (2, 0, 0), (0, 2, 0), 40, 40)
+    wall[:, 2] += np.random.default_rng(1).normal(0, 0.002, len(wall))
+    middle = wall[faces].mean(1)
+    faces = faces[np.abs(middle[:, :2] - 1).max(1) > width / 2]
+    tube, sides = real_scans.sheet((0, 0, 0), (1, 0, 0), (0, 1, 0), 24, 12)
+    turn = np.pi / 12 * (np.rint(24 * tube[:, 0]) % 24)
+    tube = np.column_stack([5 + width / 2 * np.cos(turn), width / 2 * np.sin(turn), tube[:, 1]])
+    return engine.clean(*joined((wall, faces), (tube, sides)))
+
+
+def test_a_hole_in_a_wall_is_closed_where_another_stays_open():
+    mesh = pierced_wall(0.2)
+    holes, flat, _ = engine.opening_lengths(mesh, 6)
+    assert holes < 0.6 < 0.8 < flat
+    assert mesh.report["border_loops"] == 4
+    closed = engine.openings.closed_for(mesh, 6)
+    assert closed.report["filled_holes"] == 1  # not the ends of the tube, nor the rim of the wall
+    assert closed.report["border_loops"] == 3
+    points = np.asarray(closed.vertices)[np.asarray(closed.triangles)[np.asarray(closed.source_face) < 0]]
+    assert np.abs(points[..., :2] - 1).max() <= 0.1 + 1e-9
+
+
+def test_a_wide_gap_in_a_wall_stays():
+    mesh = pierced_wall(0.8)
+    assert engine.openings.closed_for(mesh, 6).report["filled_holes"] == 0

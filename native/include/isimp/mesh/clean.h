@@ -16,6 +16,7 @@ namespace isimp {
 struct CleanOptions {
   double weld = 0.0;
   double fill_holes = 0.0;
+  double fill_flat_holes = 0.0;
   double cut_handles = 0.0;
   std::optional<double> stitch = std::nullopt;
   std::optional<double> grid = std::nullopt;
@@ -29,6 +30,9 @@ constexpr auto fields(const CleanOptions*) {
             "Largest distance at which two border vertices may become one, in scene units. 0: only equal positions."),
       field("fill_holes", &O::fill_holes, at_least_or_infinite(0), Unit::length,
             "Largest length of a border that is closed, in scene units. 0: none."),
+      field("fill_flat_holes", &O::fill_flat_holes, at_least_or_infinite(0), Unit::length,
+            "Largest length of a border that is closed where the faces beside the hole are in its plane, as a wall is "
+            "around what hides it, in scene units. 0: none."),
       field("cut_handles", &O::cut_handles, at_least_or_infinite(0), Unit::length,
             "Largest length of a loop around a handle or tunnel that is removed, in scene units. 0: none."),
       field("stitch", &O::stitch, at_least(0), Unit::length,

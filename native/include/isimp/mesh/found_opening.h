@@ -34,7 +34,7 @@ Cleaned clean_keeping(std::vector<Vec3> vertices, std::vector<Triangle> triangle
 /// Closes openings of a sound mesh. The result is the one of `clean_keeping` on the arrays that the mesh was made from,
 /// and its report covers both, but the other repairs are not repeated.
 ///
-/// \param options  `fill_holes`, `cut_handles` and `threads` count
+/// \param options  `fill_holes`, `fill_flat_holes`, `cut_handles` and `threads` count
 /// \throws InvalidInput  a length is negative or not a number; a place is not finite
 /// Cost: O((V + F) log F).
 Cleaned close_openings(const Mesh& mesh, const CleanOptions& options, const std::vector<Vec3>& keep, Job& job);

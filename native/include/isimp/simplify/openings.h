@@ -28,8 +28,9 @@ double opening_length(const Mesh& mesh, std::int32_t regions, Job& job);
 
 /// Scene units; both 0 where opening_length is.
 struct OpeningLengths {
-  double holes = 0;    ///< for CleanOptions::fill_holes
-  double handles = 0;  ///< for CleanOptions::cut_handles: opening_length
+  double holes = 0;       ///< for CleanOptions::fill_holes
+  double flat_holes = 0;  ///< for CleanOptions::fill_flat_holes
+  double handles = 0;     ///< for CleanOptions::cut_handles: opening_length
   bool operator==(const OpeningLengths&) const = default;
 };
 
@@ -41,7 +42,8 @@ struct GuessedLengths {
 };
 
 /// `opening_length` by kind. Holes of up to 8 mean edges, such as a missing vertex makes, are filled up to sqrt(area /
-/// regions): filling changes less than cutting.
+/// regions): filling changes less than cutting. Holes in walls are filled up to twice that, a square half as wide, and at
+/// most 20 mean edges: as a modeller draws the wall behind a shelf.
 OpeningLengths opening_lengths(const Mesh& mesh, std::int32_t regions, Job& job);
 
 /// The result of `opening_lengths` for one region, and the number of regions up to which it is the same: both lengths
