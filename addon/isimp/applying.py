@@ -369,6 +369,8 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
             "without_area": regions.numbers["regions"] - report["regions"],
         },
     }
+    if found := engine.clutter.clutter(polygons):
+        numbers |= {"cluttered": len(found), "clutter_polygons": sum(each.polygons for each in found)}
     if report.get("left_off"):
         numbers["cut_if_planar"] = 1 - report["whole"]
     if "symmetry" in numbers:

@@ -4,6 +4,7 @@ from . import _process as _process  # isort: skip  (before all that takes long t
 
 from . import _carried as _carried  # isort: skip  (before the module whose lack it explains)
 
+from . import clutter as clutter
 from . import exporting as exporting
 from . import guided as guided
 from . import guides as guides

@@ -175,6 +175,9 @@ def report_lines(
     made = _count(numbers["polygons"], "polygon")
     lines = [(f"{made} · {said('closed')}" if numbers["closed"] and numbers["manifold"] else made, False)]
     lines += [(line, False) for line in [messages.why_more(numbers)] if line]
+    if numbers.get("cluttered"):
+        regions, taken = _count(numbers["cluttered"], "region"), _count(numbers.get("clutter_polygons", 0), "polygon")
+        lines.append((said("Clutter: {regions} with {polygons}", regions=regions, polygons=taken), False))
     if "away_max" in numbers:
         mean, most = (amount(numbers, name, system, scale) for name in ("away_mean", "away_max"))
         lines.append((said("{mean} from the scan on average, {most} at most", mean=mean, most=most), False))

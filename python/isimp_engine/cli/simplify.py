@@ -24,6 +24,7 @@ from .. import (
     exporting,
     regularise,
 )
+from ..clutter import clutter
 from ..drafts import save_array
 from ..guided import Guides, partition_guided
 from ..openings import Lengths
@@ -231,6 +232,7 @@ def _make(
         "curved": part.report["curved"],
         "expected": model.expected,
         "output": {"path": str(arguments.output)} | model.found.report,
+        "clutter": [each.as_dict() for each in clutter(poly)],
         "validity": exporting.validity(poly, surfaces=surfaces),
         "step": step,
         "texture": None if made is None else made.report | {"files": [str(path) for path in written[1:]]},
@@ -315,6 +317,8 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     yield words.flat(out, mesh["diagonal"], sum(report["seconds"].values()))
     if more := words.more_than_regions(out):
         yield f"  {more}"
+    if many := words.clutter(report["clutter"]):
+        yield f"  {many}"
     if straight := words.rims(out, mesh["area"]):
         yield f"  {straight}"
     if report["texture"] is not None:

@@ -105,6 +105,16 @@ def more_than_regions(out: dict[str, Any]) -> str:
     return f"{more:,} more than regions: {why}"
 
 
+def clutter(found: list[dict[str, Any]]) -> str:
+    """`clutter: 2 regions take 35 polygons, the worst 21, at 1.2,0.4,0.9`; "" where no region takes many."""
+    if not found:
+        return ""
+    taken, worst = sum(each["polygons"] for each in found), found[0]
+    at = ",".join(f"{number:.4g}" for number in worst["center"])
+    take = "takes" if len(found) == 1 else "take"
+    return f"clutter: {count(len(found), 'region')} {take} {taken:,} polygons, the worst {worst['polygons']:,}, at {at}"
+
+
 def expected(counts: dict[str, int]) -> str:
     """`about 345 polygons of 300 regions`."""
     return f"about {count(counts['polygons'], 'polygon')} of {count(counts['regions'], 'region')}"

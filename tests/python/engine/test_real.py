@@ -265,3 +265,26 @@ def test_a_hole_in_a_wall_is_closed_where_another_stays_open():
 def test_a_wide_gap_in_a_wall_stays():
     mesh = pierced_wall(0.8)
     assert engine.openings.closed_for(mesh, 6).report["filled_holes"] == 0
+
+
+def test_regions_of_many_polygons_are_clutter():
+    wall, faces = real_scans.sheet((0, 0, 0), (1, 0, 0), (0, 1, 0), 120, 120)
+    cell = np.floor(wall[faces].mean(1) * 40).astype(int)
+    sieve = faces[~((cell[:, 0] % 4 == 2) & (cell[:, 1] % 4 == 2))]  # 100 holes
+    mesh = engine.Mesh(*joined((wall, sieve), (wall + [3, 0, 0], faces)))
+    poly = engine.polygonize(mesh, engine.partition_from(mesh, np.asarray(mesh.component)))
+    (found,) = engine.clutter.clutter(poly)
+    assert found.polygons == len(poly.loop_start) - 1 > engine.clutter.MOST
+    assert found.region == 0
+    assert np.abs(np.array(found.center) - [0.5, 0.5, 0]).max() < 0.1
+
+
+def test_the_report_names_clutter(tmp_path, capsys):
+    wall, faces = real_scans.sheet((0, 0, 0), (1, 0, 0), (0, 1, 0), 120, 120)
+    cell = np.floor(wall[faces].mean(1) * 40).astype(int)
+    real.write_ply(tmp_path / "scan.ply", wall, faces[~((cell[:, 0] % 4 == 2) & (cell[:, 1] % 4 == 2))])
+    out, report = tmp_path / "out.obj", tmp_path / "report.json"
+    assert main(["simplify", str(tmp_path / "scan.ply"), str(out), "--proxies", "1", "--report", str(report)]) == 0
+    told = json.loads(report.read_text())
+    assert [each["polygons"] for each in told["clutter"]] == [told["output"]["polygons"]]
+    assert f"clutter: 1 region takes {told['output']['polygons']} polygons" in capsys.readouterr().out

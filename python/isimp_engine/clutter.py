@@ -1,0 +1,35 @@
+"""Regions that take many polygons, such as foliage, a sieve of holes or a heap of things on a desk."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ._core import PolygonMesh
+
+MOST = 8  #: polygons of a region that is no clutter
+
+
+@dataclass(frozen=True)
+class Clutter:
+    """A region with more than MOST polygons."""
+
+    region: int
+    polygons: int
+    center: tuple[float, float, float]  #: of its corners
+
+    def as_dict(self) -> dict[str, Any]:
+        return {"region": self.region, "polygons": self.polygons, "center": list(self.center)}
+
+
+def clutter(polygons: PolygonMesh) -> list[Clutter]:
+    """The regions of a PolygonMesh that take more than MOST polygons, the worst first. Cost: O(corners)."""
+    of = np.asarray(polygons.polygon_region)
+    counts = np.bincount(of) if len(of) else of
+    ends = np.append(polygons.loop_start, len(polygons.loops))
+    region = np.repeat(of, np.diff(ends))  # of each corner
+    found = []
+    for r in np.flatnonzero(counts > MOST):
+        x, y, z = np.asarray(polygons.vertices)[np.asarray(polygons.loops)[region == r]].mean(0).tolist()
+        found.append(Clutter(int(r), int(counts[r]), (x, y, z)))
+    return sorted(found, key=lambda each: -each.polygons)
