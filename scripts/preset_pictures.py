@@ -9,7 +9,7 @@ from PIL import Image, ImageChops
 
 ROOT = Path(__file__).resolve().parents[1]
 WIDE = 64  # pixels
-NAMES = {"figure": "figure", "building": "building", "city": "city", "cad": "cad", "low_poly": "low-poly"}
+NAMES = {name: name for name in ("figure", "building", "city", "cad", "generated")} | {"low_poly": "low-poly"}
 
 
 def card(path: Path) -> Image.Image:

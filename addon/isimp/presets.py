@@ -20,6 +20,7 @@ class Preset:
     partition: rcp.Partition
     mesh: rcp.Mesh
     regularise: rcp.Regularise | None = None  #: how planes are snapped before Mesh; None: they are not
+    card: bool = True  #: whether the panel has a card for it; the menu has all
 
     @property
     def recipe(self) -> rcp.Recipe:
@@ -58,11 +59,19 @@ PRESETS = (
         rcp.Mesh(flatten=60),
     ),
     Preset(
+        "generated",
+        "Generated Mesh",
+        "Meshes cut on a grid, such as those made from pictures or texts: stair steps are smoothed, edges are sharp",
+        rcp.Partition(count_by="detail", detail=0.005, adaptivity=0.0, sharp_edges=0.0),
+        rcp.Mesh(flatten=60),
+    ),
+    Preset(
         "low_poly",
         "Low Poly",
         "Few large facets of similar size",
         rcp.Partition(count_by="detail", detail=0.01, snap=False, adaptivity=0.0),
         rcp.Mesh(flatten=60),
+        card=False,  # a style and no kind of scan
     ),
 )
 

@@ -99,10 +99,10 @@ def _is_shown(context, step) -> bool:
 
 
 def draw(context, layout, is_narrow: bool = False) -> None:
-    """Draws a card for each preset; the one with the present settings is lit once it was chosen."""
+    """Draws the cards of presets; the one with the present settings is lit once it was chosen."""
     grid = layout.grid_flow(row_major=True, columns=1 if is_narrow else 2, even_columns=True, align=True)
     chosen = title(context)
-    for preset in presets.PRESETS:
+    for preset in filter(lambda each: each.card, presets.PRESETS):
         card = grid.operator(
             "isimp.preset", text=preset.label, icon_value=_picture(preset.name), depress=preset.label == chosen
         )

@@ -3,20 +3,21 @@
 import pytest
 
 import shapes
-from bench.generators import houses, scanned
+from bench.generators import houses, real_scans, scanned
 from isimp.presets import BY_NAME, PRESETS
 from isimp.recipe import Recipe
 from isimp.session import Session
 from session_scans import scan_of
 
 
-def test_there_are_five_with_names_of_their_own():
-    assert len(BY_NAME) == len(PRESETS) == 5
+def test_there_are_six_with_names_of_their_own():
+    assert len(BY_NAME) == len(PRESETS) == 6
     assert [preset.label for preset in PRESETS] == [
         "Figure",
         "Building",
         "City Tile",
         "CAD",
+        "Generated Mesh",
         "Low Poly",
     ]
 
@@ -51,3 +52,10 @@ def test_a_low_poly_figure_has_fewer_polygons_than_a_figure():
     scan = scan_of(*shapes.torus(120, 60))
     few, many = (Session().replay(scan, BY_NAME[name].recipe).numbers["polygons"] for name in ("low_poly", "figure"))
     assert 0 < 1.5 * few < many
+
+
+def test_a_generated_mesh_has_the_planes_of_what_it_shows():
+    """An occupancy grid of a house that is turned against it."""
+    outcome = Session().replay(scan_of(*real_scans.grid_house(2, turn=31.0)), BY_NAME["generated"].recipe)
+    assert outcome.numbers["repairs"]["smoothed_vertices"] > 0
+    assert abs(outcome.numbers["regions"] - real_scans.house_planes(2)) <= 2  # 52 without the preset

@@ -94,7 +94,7 @@ def test_the_card_of_a_preset_is_lit_once_it_was_chosen(chosen):
             return type("Button", (), {})()
 
     presets.draw(bpy.context, Layout())
-    assert list(cards) == ["Figure", "Building", "City Tile", "CAD", "Low Poly"]
+    assert list(cards) == ["Figure", "Building", "City Tile", "CAD", "Generated Mesh"]
     assert [name for name, lit in cards.items() if lit] == ([given.BY_NAME[chosen].label] if chosen else [])
 
 
