@@ -1,4 +1,4 @@
-"""Twins of what people scan: a carton, an open building, a room, a hall scanned in chunks, grids of drawn houses.
+"""Twins of what people scan: cartons, one on a table, open buildings, rooms, a hall in chunks, grids of drawn houses.
 
 Each is made from numbers, the same on every run. Lengths are metres.
 """
@@ -137,6 +137,23 @@ def room(seed: int = 1, cell: float = 0.06) -> tuple[np.ndarray, np.ndarray]:
         gone |= np.linalg.norm(points - points[rng.integers(len(points))], axis=1) < rng.uniform(0.06, 0.2)
     gone |= (points[:, 2] > 1.9 + 0.3 * np.sin(4 * points[:, 0])) & (points[:, 0] > 0.7 * size[0])
     return _used(points, faces[~gone[faces].any(1)][:, ::-1])
+
+
+def on_table(seed: int = 1, cell: float = 0.012) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A phone's scan of a carton on a table, with a ragged rim, and which faces are far from the carton."""
+    rng, half, turn = np.random.default_rng(seed), np.array([0.11, 0.07]), np.radians(25)
+    grid = _grid(np.array([-0.6, -0.45, -0.1]), np.array([0.6, 0.45, 0.3]), cell)
+    c, s = np.cos(turn), np.sin(turn)
+    turned = np.stack([c * grid[..., 0] + s * grid[..., 1], c * grid[..., 1] - s * grid[..., 0], grid[..., 2]], -1)
+    field = np.minimum(grid[..., 2], box(turned, (*-half, -0.1), (*half, 0.16)))
+    points, faces = _scanned(blurred(np.clip(field / cell, -3, 3), 0.6), cell, 0.0015, rng)
+    points = points + [-0.6, -0.45, -0.1]
+    about = np.arctan2(points[:, 1], points[:, 0])
+    rim = 0.36 + sum(rng.normal(0, 0.006) * np.sin(k * about + rng.uniform(0, 6.3)) for k in range(2, 40, 3))
+    gone = np.hypot(points[:, 0], points[:, 1]) > rim + rng.normal(0, 0.006, len(points))
+    points, faces = _used(points, faces[~gone[faces].any(1)])
+    middle = points[faces].mean(1)
+    return points, faces, np.hypot(middle[:, 0], middle[:, 1]) > np.linalg.norm(half) + 0.04
 
 
 def chunks(

@@ -288,3 +288,18 @@ def test_the_report_names_clutter(tmp_path, capsys):
     told = json.loads(report.read_text())
     assert [each["polygons"] for each in told["clutter"]] == [told["output"]["polygons"]]
     assert f"clutter: 1 region takes {told['output']['polygons']} polygons" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_table_is_one_region_and_what_stands_on_it_is_in_others(seed):
+    vertices, faces, table = real_scans.on_table(seed)
+    mesh = engine.openings.closed_for(engine.clean(vertices, faces), 6)
+    part = engine.partition(mesh, engine.PartitionOptions())
+    source = np.asarray(mesh.source_face)
+    region = np.full(len(faces), -1)
+    region[source[source >= 0]] = np.asarray(part.face_region)[source >= 0]
+    high = vertices[faces].mean(1)[:, 2] > 0.02
+    top = np.bincount(region[table & (region >= 0)]).argmax()
+    assert (region[table] == top).mean() > 0.99
+    assert not (region[high] == top).any()
+    assert part.region_count == 6
