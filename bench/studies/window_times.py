@@ -6,8 +6,8 @@ Starts Blender under Xvfb, drags the number of regions, adds and deletes one, an
 engine, on one thread; the other work of the worker's thread, in numpy; the add-on on the window's own thread, in sum
 and the longest piece at once; its draw calls there, which software drawing (llvmpipe) answers by transforming every
 corner, as no graphics card would; Blender itself there (its copy for undo too) until colours are on the screen; and the
-excess of that over Blender's own time for as many redraws, in the same window and scene before the add-on is switched
-on: of the scan as it is, and of colours written again, with a step to undo.
+excess of that over Blender's own time for as many redraws of the scan as it is, in the same window and scene before the
+add-on is switched on; where settings settle, for one with colours written again and a step to undo.
 Processor time, as other programs hardly disturb it.
 """
 
@@ -147,6 +147,7 @@ def run(hand):
     from isimp import session
     from isimp.blender import live, modal, overlay, pending, preferences, preview, runtime, shaders
 
+    bpy.context.preferences.system.viewport_aa = "OFF"  # which draws everything eight times
     load(os.environ["ISIMP_SCAN"])
     yield 1
     with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
@@ -258,7 +259,7 @@ def show(rows):
         for _, window, redraws, (engine, total), spent, longest in (row for row in rows if row[0] == what):
             ours = {name: spent.get(name, 0.0) for name in ("add-on", "driver", "worker")}
             blender = window - sum(ours.values())
-            alone = redraws * redraw if what in {"slider", "redraw alone"} else colors + (redraws - 1) * redraw
+            alone = redraws * redraw if what not in {"settle", "colours alone"} else colors + (redraws - 1) * redraw
             cells.append((engine, total, ours["add-on"], longest, ours["driver"], blender, blender - alone, redraws))
         columns = (sorted(column) for column in zip(*cells, strict=True))
         print(f"{what:14}" + "".join(f"{f'{c[len(c) // 2]:.0f} ({c[-1]:.0f})':>12}" for c in columns), flush=True)

@@ -15,7 +15,7 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from .. import messages
-from . import materials, mesh_io, overlay, preview, runtime, shaders, texture, words
+from . import materials, mesh_io, overlay, runtime, shaders, texture, words
 
 LOOKS = ("PLAIN", "REGIONS", "TEXTURE")
 _GREY = 0.8
@@ -222,9 +222,9 @@ def _surfaces(side: Side):
     if side.uv is None:
         if "plain" not in side.batches:
             side.batches["plain"] = batch = gpu.types.GPUBatch(
-                type="TRIS", buf=preview.buffer("pos", "F32", 3, "FLOAT", side.points)
+                type="TRIS", buf=shaders.buffer("pos", "F32", 3, "FLOAT", side.points)
             )
-            batch.vertbuf_add(preview.buffer("color", "U8", 4, "INT_TO_FLOAT_UNIT", side.color))
+            batch.vertbuf_add(shaders.buffer("color", "U8", 4, "INT_TO_FLOAT_UNIT", side.color))
         yield "plain", shaders.half_lit()
         return
     for slot, name in enumerate(side.images):
@@ -233,9 +233,9 @@ def _surfaces(side: Side):
             if not chosen.any():
                 continue
             side.batches[f"{slot}"] = batch = gpu.types.GPUBatch(
-                type="TRIS", buf=preview.buffer("pos", "F32", 3, "FLOAT", side.points[chosen])
+                type="TRIS", buf=shaders.buffer("pos", "F32", 3, "FLOAT", side.points[chosen])
             )
-            batch.vertbuf_add(preview.buffer("uv", "F32", 2, "FLOAT", side.uv[chosen]))
+            batch.vertbuf_add(shaders.buffer("uv", "F32", 2, "FLOAT", side.uv[chosen]))
         shader, image = shaders.half_textured(), bpy.data.images.get(name)
         shader.bind()
         shader.uniform_sampler("image", gpu.texture.from_image(image) if image is not None else _no_image())

@@ -14,7 +14,7 @@ import bpy
 from .. import messages
 from ..session import StepFailed
 from ..task import Status
-from . import modal, overlay, pending, preview, reading, result, runtime, show, store, targets
+from . import late, modal, overlay, pending, preview, reading, result, runtime, show, store, targets
 
 log = logging.getLogger("isimp")
 _SETTLED = 0.3  # seconds without a change
@@ -173,11 +173,14 @@ def _drop_changes(*_):
 @bpy.app.handlers.persistent
 def _before_load(*_):
     _drop_changes()
+    late.forget()
     store.forget_file()
 
 
 @bpy.app.handlers.persistent
 def _after_undo(*_):
+    late.settle()  # an undo that did not change the mesh leaves it as Blender shows it
+    late.forget()
     store.forget()
     reading.forget()
     pending.follow(bpy.context)

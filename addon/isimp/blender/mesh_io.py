@@ -204,7 +204,7 @@ def selecting(obj, chosen: np.ndarray, corners: np.ndarray | None = None):
         if (old := mesh.attributes.get(name)) is not None:
             mesh.attributes.remove(old)
         mesh.attributes.new(name, "BOOLEAN", domain).data.foreach_set("value", flags)
-    _updated(mesh)
+    tell(mesh)
 
 
 def edit_mesh(mesh):
@@ -300,11 +300,13 @@ def corner_totals(mesh) -> np.ndarray | int:
     return totals
 
 
-def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: int, corner_color=None) -> None:
+def write_regions(
+    obj, face_region: np.ndarray, face_color: np.ndarray, state: int, corner_color=None, tells: bool = True
+) -> None:
     """Puts regions, their colours and the state that led to them on the mesh. Nothing else of it is changed.
 
     face_color: (faces,) into view.COLORS. corner_color: the colour of each corner, if that is there already; it is used
-    for others then.
+    for others then. tells: whether Blender is told of the change in Object Mode; see late.py.
     """
     if is_edited(obj):
         if not _is_written(obj, face_region, state):
@@ -314,6 +316,8 @@ def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: i
         if corner_color is None:
             corner_color = view.corner_colors(view.COLORS, face_color, corner_totals(obj.data), runtime.get().spare)
         _write_layers(obj.data, face_region, corner_color, state)
+        if tells:
+            tell(obj.data)
     show_color(obj.data)
 
 
@@ -328,7 +332,7 @@ def write_state(obj, state: int) -> None:
     else:
         count = len(obj.data.polygons)
         _layer(obj.data, STATE, "INT", "FACE").data.foreach_set("value", np.full(count, state, np.int32))
-        _updated(obj.data)
+        tell(obj.data)
 
 
 def clear_regions(obj) -> None:
@@ -348,7 +352,7 @@ def clear_regions(obj) -> None:
             layer = own_layer(obj.data, name)
             if layer is not None:
                 obj.data.attributes.remove(layer)
-        _updated(obj.data)
+        tell(obj.data)
     give_color_back(obj.data)
 
 
@@ -356,10 +360,9 @@ def _write_layers(mesh, face_region, corner_color, state) -> None:
     _write_ints(mesh, face_region, state)
     _layer(mesh, COLOR, "FLOAT_COLOR", "CORNER").data.foreach_set("color", corner_color.ravel())
     runtime.get().spare.give(corner_color)
-    _updated(mesh)
 
 
-def _updated(mesh) -> None:
+def tell(mesh) -> None:
     """Tells Blender that layers of a mesh have changed, and nothing else of it."""
     runtime.get().own_writes.add(mesh.name)
     mesh.update()
@@ -441,7 +444,8 @@ def show_color(mesh) -> None:
     if active is not None and active.name != COLOR:
         raw.make_way(mesh)
         mesh.isimp.user_color = active.name
-    colors.active_color = ours
+    if active != ours:  # Blender copies all of the mesh again whenever it is set
+        colors.active_color = ours
     _render(mesh, rendered if rendered != COLOR else raw.text(mesh, "user_color"))
 
 

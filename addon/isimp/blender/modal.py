@@ -16,7 +16,7 @@ from .. import messages, view
 from ..language import own, said
 from ..session import StepFailed
 from ..task import Status, Stopped, Task, Watch
-from . import mesh_io, pending, preferences, reading, runtime, show, store, targets, text, texture
+from . import late, mesh_io, overlay, pending, preferences, reading, runtime, show, store, targets, text, texture
 
 log = logging.getLogger("isimp")
 _AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
@@ -42,6 +42,8 @@ class Work:
             self.scan = reading.read(context, obj, again=again)
         self.corners = mesh_io.corner_totals(obj.data)
         self.face_color = self.corner_color = None
+        self._shown_color = late.shown(obj)
+        self.patch = None  #: the faces that get other colours than Blender shows, if these are few; see late.py
         self.task = None
         self.baking = None  #: the texture that the recipe ends in, on its way: see texture.Baking
         self.untextured = ""  #: why there is none
@@ -104,6 +106,7 @@ class Work:
     def paint(self, outcome) -> None:
         """Makes the outcome's colours as the mesh takes them; on any thread."""
         self.face_color = outcome.face_color
+        self.patch = late.patch_of(self.scan, self._shown_color, self.face_color)
         self.corner_color = view.corner_colors(view.COLORS, self.face_color, self.corners, runtime.get().spare)
 
     def start(self) -> None:
@@ -326,6 +329,7 @@ class RecipeOperator:
 
     def _refuse(self, context, work, error: Exception):
         pending.go_on()
+        overlay.redraw()  # a tool may have left its highlight
         if isinstance(error, StepFailed) and self.keeps_failed:
             return self._keep(context, work, error)
         if isinstance(error, Stopped):

@@ -18,7 +18,21 @@ from .. import messages, sketch
 from .. import recipe as rcp
 from ..language import said
 from ..task import Status, Task
-from . import mesh_io, pointed, preferences, reading, runtime, settings, shaders, store, targets, text, upward, words
+from . import (
+    late,
+    mesh_io,
+    pointed,
+    preferences,
+    reading,
+    runtime,
+    settings,
+    shaders,
+    store,
+    targets,
+    text,
+    upward,
+    words,
+)
 
 _KEPT = 8  # sketches
 _GROUPS = 8  # of lines of similar length
@@ -28,7 +42,7 @@ _MARK = (1.0, 0.55, 0.05, 0.8)
 _TICK = 0.1
 # How much nearer to the eye than they are lines are drawn, of the scan's size, so that the faces they lie on don't hide
 # them; those of the polygons more, as the scan bulges over them.
-_UNDER, ON, _OVER = 0.0015, 0.003, 0.03
+_LATE, _UNDER, ON, _OVER = 0.0003, 0.0015, 0.003, 0.03
 
 
 @dataclass
@@ -149,6 +163,24 @@ def _tick():
     return _TICK
 
 
+def tell_late() -> None:
+    """Has Blender told of colours that it does not show yet (see late.py), once nothing else is under way."""
+    if not bpy.app.background and not bpy.app.timers.is_registered(_rest):
+        bpy.app.timers.register(_rest, first_interval=_TICK)
+
+
+def _rest():
+    current = runtime.get()
+    is_due = None if current is None else late.is_due()
+    if is_due is None:
+        return None
+    others = current.running or current.live.work or current.sketching or bpy.app.timers.is_registered(_tick)
+    if others or not is_due:
+        return _TICK
+    late.settle()
+    return None
+
+
 def _seen(context, scan):
     """Recipe, arrays and regions of a visible scan. Raises Unusable."""
     shown = runtime.get().live.shown_of(scan)
@@ -161,6 +193,7 @@ def _seen(context, scan):
 
 def _keep(key, made) -> None:
     _store(key, made)
+    late.settle()  # what has to be drawn again is drawn once
     redraw()
 
 
@@ -212,9 +245,12 @@ def _draw():
         return
     shown, lines_too = current.live.shown_of(scan), context.space_data.overlay.show_overlays
     with Over(context.region_data, scan) as space:
-        if shown is not None and context.space_data.shading.type == "SOLID":
-            space.nearer(_UNDER)
-            shown.draw()
+        if context.space_data.shading.type == "SOLID":
+            space.nearer(_LATE if shown is None else _UNDER)
+            if shown is not None:
+                shown.draw()
+            elif context.space_data.shading.color_type == "VERTEX":
+                late.draw(scan)
             space.nearer(ON)
         if lines_too and context.window_manager.isimp.overlay:
             _draw_lines_over(context, space, scan, shown)
@@ -486,5 +522,6 @@ def register() -> None:
 def unregister() -> None:
     for handle in runtime.get().handles:
         bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
-    if bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.unregister(_tick)
+    for tick in (_tick, _rest):
+        if bpy.app.timers.is_registered(tick):
+            bpy.app.timers.unregister(tick)

@@ -5,7 +5,6 @@ waits for; handing one colour a corner to the graphics card does not. It works i
 can only be written face by face.
 """
 
-import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
@@ -18,6 +17,7 @@ from . import modal, runtime, shaders
 class Work(modal.Work):
     """A recipe replayed to be seen, and written only if it settles."""
 
+    color = points = None  #: of the corners; none where a step failed, and no points where those of before hold
     _painting = None  #: the Task that colours the corners as the mesh takes them
 
     def __init__(self, context, obj, recipe, before=None, again=False):
@@ -31,8 +31,7 @@ class Work(modal.Work):
         face_color = taken(outcome.face_color, self.scan.triangle_face)
         self.color = view.corner_colors(view.PACKED, face_color, 3, runtime.get().spare)
         self.borders = sketch.borders(session.prepare(self.scan).scan, outcome.border)
-        self.points = None  # they are there already
-        if self.before is None or self.before.work.scan.digest != self.scan.digest:
+        if self.before is None or self.before.lit is None or self.before.work.scan.digest != self.scan.digest:
             self.points = self.scan.vertices[self.scan.triangles.ravel()].astype(np.float32, copy=False)
         return outcome
 
@@ -51,10 +50,11 @@ class Preview:
     def __init__(self, work):
         self.work = work
         self.name = work.name
-        self._points, self._corners = work.points, None
-        if work.points is None:
-            self._points, self._corners = work.before._points, work.before._corners
-        self._batch = self._lines = work.points = work.before = None
+        self.lit = self._lines = None
+        if work.color is not None:
+            corners = work.before.lit.corners if work.points is None else shaders.Corners(work.points)
+            self.lit = shaders.Lit(corners, work.color)
+        work.points = work.before = work.color = None
 
     def draw_borders(self, shader) -> None:
         if self._lines is None:
@@ -62,23 +62,7 @@ class Preview:
         shaders.draw(self._lines, shader)
 
     def draw(self) -> None:
-        if self._corners is None:
-            self._corners, self._points = buffer("pos", "F32", 3, "FLOAT", self._points), None
-        if self._batch is None:
-            self._batch = gpu.types.GPUBatch(type="TRIS", buf=self._corners)
-            color, self.work.color = self.work.color, None
-            self._batch.vertbuf_add(buffer("color", "U8", 4, "INT_TO_FLOAT_UNIT", color.view(np.uint8).reshape(-1, 4)))
+        color = self.lit.color
+        self.lit.draw()
+        if color is not None:
             runtime.get().spare.give(color)
-        shader = shaders.lit()
-        shader.bind()
-        gpu.state.depth_mask_set(True)  # its own far side is not to be seen
-        shaders.draw(self._batch, shader)
-        gpu.state.depth_mask_set(False)
-
-
-def buffer(name, kind, count, fetch, values):
-    layout = gpu.types.GPUVertFormat()
-    layout.attr_add(id=name, comp_type=kind, len=count, fetch_mode=fetch)
-    buffer = gpu.types.GPUVertBuf(layout, len(values))
-    buffer.attr_fill(name, values)
-    return buffer

@@ -10,7 +10,7 @@ import time
 import bpy
 import numpy as np
 
-from . import marks, mesh_io, runtime, weights
+from . import late, marks, mesh_io, runtime, weights
 
 SPAN = 0.04  #: seconds at once that reading, or writing, may keep the window waiting
 
@@ -136,6 +136,7 @@ def forget_changed(depsgraph) -> None:
                 current.own_writes.discard(name)
             else:
                 forget(name)
+                late.forget(name)
 
 
 def forget(name=None) -> None:

@@ -1,6 +1,7 @@
 """The add-on's own programs for the graphics card: regions as lit by Blender, and hatching."""
 
 import gpu
+import numpy as np
 from mathutils import Vector
 
 from . import runtime
@@ -68,6 +69,47 @@ LIGHT = Vector((-0.25, 0.45, 0.85)).normalized()
 def draw(batch, shader) -> None:
     """Has the graphics card draw."""
     batch.draw(shader)
+
+
+def buffer(name, kind, count, fetch, values):
+    layout = gpu.types.GPUVertFormat()
+    layout.attr_add(id=name, comp_type=kind, len=count, fetch_mode=fetch)
+    buffer = gpu.types.GPUVertBuf(layout, len(values))
+    buffer.attr_fill(name, values)
+    return buffer
+
+
+class Corners:
+    """The corners of triangles, handed to the graphics card once, when they are drawn first."""
+
+    def __init__(self, points: np.ndarray):
+        """points: (3 T, 3) float32."""
+        self._points, self._buffer = points, None
+
+    def buffer(self):
+        if self._buffer is None:
+            self._buffer, self._points = buffer("pos", "F32", 3, "FLOAT", self._points), None
+        return self._buffer
+
+
+class Lit:
+    """Triangles with a colour for each corner, lit as scans are."""
+
+    def __init__(self, corners: Corners, color: np.ndarray):
+        """color: (3 T,) from view.PACKED."""
+        self.corners, self.color = corners, color  #: the colours until they are handed to the graphics card
+        self._batch = None
+
+    def draw(self) -> None:
+        if self._batch is None:
+            self._batch = gpu.types.GPUBatch(type="TRIS", buf=self.corners.buffer())
+            values, self.color = self.color.view(np.uint8).reshape(-1, 4), None
+            self._batch.vertbuf_add(buffer("color", "U8", 4, "INT_TO_FLOAT_UNIT", values))
+        shader = lit()
+        shader.bind()
+        gpu.state.depth_mask_set(True)  # its own far side is not to be seen
+        draw(self._batch, shader)
+        gpu.state.depth_mask_set(False)
 
 
 def lit():

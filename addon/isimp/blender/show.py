@@ -6,7 +6,7 @@ from dataclasses import replace
 import bpy
 
 from .. import messages, stored
-from . import aside, carry, display, mesh_io, raw, result, start, store, targets, text, texture
+from . import aside, carry, display, late, mesh_io, overlay, raw, result, start, store, targets, text, texture
 
 
 def _save(scan, work, numbers: dict) -> int:
@@ -78,8 +78,13 @@ def _color(work, outcome):
 
 
 def _write(scan, work, outcome, state) -> None:
-    mesh_io.write_regions(scan, outcome.face_region, _color(work, outcome), state, work.corner_color)
-    work.corner_color = None
+    color, patch = _color(work, outcome), work.patch if late.fits(scan, work.patch) else None
+    mesh_io.write_regions(scan, outcome.face_region, color, state, work.corner_color, tells=patch is None)
+    work.corner_color = work.patch = None
+    if scan.mode == "OBJECT":
+        late.note(scan, state, color, patch)
+        overlay.redraw()
+        overlay.tell_late()
 
 
 def writing(scan, work, outcome):

@@ -146,10 +146,12 @@ class ModalTool:
         undo = event.type == "Z" and (event.ctrl or event.oskey)
         return event.value == "PRESS" and (event.type in {"ESC", "RIGHTMOUSE"} or undo)
 
-    def end(self, context) -> None:
+    def end(self, context, redraws: bool = True) -> None:
+        """redraws: False if a step follows, which has the view drawn anyhow."""
         runtime.get().hover = None
         overlay.tell(context, "")
-        overlay.redraw()
+        if redraws:
+            overlay.redraw()
 
 
 class ISIMP_OT_hover(bpy.types.Operator):
@@ -223,7 +225,7 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
             show_hover(context, self._ground, hit, at, self._gesture.begin if self._gesture.merging else None)
         elif event.type == "LEFTMOUSE" and event.value == "RELEASE":
             wish = self._gesture.release()
-            self.end(context)
+            self.end(context, redraws=wish is None or wish.verb == "select")
             if wish is not None:
                 self.fulfil(context, wish)
             return {"FINISHED"}

@@ -168,6 +168,44 @@ def clicked(hand):
     same("selected again", (selected(), regions()), (picked, before))
 
 
+def colors(obj):
+    values = np.empty(4 * len(obj.data.loops), np.float32)
+    obj.data.attributes["isimp_color"].data.foreach_get("color", values)
+    return values
+
+
+def at_once(hand):
+    """A click shows the region by a redraw before Blender hears of it, and all of it by one more."""
+    from isimp.blender import late, overlay, runtime
+
+    yield from sketched()
+    yield from hand.move(*place(hand, -0.4, 0.4))
+    yield 1
+    before, drawn, settle = state(), [], late.settle
+    late.settle = lambda: None  # else the polygons may be quicker than this test
+    add = bpy.types.SpaceView3D.draw_handler_add
+    counting = add(lambda: drawn.append(state() != before), (), "WINDOW", "POST_PIXEL")
+    bpy.context.preferences.system.viewport_aa = "OFF"  # which redraws eight times
+    yield from hand.click(*place(hand, -0.4, 0.4))
+    yield from hand.settle()
+    yield from sketched()
+    yield 0.5
+    same("redraws of the result", drawn.count(True) <= 2, True)
+    patch = runtime.get().late.patch
+    shown = scan().evaluated_get(bpy.context.evaluated_depsgraph_get())
+    same("not told of it yet", (patch.count > 20, np.array_equal(colors(shown), colors(scan()))), (True, False))
+    yield from hand.shot("tools-3-late")
+    late.settle = settle
+    overlay.tell_late()
+    yield 1
+    shown = scan().evaluated_get(bpy.context.evaluated_depsgraph_get())
+    same("told of it", (runtime.get().late.patch, np.array_equal(colors(shown), colors(scan()))), (None, True))
+    bpy.types.SpaceView3D.draw_handler_remove(counting, "WINDOW")
+    yield from hand.undo()
+    shown = scan().evaluated_get(bpy.context.evaluated_depsgraph_get())
+    same("undone", (state(), np.array_equal(colors(shown), colors(scan()))), (before, True))
+
+
 def dropped(hand):
     x, y = place(hand, 0.0, 0.0)
     before = state()
@@ -250,6 +288,7 @@ def run(hand):
     yield from hovered(hand)
     yield from hand.shot("tools-2-hover")
     away(hand)
+    yield from at_once(hand)
     yield from clicked(hand)
     yield from dropped(hand)
     yield from in_edit_mode(hand)
