@@ -117,9 +117,9 @@ def at_once(session: Session, scan: Scan, recipe: rcp.Recipe) -> Sketch | None:
     return Sketch(lines, locked=triangles_of(scan, outcome.face_region, locked, origin), origin=origin)
 
 
-def borders_of(scan: Scan, border: np.ndarray, face_region: np.ndarray, region: int) -> np.ndarray:
-    """(2 B, 3) float32 the end points of the border edges of one region."""
-    ends = border[(face_region[scan.face_edges[0][border]] == region).any(axis=1)]
+def borders_of(scan: Scan, border: np.ndarray, face_region: np.ndarray, regions: np.ndarray) -> np.ndarray:
+    """(2 B, 3) float32 the end points of the border edges of some regions."""
+    ends = border[np.isin(face_region[scan.face_edges[0][border]], regions).any(axis=1)]
     return borders(scan, ends)
 
 

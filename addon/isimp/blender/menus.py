@@ -3,7 +3,7 @@
 import bpy
 
 from .. import recipe as rcp
-from . import settings
+from . import pointed, settings
 from .panel.planes import align
 
 _SELECT = (
@@ -82,6 +82,25 @@ class ISIMP_MT_pie(bpy.types.Menu):
         pie.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
 
 
+class ISIMP_MT_chosen_pie(bpy.types.Menu):
+    """What can be done with the regions chosen by shift-clicks, around the mouse"""
+
+    bl_label = "Chosen Regions"
+
+    def draw(self, context):
+        pie, panel = self.layout.menu_pie(), context.window_manager.isimp
+        faces = pointed.faces(context.view_layer.objects.active)
+        buttons = []
+        for name in ("upright", "parallel", "level", "coplanar"):
+            button = align(pie, name)
+            button.length = panel.align.length
+            buttons.append(button)
+        buttons.append(pie.operator("isimp.merge", icon="AUTOMERGE_ON"))
+        buttons.append(pie.operator("isimp.lock", icon="LOCKED"))
+        for button in buttons:  # in Edit Mode they would act on the selected faces
+            button.face, button.chosen = faces[-1], ",".join(map(str, faces)) if len(faces) > 1 else ""
+
+
 def _give_mesh(panel, operator) -> None:
     settings.give(rcp.Mesh, panel.mesh, operator)
     operator.regularise = panel.regularise_first
@@ -102,7 +121,7 @@ def _draw_export(menu, context) -> None:
     menu.layout.operator("isimp.export_lods", text="LODs (.glb, .obj, .ifc)")
 
 
-CLASSES = (ISIMP_MT_object, ISIMP_MT_planes, ISIMP_MT_planes_pie, ISIMP_MT_pie)
+CLASSES = (ISIMP_MT_object, ISIMP_MT_planes, ISIMP_MT_planes_pie, ISIMP_MT_chosen_pie, ISIMP_MT_pie)
 _HOMES = (
     ("VIEW3D_MT_object", _draw_entry),
     ("VIEW3D_MT_edit_mesh", _draw_entry),

@@ -256,8 +256,14 @@ def _draw():
             _draw_lines_over(context, space, scan, shown)
         if (hover := hover_shown(context)) is not None:
             _draw_hover(hover)
-        elif lines_too and shown is None and context.mode == "OBJECT":
+        if lines_too and shown is None and _is_chosen_shown(context, scan):
             lines(pointed.outline(scan), _MARK, 2.5)
+
+
+def _is_chosen_shown(context, scan) -> bool:
+    """Whether the regions that were clicked last are outlined: several always, one where the mouse is at no region."""
+    count = len(pointed.faces(scan))
+    return count > 1 or (count == 1 and context.mode == "OBJECT" and hover_shown(context) is None)
 
 
 def _draw_lines_over(context, space, scan, shown) -> None:

@@ -1,4 +1,7 @@
-"""The region that was clicked last: in Object Mode the buttons act on it, as a selection of faces is not seen there."""
+"""The regions that were clicked last: in Object Mode the buttons act on them, since a selection is not seen there.
+
+A click chooses one, a shift-click one more. Each is kept as a face of it, since edits change the numbers of regions.
+"""
 
 import numpy as np
 
@@ -11,13 +14,26 @@ NONE = own("No region is chosen: alt-click one with the Region tool (T), or sele
 
 def note(scan, face: int) -> None:
     """A face of the scan was clicked; -1: the click was beside it."""
-    runtime.get().pointed = (scan.name, face) if face >= 0 else None
+    runtime.get().pointed = (scan.name, (face,)) if face >= 0 else None
+
+
+def collect(scan, face: int) -> None:
+    """Chooses the region of a face beside those chosen before, or no longer."""
+    regions = mesh_io.read_regions(scan)
+    kept = [other for other in faces(scan) if regions[other] != regions[face]]
+    added = [face] if len(kept) == len(faces(scan)) else []
+    runtime.get().pointed = (scan.name, (*kept, *added)) if kept or added else None
+
+
+def faces(scan) -> tuple:
+    """A face of each region that is chosen, the one chosen last at the end."""
+    name, found = runtime.get().pointed or ("", ())
+    return tuple(face for face in found if face < len(scan.data.polygons)) if name == scan.name else ()
 
 
 def face(scan) -> int:
     """The face of a scan that was clicked last; -1 if there is none."""
-    name, found = runtime.get().pointed or ("", -1)
-    return found if name == scan.name and found < len(scan.data.polygons) else -1
+    return next(reversed(faces(scan)), -1)
 
 
 def region(scan) -> int:
@@ -27,16 +43,16 @@ def region(scan) -> int:
 
 
 def outline(scan) -> np.ndarray:
-    """(2 B, 3) float32: the border edges of that region; empty if the search would be slow."""
-    current, found = runtime.get(), face(scan)
+    """(2 B, 3) float32: the border edges of the chosen regions; empty if the search would be slow."""
+    current, found = runtime.get(), faces(scan)
     key = (scan.name, mesh_io.state_of(scan), found)
     if current.marked[0] != key:
         known, recipe = current.scans.get(scan.name), store.load(scan)
         outcome = None
-        if found >= 0 and known is not None and not recipe.layers() and current.session.is_prepared(known.scan):
+        if found and known is not None and not recipe.layers() and current.session.is_prepared(known.scan):
             outcome = current.session.known(known.scan, recipe.without_mesh())
         if outcome is None:
             return np.empty((0, 3), np.float32)
-        arrays, number = current.session.prepare(known.scan).scan, outcome.face_region[found]
-        current.marked = key, sketch.borders_of(arrays, outcome.border, outcome.face_region, number)
+        arrays, numbers = current.session.prepare(known.scan).scan, outcome.face_region[list(found)]
+        current.marked = key, sketch.borders_of(arrays, outcome.border, outcome.face_region, numbers)
     return current.marked[1]

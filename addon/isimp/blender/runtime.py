@@ -73,8 +73,8 @@ class Runtime:
         self.comparison = None  #: what is compared in the viewports; see comparison.py
         self.status = ""  #: a tool's text in the status bar
         self.hover = None  #: the highlight under the mouse; see tools/under.py
-        self.pointed = None  #: (object's name, face) that was clicked last; see pointed.py
-        self.marked = ((), ())  #: (object's name, state, face) and the lines round the region of that face
+        self.pointed = None  #: (object's name, faces) that were clicked last; see pointed.py
+        self.marked = ((), ())  #: (object's name, state, faces) and the lines round the regions of these faces
         self.openings = None  #: ((object's name, state), openings) of the scan pointed at; see tools/opening.py
         self.ground = None  #: the scan pointed at
         self.surface = None  #: (Scan, pick.Surface) of the scan pointed at

@@ -6,7 +6,7 @@ import pytest
 import scans
 
 from isimp import recipe as rcp
-from isimp.blender import store
+from isimp.blender import pointed, store
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -156,3 +156,26 @@ def test_all_borders_are_evened_out_in_one_step_that_undo_takes_back():
     scan = bpy.data.objects["Scan"]
     assert (scans.regions(scan) == before).all()
     assert [step.kind for step in store.load(scan).steps][-1] == "paint"
+
+
+def test_edits_at_several_faces_given_by_number(parted):
+    bpy.ops.isimp.lock(chosen="7,120")
+    assert steps()[-1].faces == (7, 120)
+    with pytest.raises(RuntimeError, match="'1;2' is not a list of faces"):
+        bpy.ops.isimp.lock(chosen="1;2")
+
+
+def test_the_region_clicked_last_leads(parted):
+    bpy.ops.isimp.align(to="parallel", length=10.0, chosen="0,60")
+    assert steps()[-1].faces == (60, 0)
+
+
+def test_regions_are_chosen_one_by_one(parted):
+    pointed.note(parted, 0)
+    for face in (120, 290):
+        pointed.collect(parted, face)
+    assert pointed.faces(parted) == (0, 120, 290)
+    pointed.collect(parted, 131)  # of a region that is chosen
+    assert (pointed.faces(parted), pointed.face(parted)) == ((0, 290), 290)
+    pointed.note(parted, -1)
+    assert (pointed.faces(parted), pointed.region(parted)) == ((), -1)

@@ -72,13 +72,13 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         return super().invoke(context, event)
 
     def _faces(self, scan) -> np.ndarray:
-        """The selected faces; by a button in Object Mode, where these are not seen, the region clicked last."""
+        """The selected faces; by a button in Object Mode, where these are not seen, the regions clicked last."""
         if not self._is_pressed:
             return mesh_io.selected_faces(scan)
-        region = pointed.region(scan)
-        if region < 0:
+        regions, faces = mesh_io.read_regions(scan), list(pointed.faces(scan))
+        if not faces:
             raise mesh_io.Unusable(f"{said(pointed.NONE)}.")
-        return np.flatnonzero(mesh_io.read_regions(scan) == region)
+        return np.flatnonzero(np.isin(regions, regions[faces]))
 
     show = staticmethod(show_regions)
 

@@ -78,10 +78,12 @@ class ISIMP_OT_align(_Planes, bpy.types.Operator):
         return recipe.then(upward.of_scan(upward.as_last(step, up, recipe), scan))
 
     def _led(self, scan, faces: list) -> list:
-        """The faces with that of the leading region first: of the active face, else the one with the largest area."""
+        """The faces with that of the leading region first: clicked last, of the active face, or the largest one."""
         regions = mesh_io.read_regions(scan)
         if len(faces) < 2 or max(faces) >= len(regions):
             return faces
+        if self.chosen:  # the one clicked last leads, as the active face does
+            return [faces[-1], *faces[:-1]]
         chosen, active = regions[faces], scan.data.polygons.active
         lead = regions[active] if 0 <= active < len(regions) and scan.data.polygons[active].select else -1
         if lead < 0 or lead not in chosen:

@@ -2,7 +2,7 @@ import re
 
 import bpy
 import numpy as np
-from bpy.props import IntProperty
+from bpy.props import IntProperty, StringProperty
 
 from ... import messages
 from ... import recipe as rcp
@@ -26,6 +26,12 @@ class AtFaces(RecipeOperator):
         options={"SKIP_SAVE"},
     )
 
+    chosen: StringProperty(
+        name="Faces",
+        description="Numbers of the faces to edit, with commas between them; empty: the face above",
+        options={"SKIP_SAVE", "HIDDEN"},
+    )
+
     #: Whether the edit can take all faces of the scan
     may_be_all = False
 
@@ -40,12 +46,21 @@ class AtFaces(RecipeOperator):
 
     def invoke(self, context, event):
         scan, problem = targets.find(context)
-        if self.face < 0 and not problem and scan.mode == "OBJECT" and not bpy.app.background:
-            self.face, self._pressed_on = pointed.face(scan), scan.name
+        is_open = self.face < 0 and not self.chosen and not problem
+        if is_open and scan.mode == "OBJECT" and not bpy.app.background:
+            self.choose(pointed.faces(scan))
+            self._pressed_on = scan.name
         return super().invoke(context, event)
+
+    def choose(self, faces) -> None:
+        """Acts on these faces, and not on the selected ones."""
+        self.face = faces[-1] if len(faces) else -1
+        self.chosen = ",".join(map(str, faces)) if len(faces) > 1 else ""
 
     def faces(self, scan) -> list:
         """The faces to edit. Raises Unusable if there are none, or all where these can hardly be meant."""
+        if self.chosen:
+            return self._parsed()
         if self._pressed_on and (self.face < 0 or self._pressed_on != scan.name):
             raise mesh_io.Unusable(f"{said(pointed.NONE)}.")
         if self.face >= 0:
@@ -59,11 +74,18 @@ class AtFaces(RecipeOperator):
             raise mesh_io.Unusable(said(text, faces=messages.count(len(faces), "face")))
         return faces
 
+    def _parsed(self) -> list:
+        try:
+            return [int(face) for face in self.chosen.split(",")]
+        except ValueError:
+            text = own("'{text}' is not a list of faces: write numbers with commas between them.")
+            raise mesh_io.Unusable(said(text, text=self.chosen[:40])) from None
+
     def _reason(self, work, error):
         """Names the region where its user has not just clicked it."""
         told, scan = super()._reason(work, error), work.target()
         found = re.search("face ([0-9]+)", error.reason)
-        if found is None or scan is None or not (self.face < 0 or self._pressed_on):
+        if found is None or scan is None or not (self.face < 0 or self.chosen or self._pressed_on):
             return told
         regions, face = mesh_io.read_regions(scan), int(found[1])
         number = int(regions[face]) if face < len(regions) else -1

@@ -61,6 +61,8 @@ class ISIMP_OT_select_region(SelectOperator, bpy.types.Operator):
     )
     extend: BoolProperty(name="Extend", description="Keep the present selection", options={"SKIP_SAVE"})
 
+    _chosen = ()  #: a face of each region, if a button was pressed in Object Mode
+
     @classmethod
     def poll(cls, context):
         return targets.allows(cls, context, targets.needs_regions)
@@ -68,6 +70,7 @@ class ISIMP_OT_select_region(SelectOperator, bpy.types.Operator):
     def invoke(self, context, event):
         scan, problem = targets.find(context)
         if self.face < 0 and not problem and scan.mode == "OBJECT" and not bpy.app.background:
+            self._chosen = pointed.faces(scan)
             self.face = pointed.face(scan)
             if self.face < 0:
                 self.report({"ERROR"}, f"{said(pointed.NONE)}.")
@@ -77,7 +80,7 @@ class ISIMP_OT_select_region(SelectOperator, bpy.types.Operator):
     def wanted(self, context):
         scan, _ = targets.find(context)
         selected, regions = mesh_io.selected_faces(scan), mesh_io.read_regions(scan)
-        faces = selected if self.face < 0 else np.array([self.face])
+        faces = selected if self.face < 0 else np.array(self._chosen or [self.face])
         if len(faces) == 0 or faces.max() >= len(regions):
             self.report({"ERROR"}, said(messages.NO_FACE))
             return None

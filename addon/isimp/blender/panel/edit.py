@@ -52,7 +52,9 @@ def _chosen(scan) -> str:
     """What the buttons act on."""
     if scan.mode == "EDIT":
         return said("{faces} selected", faces=messages.count(scan.data.total_face_sel, "face"))
-    number = pointed.region(scan)
+    number, count = pointed.region(scan), len(pointed.faces(scan))
+    if count > 1:
+        return said("{regions} chosen", regions=messages.count(count, "region"))
     return said("Region {number}, clicked last", number=number) if number >= 0 else said("Alt-click a region (tool: T)")
 
 

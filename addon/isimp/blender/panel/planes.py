@@ -18,7 +18,7 @@ class ISIMP_PT_planes(SubPanel, bpy.types.Panel):
         layout, panel = self.prepare(context), context.window_manager.isimp
         numbers, unit = store.numbers(targets.seen(context)[0]), context.scene.unit_settings
         column = layout.column(align=True)
-        column.label(text="Planes of the selected faces:")
+        column.label(text="Planes of the chosen regions:")
         for names in _ROWS:
             row = side_by_side(context, column, *(name.title() for name in names), icons=False)
             for name in names:

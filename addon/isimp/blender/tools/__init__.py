@@ -47,19 +47,22 @@ class _Region(_Tool):
         "Edit regions of the scan.\n"
         "• Click: add a region\n• Ctrl-click: delete the region\n• Alt-click: select its faces\n"
         "• Drag to another region: merge both\n"
-        "• Shift-click: split it in two\n• Shift-drag: cut it along a line\n"
+        "• Shift-click: choose one region more; right-click: a menu for the chosen ones; Esc: choose none\n"
+        "• Shift-drag: cut it along a line\n"
         "• Ctrl-wheel: grow or shrink it\n• L: lock or unlock it"
     )
     bl_icon = "ops.generic.select_lasso"
     bl_keymap = _with_rest(
         _hover(
-            "Click: add region · Ctrl: delete · Alt: select · Drag: merge · Shift: split, drag: cut · "
-            "Ctrl-wheel: grow, shrink · L: lock"
+            "Click: add region · Ctrl: delete · Alt: select · Drag: merge · Shift: choose more, drag: cut · "
+            "Right: menu for the chosen · Ctrl-wheel: grow, shrink · L: lock"
         ),
         _press("isimp.point"),
         _press("isimp.point", ctrl=True),
         _press("isimp.point", alt=True),
-        _press("isimp.cut", shift=True),
+        ("isimp.cut", {"type": "LEFTMOUSE", "value": "PRESS", "shift": True}, {"properties": [("collects", True)]}),
+        ("isimp.chosen_menu", {"type": "RIGHTMOUSE", "value": "PRESS"}, None),
+        ("isimp.choose_none", {"type": "ESC", "value": "PRESS"}, None),
         *_WHEEL,
         ("isimp.lock_here", {"type": "L", "value": "PRESS"}, None),
     )

@@ -2,6 +2,7 @@
 
 import bpy
 import numpy as np
+from bpy.props import BoolProperty
 
 from ...gestures import Cut, Stroke
 from ...language import own, said
@@ -106,6 +107,10 @@ class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
     bl_idname = "isimp.cut"
     bl_label = "Cut Region"
 
+    collects: BoolProperty(
+        name="Choose", description="A click chooses one region more, and splits none", options={"SKIP_SAVE"}
+    )
+
     def invoke(self, context, event):
         if not self.begin(context, event):
             return {"CANCELLED"}
@@ -113,6 +118,10 @@ class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
         self._rays = [self.ray(event)]
         hit = self._ground.hit(self._rays[0])
         self._cut.press(hit, self._from)
+        if self.collects:
+            if hit is None:
+                return miss()
+            return self.go(context, own("Release here: choose the region too · Drag over it: cut it · Esc: cancel"))
         return self.go(context, own("Release here: split in two · Drag over the region: cut it · Esc: cancel"))
 
     def modal(self, context, event):
@@ -138,6 +147,10 @@ class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
         """Cuts the region along the line, at the depth of the hit, swept along the view direction."""
         wish, target = self._cut.release(), self._cut.target
         if wish is None:
+            return
+        if wish.verb == "split" and self.collects:
+            pointed.collect(bpy.context.view_layer.objects.active, wish.faces[0])
+            overlay.redraw()
             return
         if wish.verb == "split":
             do("isimp.split", face=wish.faces[0])

@@ -198,6 +198,40 @@ def _is_locked(context, region: int) -> bool:
     return 0 <= region < len(locked) and bool(locked[region])
 
 
+class _Chosen:
+    """Mixin of what is done with chosen regions; without any, Blender gets the event."""
+
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        active = context.view_layer.objects.active
+        return runtime.get() is not None and active is not None and bool(pointed.faces(active))
+
+
+class ISIMP_OT_chosen_menu(_Chosen, bpy.types.Operator):
+    """Open the menu for the regions that were chosen by shift-clicks"""
+
+    bl_idname = "isimp.chosen_menu"
+    bl_label = "Menu for Chosen Regions"
+
+    def invoke(self, context, event):
+        bpy.ops.wm.call_menu_pie(name="ISIMP_MT_chosen_pie")
+        return {"FINISHED"}
+
+
+class ISIMP_OT_choose_none(_Chosen, bpy.types.Operator):
+    """Choose no region any more"""
+
+    bl_idname = "isimp.choose_none"
+    bl_label = "Choose No Region"
+
+    def invoke(self, context, event):
+        runtime.get().pointed = None
+        overlay.redraw()
+        return {"FINISHED"}
+
+
 class ISIMP_OT_point(ModalTool, bpy.types.Operator):
     """Click: add a region. Ctrl: delete the region. Alt: select its faces. Drag to another: merge both"""
 
@@ -238,7 +272,15 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
             do(_VERBS[wish.verb], face=wish.faces[0])
 
 
-CLASSES = (ISIMP_OT_leave, ISIMP_OT_turn, ISIMP_OT_hover, ISIMP_OT_lock_here, ISIMP_OT_point)
+CLASSES = (
+    ISIMP_OT_leave,
+    ISIMP_OT_turn,
+    ISIMP_OT_hover,
+    ISIMP_OT_lock_here,
+    ISIMP_OT_chosen_menu,
+    ISIMP_OT_choose_none,
+    ISIMP_OT_point,
+)
 
 
 def register() -> None:

@@ -5,12 +5,16 @@ from scenario_main import regions, same, scan
 from scenario_tools import begin, drag, labels, last, place, state, steps, tool, undone_and_redone
 
 
-def size_of(x, z):
-    """The number of faces of the region at a place of the scan's front."""
+def region_at(x, z):
+    """The region at a place of the scan's front."""
     found, _, _, face = scan().ray_cast((1.5 * x, -9, 1.5 * z), (0, 1, 0))
     assert found
-    label = labels()
-    return int(np.count_nonzero(label == label[face]))
+    return int(labels()[face])
+
+
+def size_of(x, z):
+    """The number of faces of that region."""
+    return int(np.count_nonzero(labels() == region_at(x, z)))
 
 
 def pressed(hand, x, z, **held):
@@ -18,13 +22,40 @@ def pressed(hand, x, z, **held):
     yield from hand.settle()
 
 
+def chosen(hand):
+    """Shift-clicks choose regions; a pie on the right button does something with all of them; Esc chooses none."""
+    from isimp.blender import pointed
+
+    before, places, seen = regions(), [], set()
+    for x, z in [(0.0, 0.0), (-0.6, 0.85), *((x / 4, z / 4) for x in range(-3, 1) for z in range(-3, 4))]:
+        if region_at(x, z) not in seen and len(places) < 3:
+            seen.add(region_at(x, z))
+            places.append((x, z))
+    for x, z in places:
+        yield from pressed(hand, x, z, shift=True)
+    same("three chosen, none split", (len(pointed.faces(scan())), regions()), (3, before))
+    assert len(pointed.outline(scan()))
+    yield from pressed(hand, *places[2], shift=True)
+    same("and one not again", len(pointed.faces(scan())), 2)
+    yield from hand.click(*place(hand, 0.3, 0.3), button="RIGHTMOUSE")
+    yield from hand.shot("gestures-1-pie")
+    yield from hand.move(hand.at[0] - 120, hand.at[1] + 70)  # upper left: the fifth button
+    hand.event("LEFTMOUSE", "PRESS")
+    yield
+    hand.event("LEFTMOUSE", "RELEASE")
+    yield from hand.settle()
+    same("merged from the pie", (regions(), last()), (before - 1, "MergeRegions"))
+    yield from undone_and_redone(hand, "merged", regions)
+    yield from hand.undo()
+    yield from hand.move(*place(hand, 0.3, 0.3))
+    yield from hand.key("ESC")
+    same("Esc chooses none", pointed.faces(scan()), ())
+
+
 def split_and_cut(hand):
     yield from tool(hand, "isimp.region_tool.object")
     before = regions()
-    yield from pressed(hand, 0.1, 0.1, shift=True)
-    same("shift-click splits", (regions(), last()), (before + 1, "SplitRegion"))
-    yield from undone_and_redone(hand, "split", regions)
-    yield from hand.undo()
+    yield from chosen(hand)
     yield from drag(hand, (-0.9, -0.1), (0.9, -0.1), shift=True, shot="gestures-1-cut")
     same("shift-drag cuts", (regions(), last()), (before + 1, "CutRegion"))
     low, high = np.array(steps()[-1].line)
