@@ -13,6 +13,7 @@ from . import view
 
 _DRAG = 8.0  # pixels before a press is a drag
 _MIN_RING, _MOST_RINGS = 0.05, 1000  # pixels; faces
+_MOST_OF = 0.1  # of a region, or of a stroke, that makes the region one that was painted over
 
 
 def is_far(begin, at) -> bool:
@@ -33,7 +34,7 @@ class Hit:
 class Wish:
     """The result of a gesture: a verb and faces."""
 
-    verb: str  #: add, delete, merge, select, paint, new, erase, smooth, split, cut, grow or shrink
+    verb: str  #: add, delete, merge, select, paint, new, erase, smooth, finer, split, cut, grow or shrink
     faces: tuple
     into: int | None = None  #: a face of the region that takes part
     rings: int = 0  #: how many faces deep
@@ -135,6 +136,21 @@ class Stroke:
     def cancel(self) -> None:
         self.covered = set()
         self._first = self._last = None
+
+
+def painted_over(faces, label: np.ndarray, locked: np.ndarray) -> list[int]:
+    """A face of each region that a stroke went over, and did not only touch; none of locked ones.
+
+    faces: those of the stroke. label: (F,) the region of each face, -1 for none. locked: numbers of regions.
+    """
+    faces = np.asarray(faces, np.int64)
+    regions, first, count = np.unique(label[faces], return_index=True, return_counts=True)
+    size = np.bincount(label[label >= 0], minlength=int(regions[-1]) + 1)
+    enough = (count >= _MOST_OF * len(faces)) | (count >= _MOST_OF * size[regions])
+    enough &= (regions >= 0) & ~np.isin(regions, locked)
+    splits = size[regions] > 1  # one face is no two regions
+    found: list[int] = faces[np.sort(first[enough & splits])].tolist()
+    return found
 
 
 class Cut:

@@ -40,6 +40,15 @@ def lines(openings: list[dict], origin=(0.0, 0.0, 0.0)) -> np.ndarray:
     return (np.concatenate([np.empty((0, 3)), *pairs]) - np.asarray(origin, float)).astype(np.float32)
 
 
+def cover(opening: dict) -> np.ndarray:
+    """(3 T, 3) float32 triangles that close an opening, as far as a picture needs: from the middle of each border."""
+    triangles = [np.empty((0, 3))]
+    for loop in map(np.asarray, opening["loops"]):
+        middle = np.broadcast_to(loop.mean(axis=0), loop.shape)
+        triangles.append(np.stack([loop, np.roll(loop, -1, axis=0), middle], axis=1).reshape(-1, 3))
+    return np.concatenate(triangles).astype(np.float32)
+
+
 def told(opening: dict, length: str) -> str:
     """What is said of the opening under the mouse. length: in the scene's units."""
     name = said("Hole") if opening["kind"] == "hole" else said("Tunnel or handle")

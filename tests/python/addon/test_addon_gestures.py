@@ -6,7 +6,7 @@ import pytest
 from isimp import prepared, view
 from isimp import recipe as rcp
 from isimp.engine import engine
-from isimp.gestures import Cut, Hit, Pointing, Sizing, Stroke, Wish, rings_in
+from isimp.gestures import Cut, Hit, Pointing, Sizing, Stroke, Wish, painted_over, rings_in
 from isimp.pick import Surface
 from isimp.session import Session, StepFailed
 from session_scans import scan_of
@@ -240,3 +240,20 @@ def test_joined_faces_are_those_of_a_plain_search(seed):
             break
         reached |= more
     assert view.connected(chosen, pairs, start).tolist() == sorted(reached)
+
+
+@pytest.mark.parametrize(
+    ("faces", "locked", "wanted"),
+    [
+        (range(20), (), [0]),
+        (range(20, 61), (), [20, 40]),  # most of a stroke, or a tenth of a region
+        ([*range(20), 40], (), [0]),  # region 2 was only touched
+        ([90, *range(20)], (), [0]),  # face 90 is in no region
+        (range(61), (0, 1), [40]),
+        ([*range(20), 80], (), [0]),  # region 3 is one face
+        ([80], (), []),
+    ],
+)
+def test_a_stroke_goes_over_regions_and_touches_others(faces, locked, wanted):
+    label = np.repeat([0, 1, 2, 3, -1], [20, 20, 40, 1, 19])
+    assert painted_over(list(faces), label, np.array(locked, int)) == wanted

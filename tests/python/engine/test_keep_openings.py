@@ -181,3 +181,10 @@ def test_the_opening_under_the_mouse():
     assert openings.lines([]).shape == (0, 3)
     assert openings.told(some[0], "3 cm") == "Hole, 3 cm round · closed · click: keep it open"
     assert "close it" in openings.told(some[1], "3 cm")
+
+
+def test_the_cover_of_an_opening_has_its_area():
+    square = {"loops": [[(0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)]]}
+    a, b, c = openings.cover(square).reshape(-1, 3, 3).transpose(1, 0, 2)
+    assert 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() == pytest.approx(4)
+    assert openings.cover({"loops": []}).shape == (0, 3)

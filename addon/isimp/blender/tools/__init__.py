@@ -77,17 +77,19 @@ class _Paint(_Tool):
     bl_description = (
         "Paint regions by hand.\n"
         "• Drag: extend the region where the stroke begins\n• Ctrl: paint a new region\n"
-        "• Shift: smooth borders\n• Ctrl and Shift: erase from the region\n• F: radius\n• X: mirror"
+        "• Shift: smooth borders\n• Ctrl and Shift: erase from the region\n• Alt: finer here\n• F: radius\n• X: mirror"
     )
     bl_icon = "brush.sculpt.draw_face_sets"
     bl_keymap = _with_rest(
         _hover(
-            "Drag: extend this region · Ctrl: new region · Shift: smooth · Ctrl-Shift: erase · F: radius · X: mirror"
+            "Drag: extend this region · Ctrl: new · Shift: smooth · Ctrl-Shift: erase · Alt: finer · "
+            "F: radius · X: mirror"
         ),
         _press("isimp.paint"),
         _press("isimp.paint", ctrl=True),
         _press("isimp.paint", shift=True),
         _press("isimp.paint", ctrl=True, shift=True),
+        _press("isimp.paint", alt=True),
         ("isimp.brush", {"type": "F", "value": "PRESS"}, None),
         ("wm.context_toggle_enum", {"type": "X", "value": "PRESS"}, {"properties": _MIRRORED}),
     )

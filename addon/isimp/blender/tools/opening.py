@@ -9,6 +9,7 @@ from ...language import said
 from .. import mesh_io, overlay, reading, runtime, store, targets, text
 from . import point, under
 
+_COVER = 0.45  # how dense the cover is that a click would put on an opening
 _CLOSED, _KEPT = (1.0, 0.45, 0.1, 1.0), (0.2, 0.85, 0.35, 1.0)
 
 
@@ -49,6 +50,8 @@ def show(context, scan, all_found, chosen, at) -> None:
     if chosen is not None:
         opening = all_found[chosen]
         hover.lines.append((openings.lines([opening]), _KEPT if opening["kept"] else _CLOSED, 6.0))
+        if opening["kept"]:  # what a click would make of it
+            hover.fills.append((openings.cover(opening), (*_CLOSED[:3], _COVER)))
         unit = context.scene.unit_settings
         hover.text = openings.told(opening, text.length(opening["length"], unit.system, unit.scale_length))
     overlay.redraw()

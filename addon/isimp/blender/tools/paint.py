@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty
 
-from ...gestures import Cut, Stroke
+from ...gestures import Cut, Stroke, painted_over
 from ...language import own, said
 from .. import overlay, pointed, runtime
 from . import under
@@ -16,12 +16,13 @@ _COLORS = {
     "new": (1.0, 1.0, 1.0, 0.6),
     "smooth": (0.4, 1.0, 0.5, 0.45),
     "erase": (0.3, 0.8, 1.0, 0.5),
+    "finer": (1.0, 0.5, 0.3, 0.5),
 }
 _AXES = {"NONE": None, "X": 0, "Y": 1, "Z": 2}
 
 
 class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
-    """Extend the region where the stroke begins. Ctrl: new region. Shift: smooth. Both: erase. Esc: cancel"""
+    """Extend the region where it begins. Ctrl: new region. Shift: smooth. Both: erase. Alt: finer. Esc: cancel"""
 
     bl_idname = "isimp.paint"
     bl_label = "Paint Region"
@@ -39,7 +40,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         args = (ground.surface, ground.scan.triangle_face, ground.scan.edges[0], radius)
         self._strokes = [(side, Stroke(*args)) for side in sides]
         held = {(True, True): "erase", (True, False): "new", (False, True): "smooth"}
-        verb = held.get((bool(event.ctrl), bool(event.shift)), panel.stroke)
+        verb = "finer" if event.alt else held.get((bool(event.ctrl), bool(event.shift)), panel.stroke)
         self._color, self._lock = _COLORS[verb], panel.lock_painted
         for side, stroke in self._strokes:
             place, direction = self.seen(event, side)
@@ -77,6 +78,9 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
 
     def fulfil(self, wishes) -> None:
         """One step to undo for the stroke and its mirrored one."""
+        if wishes and wishes[0].verb == "finer":
+            self.refine(wishes)
+            return
         taken, strokes = set(), []
         for wish in wishes:
             faces = self._ground.joined(wish.faces, wish.faces[0])
@@ -92,6 +96,15 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
             do("isimp.paint_faces", painted=";".join(strokes), **more)
         elif wishes:
             self.report({"INFO"}, said("Nothing to paint: all faces are in that region already, or locked"))
+
+    def refine(self, wishes) -> None:
+        """Splits the regions that the strokes went over."""
+        ground, faces = self._ground, [face for wish in wishes for face in wish.faces]
+        found = painted_over(faces, ground.label, ground.locked)
+        if not found:
+            self.report({"INFO"}, said("Nothing to split: the regions are locked, or of one face"))
+            return
+        do("isimp.split", face=found[-1], chosen=",".join(map(str, found)))
 
     def changes(self, wish, faces) -> bool:
         """Whether the faces change; one side of a mirrored stroke may change nothing."""
