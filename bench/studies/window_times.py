@@ -147,7 +147,6 @@ def run(hand):
     from isimp import session
     from isimp.blender import live, modal, overlay, pending, preferences, preview, runtime, shaders
 
-    bpy.context.preferences.system.viewport_aa = "OFF"  # which draws everything eight times
     load(os.environ["ISIMP_SCAN"])
     yield 1
     with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):

@@ -19,6 +19,7 @@ import bpy  # noqa: E402  (after the folders above)
 
 bpy.context.preferences.view.show_splash = False
 bpy.context.preferences.view.show_tooltips = False
+bpy.context.preferences.system.viewport_aa = "OFF"  # Blender would draw everything eight times; pictures have it
 
 TICK = 0.02
 KEYS = {"0": "ZERO", "1": "ONE", "2": "TWO", "3": "THREE", "4": "FOUR", "5": "FIVE", "6": "SIX", "7": "SEVEN"}
@@ -173,8 +174,12 @@ class Hand:
         yield 0.2
 
     def shot(self, name):
+        system = bpy.context.preferences.system
+        system.viewport_aa = "8"
+        self.area.tag_redraw()
         yield 0.4
         subprocess.run(["import", "-window", "root", str(self.out / f"{name}.png")], check=True)
+        system.viewport_aa = "OFF"
         yield
 
 

@@ -185,7 +185,6 @@ def at_once(hand):
     late.settle = lambda: None  # else the polygons may be quicker than this test
     add = bpy.types.SpaceView3D.draw_handler_add
     counting = add(lambda: drawn.append(state() != before), (), "WINDOW", "POST_PIXEL")
-    bpy.context.preferences.system.viewport_aa = "OFF"  # which redraws eight times
     yield from hand.click(*place(hand, -0.4, 0.4))
     yield from hand.settle()
     yield from sketched()
