@@ -5,7 +5,7 @@ from itertools import combinations
 import bpy
 from gpu_extras.presets import draw_circle_2d
 
-from . import opening, paint, point, size
+from . import border, opening, paint, point, size
 
 
 def _hover(keys):
@@ -46,7 +46,7 @@ class _Region(_Tool):
     bl_description = (
         "Edit regions of the scan.\n"
         "• Click: add a region\n• Ctrl-click: delete the region\n• Alt-click: select its faces\n"
-        "• Drag to another region: merge both\n"
+        "• Drag to another region: merge both\n• Alt-drag: move a border\n"
         "• Shift-click: choose one region more; right-click: a menu for the chosen ones; Esc: choose none\n"
         "• Shift-drag: cut it along a line\n"
         "• Ctrl-wheel: grow or shrink it\n• L: lock or unlock it"
@@ -54,12 +54,12 @@ class _Region(_Tool):
     bl_icon = "ops.generic.select_lasso"
     bl_keymap = _with_rest(
         _hover(
-            "Click: add region · Ctrl: delete · Alt: select · Drag: merge · Shift: choose more, drag: cut · "
-            "Right: menu for the chosen · Ctrl-wheel: grow, shrink · L: lock"
+            "Click: add region · Ctrl: delete · Alt: select, drag: move border · Drag: merge · "
+            "Shift: choose more, drag: cut · Right: menu for the chosen · Ctrl-wheel: grow, shrink · L: lock"
         ),
         _press("isimp.point"),
         _press("isimp.point", ctrl=True),
-        _press("isimp.point", alt=True),
+        _press("isimp.drag_border", alt=True),
         ("isimp.cut", {"type": "LEFTMOUSE", "value": "PRESS", "shift": True}, {"properties": [("collects", True)]}),
         ("isimp.chosen_menu", {"type": "RIGHTMOUSE", "value": "PRESS"}, None),
         ("isimp.choose_none", {"type": "ESC", "value": "PRESS"}, None),
@@ -162,7 +162,7 @@ def _for_mode(tool, mode):
 _TOOLS = [
     [_for_mode(tool, mode) for tool in (_Region, _Paint, _Cut, _Grow, _Openings)] for mode in ("OBJECT", "EDIT_MESH")
 ]
-CLASSES = (*opening.CLASSES, *point.CLASSES, *paint.CLASSES, *size.CLASSES)
+CLASSES = (*border.CLASSES, *opening.CLASSES, *point.CLASSES, *paint.CLASSES, *size.CLASSES)
 
 
 def register() -> None:

@@ -109,13 +109,17 @@ class Ground:
         found = joined_faces(prepared, np.unique(faces), start)
         return [start, *found[found != start].tolist()]
 
-    def border(self, region: int) -> np.ndarray:
-        """(2 B, 3) float32 the edges where a region ends."""
+    def between(self) -> tuple[np.ndarray, np.ndarray]:
+        """((K, 2) faces, (K, 2) vertices) of the edges between regions."""
         pairs, edges = self.scan.face_edges
         if self._between is None:
             self._between = view.border_pairs(self.label, pairs)
-        ends = self._between[(self.label[pairs[self._between]] == region).any(axis=1)]
-        return self.scan.vertices[edges[ends].ravel()].astype(np.float32)
+        return pairs[self._between], edges[self._between]
+
+    def border(self, region: int) -> np.ndarray:
+        """(2 B, 3) float32 the edges where a region ends."""
+        pairs, edges = self.between()
+        return self.scan.vertices[edges[(self.label[pairs] == region).any(axis=1)].ravel()].astype(np.float32)
 
     def told(self, unit, region: int) -> str:
         """The description of a region in one line. unit: the scene's."""

@@ -52,10 +52,26 @@ def chosen(hand):
     same("Esc chooses none", pointed.faces(scan()), ())
 
 
+def border(hand):
+    """An alt-drag moves the border between two regions, as one step to undo; an alt-click selects."""
+    x = next(x for x in np.linspace(0, -0.98, 50) if region_at(x, 0.0) != region_at(0.0, 0.0))
+    before, outer = size_of(0, 0), region_at(x, 0.0)
+    yield from drag(hand, (x + 0.15, 0.0), (x - 0.05, 0.0), alt=True, shot="gestures-1-border")
+    same("the border is moved", (last(), size_of(0, 0) > before), ("PaintFaces", True))
+    assert region_at(x - 0.02, 0.0) != outer
+    yield from undone_and_redone(hand, "a border", state)
+    yield from hand.undo()
+    yield from drag(hand, (x + 0.15, 0.0), (x + 0.4, 0.0), alt=True)
+    same("and back", (last(), size_of(0, 0) < before), ("PaintFaces", True))
+    yield from hand.undo()
+    same("undone", size_of(0, 0), before)
+
+
 def split_and_cut(hand):
     yield from tool(hand, "isimp.region_tool.object")
     before = regions()
     yield from chosen(hand)
+    yield from border(hand)
     yield from drag(hand, (-0.9, -0.1), (0.9, -0.1), shift=True, shot="gestures-1-cut")
     same("shift-drag cuts", (regions(), last()), (before + 1, "CutRegion"))
     low, high = np.array(steps()[-1].line)

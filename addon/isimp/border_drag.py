@@ -1,0 +1,62 @@
+"""The border between two regions, moved by a drag: the triangles between its old and its new place. numpy only."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import view
+
+_STRIP = 3.0  # edges that the strip of the region that grows is wide, by which what it takes hangs together
+
+
+def swept(
+    centers: np.ndarray,
+    is_taker: np.ndarray,
+    border: np.ndarray,
+    pairs: np.ndarray,
+    drag: np.ndarray,
+    sight: np.ndarray,
+) -> np.ndarray:
+    """The triangles that one region takes from another one, with a strip of its own, as the border moves along a drag.
+
+    All as seen: what differs along the sight is one place. Triangles are taken between a place of the border and the
+    same place moved by the drag, and as far as they hang together with the strip.
+
+    centers: (T, 3) of the triangles of both regions that face the eye. is_taker: (T,) those of the region that grows.
+    border: (K, 2, 3) the ends of the edges between both. pairs: (E, 2) of the T triangles that share an edge.
+    drag, sight: (3,) vectors. Returns (N,) numbers of triangles; none where the border does not move into the other.
+    """
+    sight = sight / np.linalg.norm(sight)
+    along = drag - (drag @ sight) * sight
+    length = float(np.linalg.norm(along))
+    if length <= 0 or not len(border) or not len(centers):
+        return np.empty(0, np.int64)
+    along /= length
+    axes = np.stack([along, np.cross(sight, along)], axis=1)
+    line, at = border.mean(axis=1) @ axes, centers @ axes
+    edge = float(np.median(np.linalg.norm((border[:, 0] - border[:, 1]) @ axes, axis=1)))
+    order = np.argsort(line[:, 1], kind="stable")
+    line = line[order]
+    ahead = _ahead(at, line, edge)
+    inside = np.where(is_taker, (ahead <= 0.5 * edge) & (ahead > -_STRIP * edge), (ahead > -edge) & (ahead <= length))
+    chosen = np.flatnonzero(inside)
+    home = chosen[is_taker[chosen]]
+    if not len(home) or len(home) == len(chosen):
+        return np.empty(0, np.int64)
+    middle = 0.5 * (line[0, 1] + line[-1, 1])
+    start = int(home[np.argmin(np.abs(at[home, 1] - middle))])
+    return view.connected(chosen, pairs, start)
+
+
+def _ahead(at: np.ndarray, line: np.ndarray, edge: float) -> np.ndarray:
+    """(T,) how far each place is ahead of the border along the drag; NaN where the border is not beside it.
+
+    line: (K, 2) places of the border, along the drag and across it, in rising order across.
+    """
+    after = np.clip(np.searchsorted(line[:, 1], at[:, 1]), 0, len(line) - 1)
+    before = np.maximum(after - 1, 0)
+    far = np.abs(line[[before, after], 1] - at[:, 1])
+    nearest = np.where(far[0] <= far[1], before, after)
+    ahead: np.ndarray = at[:, 0] - line[nearest, 0]
+    ahead[np.minimum(far[0], far[1]) > 2 * edge] = np.nan
+    return ahead

@@ -1,0 +1,51 @@
+"""The border between two regions, moved by a drag, without a window."""
+
+import numpy as np
+import pytest
+
+from isimp.border_drag import swept
+from session_scans import scan_of
+
+SIGHT = np.array([0.0, 0.0, -1.0])
+
+
+@pytest.fixture(scope="module")
+def square():
+    """A square of 20 x 20 cells of side .1, regions 0 and 1 left and right of its middle, as `swept` takes it."""
+    line = np.linspace(-1, 1, 21)
+    x, y = np.meshgrid(line, line, indexing="ij")
+    at = np.arange(441).reshape(21, 21)
+    a, b, c, d = at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]
+    triangles = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3).astype(np.int32)
+    scan = scan_of(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3), triangles)
+    centers = scan.vertices[scan.triangles].mean(axis=1)
+    label = (centers[:, 0] > 0).astype(int)
+    pairs, edges = scan.edges
+    return centers, label, scan.vertices[edges[label[pairs[:, 0]] != label[pairs[:, 1]]]], pairs
+
+
+@pytest.mark.parametrize(("drag", "columns"), [(0.3, 3), (0.1, 1), (-0.3, 3)])
+def test_a_border_moves_with_a_drag(square, drag, columns):
+    centers, label, border, pairs = square
+    taker = label == (0 if drag > 0 else 1)
+    found = swept(centers, taker, border, pairs, np.array([drag, 0.0, 5.0]), SIGHT)
+    taken = centers[found[~taker[found]]]
+    beside = np.sort(np.abs(taken[:, 0]))
+    assert len(taken) == 40 * columns
+    assert np.all(taken[:, 0] * drag > 0)
+    assert beside[-1] < abs(drag)
+    assert np.abs(centers[found[taker[found]]][:, 0]).max() < 0.3  # no more than a strip
+
+
+def test_a_slanting_drag_moves_a_border_too(square):
+    centers, label, border, pairs = square
+    taker = label == 0
+    found = swept(centers, taker, border, pairs, np.array([0.3, 0.1, 0.0]), SIGHT)
+    assert 60 < np.count_nonzero(~taker[found]) <= 130
+
+
+def test_a_border_does_not_move_without_a_drag_across_it(square):
+    centers, label, border, pairs = square
+    for drag in (np.zeros(3), np.array([0.0, 0.0, 1.0])):
+        assert len(swept(centers, label == 1, border, pairs, drag, SIGHT)) == 0
+    assert len(swept(centers, label == 1, border[:0], pairs, np.array([0.3, 0.0, 0.0]), SIGHT)) == 0
