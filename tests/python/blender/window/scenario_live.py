@@ -55,7 +55,10 @@ def run(hand):
         settings().partition.proxies = 30
         yield from wait_for(hand, 30)
         settings().partition.proxies = 14
-        yield 0.5
+        for _ in range(200):
+            yield 0.05
+            if runtime.get().live.shown is None:
+                break
         same("back where it was", (runtime.get().live.shown, regions()), (None, 14))
 
         live._SETTLED = at_rest
