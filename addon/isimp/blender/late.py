@@ -2,7 +2,8 @@
 
 If a mesh is reported as changed, Blender copies all of it to the graphics card: a quarter of a second for a million
 faces. A click changes few of them. The mesh gets its new layers at once, so undo, files and renders have them; Blender
-is told of the change together with the next polygons, or after a moment of rest.
+is told of the change together with the next polygons, or after a moment of rest. Later versions of Blender notice every
+write; there it is as before.
 """
 
 import time
@@ -14,6 +15,8 @@ from .. import view
 from ..spare import Spare
 from . import mesh_io, runtime, shaders
 
+#: Whether Blender does not notice by itself that a layer is written: 3.4 does not, 4.5 does, others are not known
+IS_QUIET = bpy.app.version < (3, 5, 0) and not bpy.app.background
 _MOST = 0.25  # of the faces: a patch of more is no quicker than Blender
 _REST = 0.6  # seconds
 
@@ -48,7 +51,7 @@ class Patch:
 def shown(obj) -> np.ndarray | None:
     """(faces,) the colours that Blender shows of an object in Object Mode; None where that is not known."""
     known = runtime.get().late
-    if bpy.app.background or known is None or obj.mode != "OBJECT":
+    if not IS_QUIET or known is None or obj.mode != "OBJECT":
         return None
     same = (known.name, known.mesh) == (obj.name, obj.data.name) and known.state == mesh_io.state_of(obj)
     return known.shown if same else None

@@ -178,6 +178,8 @@ def at_once(hand):
     """A click shows the region by a redraw before Blender hears of it, and all of it by one more."""
     from isimp.blender import late, overlay, runtime
 
+    if not late.IS_QUIET:
+        return
     yield from sketched()
     yield from hand.move(*place(hand, -0.4, 0.4))
     yield 1
