@@ -36,26 +36,45 @@ class Chooser {
     const std::vector<bool> done = choose_pipes(f_, s_, distance_);
     for (const std::vector<std::size_t>& some : classes()) {
       job.poll();
+      for (const std::size_t k : some) s_.patches[k].together = static_cast<std::int32_t>(some[0]);
       if (std::any_of(some.begin(), some.end(), [&](std::size_t k) { return done[k]; })) continue;
-      if (some.size() > 1) share_axis(some);
-      double cells = 0;
-      for (const std::size_t k : some) {
-        cells += s_.patches[k].cells;
-        limit_to_tangents(s_.patches[k]);
+      for (const std::size_t k : some) limit_to_tangents(s_.patches[k]);
+      if (some.size() == 1) {
+        choose_within(some);
+        continue;
       }
-      // Another body may cut cells in two: fewer are taken then.
-      double share = 1;
-      for (int k = 0; k < kTries; ++k) {
-        choose(some, share);
-        double pieces = 0;
-        for (const std::size_t i : some) pieces += pieces_of(s_.patches[i]);
-        if (pieces <= kMoreCells * cells + kHalfCell) break;
-        share *= cells / pieces;
+      share_axis(some);
+      double before = 0;
+      for (const std::size_t k : some) before += s_.patches[k].before;
+      if (choose_within(some) <= kWorse * before) continue;
+      for (const std::size_t k : some) {
+        choose_within({k});
+        s_.patches[k].together = static_cast<std::int32_t>(k);
       }
     }
   }
 
  private:
+  /// Chooses for some patches together.
+  /// \return the sum of area times squared distance
+  double choose_within(const std::vector<std::size_t>& some) {
+    double cells = 0, share = 1, cost = 0;
+    for (const std::size_t k : some) cells += s_.patches[k].cells;
+    // Another body may cut cells in two: fewer are taken then.
+    for (int k = 0; k < kTries; ++k) {
+      cost = choose(some, share);
+      double pieces = 0;
+      for (const std::size_t i : some) pieces += pieces_of(s_.patches[i]);
+      if (pieces <= kMoreCells * cells + kHalfCell) break;
+      share *= cells / pieces;
+    }
+    for (const std::size_t k : some) {
+      const RoundPatch& p = s_.patches[k];
+      for (const double a : p.faces.area) cost += a * p.rough * p.rough;
+    }
+    return cost;
+  }
+
   [[nodiscard]] std::vector<std::vector<std::size_t>> classes() const {
     std::vector<std::int32_t> patch(s_.found.size(), kNone);
     for (std::size_t k = 0; k < s_.patches.size(); ++k) patch[s_.patches[k].found] = static_cast<std::int32_t>(k);
@@ -134,7 +153,8 @@ class Chooser {
   }
 
   /// \param share  of the number of cells that the partition has there
-  void choose(const std::vector<std::size_t>& some, double share) {
+  /// \return the cost of the grids; infinite if there are none
+  double choose(const std::vector<std::size_t>& some, double share) {
     std::map<std::int32_t, std::vector<Grid>> by_segments;
     double cells = 0;
     for (const std::size_t k : some) cells += share * s_.patches[k].cells;
@@ -158,13 +178,16 @@ class Chooser {
       least = count > kMoreCells * cells + kHalfCell ? std::numeric_limits<double>::max() : cost;
       best = &all;
     }
-    if (best == nullptr) return;
+    if (best == nullptr) return std::numeric_limits<double>::infinity();
+    double sum = 0;
     for (std::size_t k = 0; k < some.size(); ++k) {
       RoundPatch& p = s_.patches[some[k]];
+      sum += (*best)[k].cost;
       apply(p.proxy, (*best)[k]);
       if (p.proxy.full)
         p.proxy.phase = -p.proxy.span / p.proxy.segments / 2;  // a segment, not an edge, looks along `across`
     }
+    return sum;
   }
 
   /// Grids of patches with the same segments that together keep to a number of cells: rings are added one by one where

@@ -20,8 +20,10 @@ constexpr double kSame = 0.25;        ///< reduction of the cost by each neighbo
 constexpr double kSmallPart = 0.004;  ///< share of the whole area: a smaller part on no surface may fit less well
 constexpr double kSmallHole = 0.05, kInside = 0.95;  ///< this share if one surface has kInside of its border edges
 constexpr double kFitsWell = 1.6, kFitsAtAll = 4;
-constexpr double kFragment = 0.0015;  ///< share of the whole area
-constexpr double kSpeck = 0.02;       ///< share of a small part's area: a label's only part below it is removed too
+constexpr double kNearlyAsWell = 1.3;  ///< times the misfit of a plane: a curved neighbour takes it
+constexpr double kLargeRest = 0.5;     ///< share of the whole area: no such part is given away
+constexpr double kFragment = 0.0015;   ///< share of the whole area
+constexpr double kSpeck = 0.02;        ///< share of a small part's area: a label's only part below it is removed too
 
 std::vector<Vec3> filtered_normals(const Faces& faces, Job& job) {
   const FaceGraph& graph = faces.graph();
@@ -128,17 +130,18 @@ class Borders {
     return faces;
   }
 
-  /// Adds parts without a surface to the neighbour that fits them.
+  /// Adds parts without a surface to the neighbour that fits them, and planes to a curved one that fits nearly as well,
+  /// such as the flat top of a torus.
   bool give_rest_away(Job& job) {
     const LabelParts parts = parts_of_labels(f_, label_, job);
     std::vector<Some> members(parts.label.size());
     std::map<std::pair<std::int32_t, std::int32_t>, int> beside;
     std::map<std::int32_t, int> all;
     for (std::int32_t i = 0; i < f_.size(); ++i) {
-      if (label_[i] != kNone || !is_open(i)) continue;
+      if (!is_open(i) || !is_rest(label_[i])) continue;
       members[parts.part[i]].push_back(i);
       for (const std::int32_t j : graph_.neighbours[i]) {
-        if (j != graph_.size() && label_[j] == kNone) continue;
+        if (j != graph_.size() && (parts.part[j] == parts.part[i] || label_[j] == kNone)) continue;
         ++all[parts.part[i]];
         if (j != graph_.size()) ++beside[{parts.part[i], label_[j]}];
       }
@@ -146,10 +149,13 @@ class Borders {
     std::map<std::int32_t, std::pair<double, std::int32_t>> best;
     for (const auto& [pair, edges] : beside) {
       const auto& [part, label] = pair;
-      if (parts.area[part] > 0.5) continue;
+      const std::int32_t now = parts.label[part];
+      if (parts.area[part] > kLargeRest || (now != kNone && is_rest(label))) continue;
       const double misfit = misfit_of(members[part], label) - 0.01 * edges;
       const bool is_inside = edges >= kInside * all.at(part) && parts.area[part] < kSmallHole;
-      const double least = is_inside || parts.area[part] < kSmallPart ? kFitsAtAll : kFitsWell;
+      const double least = now != kNone                                 ? kNearlyAsWell * misfit_of(members[part], now)
+                           : is_inside || parts.area[part] < kSmallPart ? kFitsAtAll
+                                                                        : kFitsWell;
       if (misfit + 0.01 * edges >= least) continue;
       const auto [at, is_new] = best.try_emplace(part, misfit, label);
       if (!is_new && misfit < at->second.first) at->second = {misfit, label};
@@ -158,6 +164,8 @@ class Borders {
       for (const std::int32_t i : members[part]) label_[i] = to.second;
     return !best.empty();
   }
+
+  [[nodiscard]] bool is_rest(std::int32_t label) const { return label == kNone || found_[label].is_plane(); }
 
   [[nodiscard]] double misfit_of(const Some& members, std::int32_t label) const {
     double square = 0, turn = 0, area = 0;

@@ -16,7 +16,7 @@ constexpr int kGrows = 4;                ///< times that a surface is fitted aga
 constexpr std::size_t kLeastPoints = 6;  ///< least number of points of a curved surface
 constexpr double kLeastArea = 0.01;      ///< share of the area of the whole mesh
 constexpr double kBent = 0.015;          ///< 1 - |mean normal|: points with less form a plane
-constexpr double kLeastTurn = 0.2, kLeastBend = 0.15;  ///< least seen share of a full turn: of a revolution, of a tube
+constexpr double kLeastTurn = 0.3, kLeastBend = 0.15;  ///< least seen share of a full turn: of a revolution, of a tube
 constexpr double kWorst = 0.35;     ///< share of the score that a surface loses at the greatest mean distance
 constexpr double kStillFree = 0.7;  ///< share of a candidate's area that others have not taken
 constexpr double kLargest = 1;      ///< diagonals: the largest radius
@@ -55,17 +55,9 @@ class Search {
     std::vector<Found> found;
     for (int fails = 0, round = 0; fails < kFails; ++round) {
       job.poll();
-      Some seeds;
-      for (std::int32_t i = 0; i < p_.count(); ++i)
-        if (is_free_[i]) seeds.push_back(i);
-      if (seeds.size() < kLeastPoints) break;
-      const auto n = static_cast<std::int32_t>(seeds.size()), count = std::min(kSeeds, n);
-      for (std::int32_t k = 0; k < count; ++k) {
-        // Between the seeds of the round before: halves, then quarters.
-        const int pairs = round / 2;
-        const double shift = std::fmod(0.5 * round + 0.25 * pairs, 1.0);
-        try_seed(seeds[static_cast<std::size_t>(std::min(n - 1.0, (k + shift) * n / count))], k % 2 == 0);
-      }
+      const Some seeds = seeds_of(round);
+      if (seeds.empty()) break;
+      for (std::size_t k = 0; k < seeds.size(); ++k) try_seed(seeds[k], k % 2 == 0);
       std::optional<Found> best = choose();
       if (!best || best->area < kLeastArea * total()) {
         ++fails;
@@ -80,6 +72,30 @@ class Search {
   }
 
  private:
+  /// Free points at equal steps of the sum of the roots of their areas: a large plane is one point among many specks of
+  /// noise. The seeds of a round are between those of the rounds before: halves, then quarters.
+  [[nodiscard]] Some seeds_of(int round) const {
+    double sum = 0;
+    std::int32_t free = 0;
+    for (std::int32_t i = 0; i < p_.count(); ++i)
+      if (is_free_[i]) {
+        sum += std::sqrt(p_.area[i]);
+        ++free;
+      }
+    const std::int32_t count = std::min(kSeeds, free), pairs = round / 2;
+    const double shift = std::fmod(0.5 * round + 0.25 * pairs, 1.0);
+    Some seeds;
+    double done = 0;
+    for (std::int32_t i = 0, k = 0; i < p_.count() && k < count; ++i) {
+      if (!is_free_[i]) continue;
+      done += std::sqrt(p_.area[i]);
+      if ((k + shift) * sum / count >= done) continue;
+      seeds.push_back(i);
+      while (k < count && (k + shift) * sum / count < done) ++k;
+    }
+    return seeds;
+  }
+
   [[nodiscard]] double total() const {
     double sum = 0;
     for (const double a : p_.area) sum += a;

@@ -35,7 +35,7 @@ bool is_seen(const CurvedSurface& surface, const Samples& samples);
 std::vector<Found> find_surfaces(const Points& points, const Nearness& near, Job& job);
 
 /// Joins neighbours that are one surface of revolution, adds nearby free points to each, and prefers a cylinder, a
-/// sphere or a cone to a revolution that it fits nearly as well. (join.cpp)
+/// sphere or a cone, or two of these, to a revolution that they fit nearly as well. (join.cpp)
 std::vector<Found> joined(std::vector<Found> found, const Points& points, const Nearness& near, Job& job);
 
 }  // namespace isimp::curved

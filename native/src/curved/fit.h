@@ -37,6 +37,10 @@ std::optional<CurvedSurface> fit_revolution(const Samples& samples);
 /// The profile of samples about a known axis; none if they form no curve.
 std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& samples);
 
+/// The length along an open profile at which two lines, or a line and a circle about a point of the axis, meet that fit
+/// it best; none if it is closed or too short. (profile_break.cpp)
+std::optional<double> profile_break(const CurvedSurface& surface);
+
 /// Root mean square of the distances.
 double rms(const CurvedSurface& surface, const Samples& samples);
 

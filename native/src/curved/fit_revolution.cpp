@@ -11,12 +11,13 @@
 namespace isimp::curved {
 namespace {
 
-constexpr double kThin = 2e-3;         ///< eigenvalues of the normals below this are noise
-constexpr double kBins = 40;           ///< number of bins of a profile
-constexpr double kCluster = 1.0 / 80;  ///< share of the profile's size: points at a smaller distance are merged
-constexpr double kSameWay = 0.8;       ///< cosine of the normals of points that are one
-constexpr double kTurns = 4;           ///< by how much a difference of normals lengthens a step
-constexpr double kGap = 4;             ///< median steps: ends that are nearer make a ring
+constexpr double kThin = 2e-3;          ///< eigenvalues of the normals below this are noise
+constexpr std::size_t kMostBins = 40;   ///< most bins of a profile
+constexpr std::size_t kPointsABin = 3;  ///< at the least: a profile through every point fits anything
+constexpr double kCluster = 1.0 / 80;   ///< share of the profile's size: points at a smaller distance are merged
+constexpr double kSameWay = 0.8;        ///< cosine of the normals of points that are one
+constexpr double kTurns = 4;            ///< by how much a difference of normals lengthens a step
+constexpr double kGap = 4;              ///< median steps: ends that are nearer make a ring
 constexpr std::size_t kLeastPoints = 12;
 constexpr double kTiny = 1e-300;
 
@@ -150,11 +151,12 @@ std::vector<Bin> bins_of(const Half& h, const Samples& s) {
   for (const std::size_t c : in_order(all)) order.insert(order.end(), all[c].samples.begin(), all[c].samples.end());
   double total = 0;
   for (const double w : s.weight) total += std::sqrt(w);
+  const auto count = static_cast<double>(std::min(kMostBins, s.size() / kPointsABin));
   std::vector<Bin> bins;
   double done = 0, weight = 0;
   int last = -1;
   for (const std::size_t i : order) {
-    const int bin = to_integer(kBins * done / total, 0, static_cast<int>(kBins));
+    const int bin = to_integer(count * done / total, 0, static_cast<int>(count));
     done += std::sqrt(s.weight[i]);
     if (bin != last) {
       bins.push_back({Vec2::Zero(), Vec2::Zero()});

@@ -8,11 +8,15 @@ namespace isimp::curved {
 namespace {
 
 const double kCrease = std::cos(24 * std::numbers::pi / 180);  ///< cosine between normals of points on both sides
-constexpr double kNearlyAll = 0.85;   ///< least good share of the border of a patch that is no sphere and no full turn
-constexpr double kMost = 0.62;        ///< least good share of a sphere's border, see good_share
+constexpr double kNearlyAll = 0.85;  ///< least good share of the border of a patch that is no sphere and no full turn
+constexpr double kMost =
+    0.62;  ///< least good share for a sphere, and for a cylinder with kHalf of its border at planes along it
+constexpr double kHalf = 0.5, kAlong = 0.12;
 constexpr double kAllRound = 0.92;    ///< share of a full turn that counts as a full turn
 constexpr double kSome = 0.25;        ///< least good share of the border of a full turn, or of more than half a sphere
-constexpr double kLargePlane = 0.02;  ///< share of the whole area: planes of free forms are smaller
+constexpr double kLargePlane = 0.02;  ///< share of the whole area: planes of free forms are smaller ...
+constexpr double kFlat = 0.45;        ///< times the nearness: ... or their faces are not so near to them
+constexpr double kDisc = 2.3;         ///< outline of a disc of n equilateral triangles, in edges, over the root of n
 constexpr double kHalfSphere = 0.42;  ///< 1 - |mean normal|, which is half of a half sphere's normals
 
 /// The border of a patch: pairs of a face and its neighbour outside; kNone at the border of the scan.
@@ -22,8 +26,15 @@ struct Beside {
 
 class Gates {
  public:
-  Gates(const Faces& faces, const Points& points, const std::vector<Found>& found, const Some& labels)
-      : f_(faces), p_(points), found_(found), labels_(labels), members_(found.size()), border_(found.size()) {
+  Gates(const Faces& faces, const Points& points, const std::vector<Found>& found, const Some& labels,
+        const Nearness& near)
+      : f_(faces),
+        p_(points),
+        found_(found),
+        labels_(labels),
+        near_(near),
+        members_(found.size()),
+        border_(found.size()) {
     const FaceGraph& graph = faces.graph();
     for (std::int32_t i = 0; i < faces.size(); ++i) {
       const std::int32_t label = labels[i];
@@ -43,23 +54,27 @@ class Gates {
     std::vector<double> round(found_.size(), 0.0);
     for (std::size_t k = 0; k < found_.size(); ++k) {
       if (found_[k].is_plane()) {
-        kept[k] = found_[k].area > kLargePlane;
+        kept[k] = found_[k].area > kLargePlane && found_[k].rms < kFlat * near_.distance;
         continue;
       }
       kept[k] = !members_[k].empty();
       round[k] = round_of(k);
     }
-    for (bool again = true; again;) {
-      again = false;
+    for (;;) {  // the worst first, as patches hold each other up
+      std::size_t worst = found_.size();
+      double least = 0;
       for (std::size_t k = 0; k < found_.size(); ++k) {
         if (found_[k].is_plane() || !kept[k]) continue;
-        const double share = good_share(k, kept);
         const bool is_sphere = found_[k].surface.kind == CurvedKind::sphere;
-        const double least = is_sphere ? kHalfSphere : kAllRound;
-        if (share > (is_sphere ? kMost : kNearlyAll) || (round[k] > least && share > kSome)) continue;
-        kept[k] = false;
-        again = true;
+        const bool is_round = round[k] > (is_sphere ? kHalfSphere : kAllRound);
+        const double most = is_sphere || along_planes(k, kept) > kHalf ? kMost : kNearlyAll;
+        const double more = good_share(k, kept) - (is_round ? kSome : most);
+        if (more > least) continue;
+        least = more;
+        worst = k;
       }
+      if (worst == found_.size()) break;
+      kept[worst] = false;
     }
     return kept;
   }
@@ -74,9 +89,26 @@ class Gates {
     return 1 - sum.norm();
   }
 
+  /// The share of the border of a cylinder at kept planes along its axis, as that of a fillet.
+  [[nodiscard]] double along_planes(std::size_t k, const std::vector<bool>& kept) const {
+    const CurvedSurface& s = found_[k].surface;
+    if (s.kind != CurvedKind::cylinder) return 0;
+    double count = 0;
+    for (const Beside& b : border_[k]) {
+      const std::int32_t other = b.other == kNone ? kNone : labels_[b.other];
+      count += other != kNone && kept[other] && found_[other].is_plane() &&
+                       std::abs(found_[other].surface.axis.dot(s.axis)) < kAlong
+                   ? 1
+                   : 0;
+    }
+    return count / static_cast<double>(border_[k].size());
+  }
+
   [[nodiscard]] double good_share(std::size_t k, const std::vector<bool>& kept) const {
-    if (border_[k].empty()) return 1;
-    double good = 0;
+    // A patch with a shorter border than a disc of as many faces is nearly closed, as a torus with a small hole.
+    const double least = kDisc * std::sqrt(static_cast<double>(members_[k].size()));
+    const double count = std::max(least, static_cast<double>(border_[k].size()));
+    double good = count - static_cast<double>(border_[k].size());
     for (const auto& [face, other] : border_[k]) {
       if (other == kNone || (labels_[other] != kNone && kept[labels_[other]])) {
         ++good;
@@ -85,13 +117,14 @@ class Gates {
       const std::int32_t a = p_.of_face[face], b = p_.of_face[other];
       good += b == kNone || p_.normal[a].dot(p_.normal[b]) < kCrease ? 1 : 0;
     }
-    return good / static_cast<double>(border_[k].size());
+    return good / count;
   }
 
   const Faces& f_;
   const Points& p_;
   const std::vector<Found>& found_;
   const Some& labels_;
+  const Nearness& near_;
   std::vector<Some> members_;
   std::vector<std::vector<Beside>> border_;
 };
@@ -99,8 +132,8 @@ class Gates {
 }  // namespace
 
 std::vector<bool> kept_surfaces(const Faces& faces, const Points& points, const std::vector<Found>& found,
-                                const Some& labels) {
-  return Gates(faces, points, found, labels).run();
+                                const Some& labels, const Nearness& near) {
+  return Gates(faces, points, found, labels, near).run();
 }
 
 }  // namespace isimp::curved

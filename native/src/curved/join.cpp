@@ -1,10 +1,13 @@
 // Joins adjacent patches that lie on one surface, and replaces surfaces by simpler ones that fit nearly as well.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "find.h"
+#include "surfaces.h"
 
 namespace isimp::curved {
 namespace {
@@ -17,8 +20,12 @@ constexpr double kTurnsMore = 1.3;
 constexpr double kAllRound = 0.9;  ///< least share of a full turn to join two that are no revolutions
 constexpr double kWorst = 0.8;     ///< share of the nearness: largest root mean square distance of the common surface
 constexpr double kReach = 1.4;     ///< times the nearness, to be taken in
-constexpr double kNearlyAsWell = 1.3;  ///< a simpler kind may be that much worse ...
+
+constexpr double kNearlyAsWell = 1.3;  ///< simpler surfaces may be that much worse ...
 constexpr double kAnyway = 0.2;        ///< ... or this share of the nearness
+constexpr double kOfSimple = 0.97;     ///< least share of the points that a simpler surface must explain
+constexpr double kAtBreak = 0.03;      ///< share of the length of the profile
+constexpr std::size_t kLeastPoints = 6;
 
 class Joiner {
  public:
@@ -27,10 +34,9 @@ class Joiner {
 
   std::vector<Found> run(Job& job) {
     while (join_one()) job.poll();
-    dissolve_planes();
     for (int k = 0; k < 3; ++k) take_in();
-    for (Found& f : found_)
-      if (f.surface.kind == CurvedKind::revolution) simplify(f);
+    for (std::size_t k = 0, n = found_.size(); k < n; ++k)
+      if (found_[k].surface.kind == CurvedKind::revolution && !simplify(k)) split(k);
     return std::move(found_);
   }
 
@@ -91,39 +97,6 @@ class Joiner {
     return true;
   }
 
-  /// Joins planes with a larger adjacent revolution or sphere that explains them, as the flat top of a torus.
-  void dissolve_planes() {
-    for (std::size_t k = 0; k < found_.size();) {
-      const std::size_t into = found_[k].is_plane() ? dissolves_in(k) : found_.size();
-      if (into == found_.size()) {
-        ++k;
-        continue;
-      }
-      Found& to = found_[into];
-      to.points.insert(to.points.end(), found_[k].points.begin(), found_[k].points.end());
-      std::sort(to.points.begin(), to.points.end());
-      to.area += found_[k].area;
-      found_.erase(found_.begin() + static_cast<std::ptrdiff_t>(k));
-    }
-  }
-
-  [[nodiscard]] std::size_t dissolves_in(std::size_t plane) const {
-    const Some own = owners();
-    for (std::size_t k = 0; k < found_.size(); ++k) {
-      const Found& f = found_[k];
-      if (f.surface.kind != CurvedKind::revolution && f.surface.kind != CurvedKind::sphere) continue;
-      if (f.area < 2 * found_[plane].area) continue;
-      const auto touches = [&](std::int32_t i) {
-        return std::any_of(p_.near[i].begin(), p_.near[i].end(),
-                           [&](std::int32_t j) { return own[j] == static_cast<std::int32_t>(k); });
-      };
-      const Some& some = found_[plane].points;
-      if (explained(f.surface, some, 1.6 * near_.turn) > 0.8 && std::any_of(some.begin(), some.end(), touches))
-        return k;
-    }
-    return found_.size();
-  }
-
   void take_in() {
     Some own = owners();
     for (std::size_t k = 0; k < found_.size(); ++k) {
@@ -150,18 +123,47 @@ class Joiner {
     }
   }
 
-  void simplify(Found& f) const {
-    const Samples s = samples_of(p_, f.points);
-    const double now = rms(f.surface, s);
+  /// The first simple surface that explains some points with at most a given root mean square distance.
+  [[nodiscard]] std::optional<Found> simple(const Some& some, double most) const {
+    if (some.size() < kLeastPoints) return std::nullopt;
+    const Samples s = samples_of(p_, some);
     for (const CurvedKind kind : {CurvedKind::cylinder, CurvedKind::sphere, CurvedKind::cone}) {
-      const auto simple = fit(kind, s);
-      if (!simple || explained(*simple, f.points, near_.turn) < 0.97) continue;
-      const double then = rms(*simple, s);
-      if (then >= std::max(kNearlyAsWell * now, kAnyway * near_.distance)) continue;
-      f.surface = *simple;
-      f.rms = then;
-      return;
+      const auto surface = fit(kind, s);
+      if (!surface || explained(*surface, some, near_.turn) < kOfSimple) continue;
+      const double then = rms(*surface, s);
+      if (then < most) return Found{*surface, some, p_.area_of(some), then};
     }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] double allowed(const Found& f) const {
+    return std::max(kNearlyAsWell * rms(f.surface, samples_of(p_, f.points)), kAnyway * near_.distance);
+  }
+
+  bool simplify(std::size_t k) {
+    std::optional<Found> one = simple(found_[k].points, allowed(found_[k]));
+    if (one) found_[k] = std::move(*one);
+    return one.has_value();
+  }
+
+  /// Replaces a revolution by two simple surfaces, such as the cylinder and the cone of a silo.
+  void split(std::size_t k) {
+    const CurvedSurface& surface = found_[k].surface;
+    const std::optional<double> at = profile_break(surface);
+    if (!at) return;
+    std::array<Some, 2> halves;
+    double length = 0;
+    for (std::size_t i = 1; i < corners(surface); ++i) length += (corner(surface, i) - corner(surface, i - 1)).norm();
+    for (const std::int32_t i : found_[k].points) {
+      const double beyond = along(surface, polar(surface, p_.centre[i])) - *at;
+      // Regions across the break are on neither.
+      if (std::abs(beyond) > kAtBreak * length) halves[beyond < 0 ? 0 : 1].push_back(i);
+    }
+    const double most = allowed(found_[k]);
+    std::optional<Found> low = simple(halves[0], most), high = simple(halves[1], most);
+    if (!low || !high) return;
+    found_[k] = std::move(*low);
+    found_.push_back(std::move(*high));
   }
 
   std::vector<Found> found_;

@@ -22,15 +22,45 @@ constexpr int kSteps = 3;         ///< steps of the last fit
 
 bool is_straight(const CurvedSurface& s) { return s.kind == CurvedKind::cylinder || s.kind == CurvedKind::cone; }
 
-/// The number of regions that some faces make up: the sum of the share of each region's area that is theirs.
-double regions_in(const Faces& faces, const Partition& part, const std::vector<double>& region_area, const Some& some) {
-  double sum = 0;
-  for (const std::int32_t i : some) {
-    const std::int32_t r = part.face_region[faces.graph().mesh_face[i]];
-    if (r != kNone && region_area[r] > 0) sum += faces.area(i) / region_area[r];
+/// The regions of a partition, as patches are compared with them.
+class Before {
+ public:
+  Before(const Faces& faces, const Partition& part)
+      : f_(faces), part_(part), area_(part.region_seed.size()), middle_(part.region_seed.size(), Vec3::Zero()) {
+    for (std::int32_t i = 0; i < faces.size(); ++i)
+      if (const std::int32_t r = region(i); r != kNone) {
+        area_[r] += faces.area(i);
+        middle_[r] += faces.area(i) * faces.centre(i);
+      }
+    for (std::size_t r = 0; r < area_.size(); ++r) middle_[r] /= std::max(area_[r], 1e-300);
   }
-  return sum;
-}
+
+  [[nodiscard]] std::int32_t region(std::int32_t i) const { return part_.face_region[f_.graph().mesh_face[i]]; }
+
+  /// The number of regions that some faces make up: the sum of the share of each region's area that is theirs.
+  [[nodiscard]] double regions_in(const Some& some) const {
+    double sum = 0;
+    for (const std::int32_t i : some)
+      if (const double whole = area_[region(i)]; whole > 0) sum += f_.area(i) / whole;
+    return sum;
+  }
+
+  /// The sum of area times squared distance of some faces from the planes of their regions.
+  [[nodiscard]] double cost(const Some& some) const {
+    double sum = 0;
+    for (const std::int32_t i : some) {
+      const std::int32_t r = region(i);
+      sum += f_.area(i) * std::pow(part_.region_normal[r].dot(f_.centre(i) - middle_[r]), 2);
+    }
+    return sum;
+  }
+
+ private:
+  const Faces& f_;
+  const Partition& part_;
+  std::vector<double> area_;
+  std::vector<Vec3> middle_;
+};
 
 /// The planes that are adjacent to a surface, and the number of edges to each.
 std::map<std::int32_t, int> planes_beside(const Faces& faces, const Scene& scene, const Some& some) {
@@ -89,6 +119,19 @@ CurvedSurface fitted(const Faces& faces, const CurvedSurface& surface, const Som
   return again.radius > 0 && rms(again, s) < rms(surface, s) ? again : surface;
 }
 
+/// The planes fitted once more, to the faces themselves: one small region gives no exact normal.
+void fit_planes(const Faces& faces, Scene& scene) {
+  std::vector<Some> members(scene.found.size());
+  for (std::int32_t i = 0; i < faces.size(); ++i)
+    if (const std::int32_t k = scene.label[i]; k != kNone && scene.found[k].is_plane()) members[k].push_back(i);
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    if (members[k].empty()) continue;
+    const Samples s = samples_of(faces, members[k]);
+    scene.found[k].surface = *fit(CurvedKind::plane, s);
+    scene.found[k].rms = rms(scene.found[k].surface, s);
+  }
+}
+
 }  // namespace
 
 Scene find_patches(const Faces& faces, const Partition& part, const Partition& data, const RoundLengths& lengths,
@@ -108,20 +151,18 @@ Scene find_patches(const Faces& faces, const Partition& part, const Partition& d
   scene.found = joined(find_surfaces(scene.points, near, job), scene.points, near, job);
   if (std::all_of(scene.found.begin(), scene.found.end(), [](const Found& f) { return f.is_plane(); })) return scene;
   scene.label = face_labels(faces, scene.points, scene.found, near, job);
-  const std::vector<bool> kept = kept_surfaces(faces, scene.points, scene.found, scene.label);
+  fit_planes(faces, scene);
+  const std::vector<bool> kept = kept_surfaces(faces, scene.points, scene.found, scene.label, near);
+  const Before before(faces, part);
   std::vector<Some> members(scene.found.size());
   for (std::int32_t i = 0; i < faces.size(); ++i) {
     std::int32_t& k = scene.label[i];
     if (k == kNone) continue;
-    if ((!kept[k] && !scene.found[k].is_plane()) || part.face_region[faces.graph().mesh_face[i]] == kNone)
+    if ((!kept[k] && !scene.found[k].is_plane()) || before.region(i) == kNone)
       k = kNone;
     else if (!scene.found[k].is_plane())
       members[k].push_back(i);
   }
-  std::vector<double> region_area(static_cast<std::size_t>(part.region_count()), 0.0);
-  for (std::int32_t i = 0; i < faces.size(); ++i)
-    if (const std::int32_t r = part.face_region[faces.graph().mesh_face[i]]; r != kNone)
-      region_area[r] += faces.area(i);
   for (std::size_t k = 0; k < members.size(); ++k) {
     if (members[k].size() < kLeastFaces) continue;
     CurvedProxy proxy;
@@ -130,10 +171,10 @@ Scene find_patches(const Faces& faces, const Partition& part, const Partition& d
     if (proxy.kind == CurvedKind::sphere) proxy.axis = sphere_axis(scene, beside);
     proxy.across = across(scene, proxy.axis);
     const double rough = rms(proxy, samples_of(faces, members[k]));
-    const double cells = std::max(1.0, std::round(regions_in(faces, part, region_area, members[k])));
+    const double cells = std::max(1.0, std::round(before.regions_in(members[k]))), cost = before.cost(members[k]);
     PatchFaces patch(faces, proxy, std::move(members[k]));
     set_span(proxy, patch);
-    scene.patches.push_back({std::move(proxy), static_cast<std::int32_t>(k), std::move(patch), cells, rough});
+    scene.patches.push_back({std::move(proxy), static_cast<std::int32_t>(k), std::move(patch), cells, cost, rough});
     set_tangents(scene, beside, near.distance, scene.patches.back());
   }
   return scene;

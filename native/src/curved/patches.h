@@ -9,16 +9,21 @@
 
 namespace isimp::curved {
 
+/// Cells may be that much worse by squared distance than the regions before.
+inline constexpr double kWorse = 1.2;
+
 /// A curved patch before it is cut.
 struct RoundPatch {
   CurvedProxy proxy;
   std::int32_t found = 0;  ///< its number among the surfaces
   PatchFaces faces;
-  double cells = 0;  ///< regions that the partition has there
-  double rough = 0;  ///< root mean square distance of its faces from the surface
+  double cells = 0;   ///< regions that the partition has there
+  double before = 0;  ///< sum of area times squared distance of its faces from the planes of these regions
+  double rough = 0;   ///< root mean square distance of its faces from the surface
   std::array<std::int32_t, 2> tangent{kNone,
                                       kNone};  ///< surfaces: planes that touch it where its segments begin and end
   double first_angle = 0, last_angle = 0;      ///< where they touch it
+  std::int32_t together = 0;  ///< patches with the same number have the same segments: all are cut, or none
 };
 
 /// The surfaces found on a scan.

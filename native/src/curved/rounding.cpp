@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "cells.h"
@@ -17,8 +18,6 @@ constexpr double kOfCell = 0.25;   ///< share of a cell's area: a smaller part, 
 constexpr double kOfRegion = 0.3;  ///< share of a region's area: if patches leave less of it, the rest joins neighbours
 constexpr std::int32_t kFewest = 3;  ///< segments of one that is no full turn
 constexpr double kNarrow = 1;        ///< radians, the least span of one
-constexpr double kBetter = 0.95;     ///< one that is no full turn must be that much better
-constexpr double kWorse = 1.2;       ///< a patch may be that much worse by squared distance than the regions before
 constexpr double kOfMean = 0.02;     ///< share of a mean region: a smaller part of a cut region joins a neighbour
 
 /// Puts cells in the place of regions.
@@ -34,64 +33,78 @@ class Rounding {
   }
 
   Partition run(Job& job) {
+    std::map<std::int32_t, std::vector<Cut>> cuts;  // by class
     for (RoundPatch& p : scene_.patches)
-      if (p.proxy.segments > 0) add(p);
+      if (p.proxy.segments > 0)
+        if (std::optional<Cut> c = cut_of(p)) cuts[p.together].push_back(std::move(*c));
+    for (const auto& [together, some] : cuts)
+      if (pay(some))
+        for (const Cut& c : some) add(c);
     if (proxies_.empty()) return part_;
     clean(job);
     return made(job);
   }
 
  private:
-  void add(RoundPatch& patch) {
-    const std::vector<std::pair<std::int32_t, std::int32_t>> given = give_to_tangents(patch);
-    if (patch.faces.face.empty()) return;
-    Cells cells = cut(f_, patch.proxy, patch.faces);
-    if (!pays(patch, cells, given)) return;
-    for (const auto& [face, plane] : given) label_[face] = region_of(plane);
-    double area = 0;
-    for (std::size_t k = 0; k < patch.faces.face.size(); ++k) {
-      label_[patch.faces.face[k]] = count_ + first_ + cells.of_face[k];
-      area += patch.faces.area[k];
-    }
-    for (std::size_t c = 0; c < cells.cell.size(); ++c) {
-      cells.cell[c].proxy = static_cast<std::int32_t>(proxies_.size());
-      ideal_.push_back(area / static_cast<double>(cells.cell.size()));
-    }
-    first_ += static_cast<std::int32_t>(cells.cell.size());
-    cell_.insert(cell_.end(), cells.cell.begin(), cells.cell.end());
-    normal_.insert(normal_.end(), cells.normal.begin(), cells.normal.end());
-    offset_.insert(offset_.end(), cells.offset.begin(), cells.offset.end());
-    proxies_.push_back(patch.proxy);
+  /// A patch in cells, and faces that get the region of a plane.
+  struct Cut {
+    RoundPatch* patch = nullptr;
+    Cells cells;
+    std::vector<std::pair<std::int32_t, std::int32_t>> given;
+  };
+
+  std::optional<Cut> cut_of(RoundPatch& patch) {
+    // A plane that touches a patch is its first segment.
+    const int segments = patch.proxy.segments + (patch.tangent[0] != kNone) + (patch.tangent[1] != kNone);
+    const bool is_wide = patch.proxy.full || (segments >= kFewest && patch.proxy.span >= kNarrow);
+    if (!is_edit() && !is_wide) return std::nullopt;
+    Cut c{&patch, {}, give_to_tangents(patch)};
+    if (patch.faces.face.empty()) return std::nullopt;
+    c.cells = cut(f_, patch.proxy, patch.faces);
+    return c;
   }
 
-  /// Whether the cells are about as near to the faces as the regions that were there. A patch that was found must
-  /// pass, an edit of the user need not.
-  [[nodiscard]] bool pays(const RoundPatch& patch, const Cells& cells,
-                          const std::vector<std::pair<std::int32_t, std::int32_t>>& given) {
-    if (scene_.found.empty()) return true;
-    if (!patch.proxy.full && (patch.proxy.segments < kFewest || patch.proxy.span < kNarrow)) return false;
-    if (middle_.empty()) set_middles();
+  void add(const Cut& c) {
+    const PatchFaces& faces = c.patch->faces;
+    for (const auto& [face, plane] : c.given) label_[face] = region_of(plane);
+    double area = 0;
+    for (std::size_t k = 0; k < faces.face.size(); ++k) {
+      label_[faces.face[k]] = count_ + first_ + c.cells.of_face[k];
+      area += faces.area[k];
+    }
+    const auto count = static_cast<std::int32_t>(c.cells.cell.size());
+    first_ += count;
+    ideal_.insert(ideal_.end(), c.cells.cell.size(), area / count);
+    cell_.insert(cell_.end(), c.cells.cell.begin(), c.cells.cell.end());
+    for (auto cell = cell_.end() - count; cell != cell_.end(); ++cell)
+      cell->proxy = static_cast<std::int32_t>(proxies_.size());
+    normal_.insert(normal_.end(), c.cells.normal.begin(), c.cells.normal.end());
+    offset_.insert(offset_.end(), c.cells.offset.begin(), c.cells.offset.end());
+    proxies_.push_back(c.patch->proxy);
+  }
+
+  /// An edit of the user has no surfaces that were found.
+  [[nodiscard]] bool is_edit() const { return scene_.found.empty(); }
+
+  /// Whether the cells of patches with the same segments are about as near to the faces as the regions that were there.
+  /// A patch that was found must pass, an edit need not.
+  [[nodiscard]] bool pay(const std::vector<Cut>& cuts) const {
+    if (is_edit()) return true;
     double now = 0, before = 0;
     const auto add = [&](std::int32_t i, const Vec3& normal, double offset) {
-      const Vec3 x = f_.centre(i);
-      const std::int32_t r = part_.face_region[f_.graph().mesh_face[i]];
-      now += f_.area(i) * std::pow(normal.dot(x) - offset, 2);
-      before += f_.area(i) * std::pow(part_.region_normal[r].dot(x - middle_[r]), 2);
+      now += f_.area(i) * std::pow(normal.dot(f_.centre(i)) - offset, 2);
     };
-    for (std::size_t k = 0; k < patch.faces.face.size(); ++k)
-      add(patch.faces.face[k], cells.normal[cells.of_face[k]], cells.offset[cells.of_face[k]]);
-    for (const auto& [face, plane] : given) {
-      const CurvedSurface& s = scene_.found[plane].surface;
-      add(face, s.axis, s.axis.dot(s.point));
+    for (const Cut& c : cuts) {
+      before += c.patch->before;
+      const Some& face = c.patch->faces.face;
+      for (std::size_t k = 0; k < face.size(); ++k)
+        add(face[k], c.cells.normal[c.cells.of_face[k]], c.cells.offset[c.cells.of_face[k]]);
+      for (const auto& [i, plane] : c.given) {
+        const CurvedSurface& s = scene_.found[plane].surface;
+        add(i, s.axis, s.axis.dot(s.point));
+      }
     }
-    return now <= (patch.proxy.full ? kWorse : kBetter) * before;
-  }
-
-  void set_middles() {
-    middle_.assign(before_.size(), Vec3::Zero());
-    for (std::int32_t i = 0; i < f_.size(); ++i)
-      if (const std::int32_t r = part_.face_region[f_.graph().mesh_face[i]]; r != kNone)
-        middle_[r] += f_.area(i) / std::max(before_[r], 1e-300) * f_.centre(i);
+    return now <= kWorse * before;
   }
 
   /// Removes the first and the last half segment from a patch if planes touch it there.
@@ -193,7 +206,6 @@ class Rounding {
   std::int32_t count_, first_ = 0;  // number of regions of the partition; number of added cells
   Some label_;                      // (n) by graph index: a region, or count_ + a cell
   std::vector<double> before_;      // area of each region
-  std::vector<Vec3> middle_;        // centre of each region, once it is needed
   std::vector<CurvedProxy> proxies_;
   std::vector<CurvedCell> cell_;
   std::vector<Vec3> normal_;

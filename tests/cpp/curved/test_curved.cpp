@@ -21,15 +21,49 @@ namespace {
 
 constexpr int kRound = 96;  // faces round a solid of revolution
 
-/// A closed solid of revolution round z: rings of vertices at (radius, height), and fans to the axis at both ends.
-shapes::Arrays turned(const std::vector<std::array<double, 2>>& profile) {
+using Outline = std::vector<std::array<double, 2>>;
+
+Outline circle() {
+  Outline round;
+  for (int k = 0; k < kRound; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kRound;
+    round.push_back({std::cos(angle), std::sin(angle)});
+  }
+  return round;
+}
+
+/// A rectangle with round corners, its points about equally far apart.
+Outline rounded(double half_x, double half_y, double radius) {
+  Outline all;
+  const double x = half_x - radius, y = half_y - radius, length = 4 * (x + y) + 2 * std::numbers::pi * radius;
+  for (int k = 0; k < kRound; ++k) {
+    double at = length * k / kRound;
+    for (int side = 0; side < 4; ++side) {
+      const double straight = side % 2 == 0 ? 2 * y : 2 * x, arc = std::numbers::pi / 2 * radius;
+      const std::array<double, 2> out = {std::array{1., 0., -1., 0.}[side], std::array{0., 1., 0., -1.}[side]};
+      const double cx = out[0] * x - out[1] * x, cy = out[1] * y + out[0] * y;  // of the corner after the side
+      if (at < straight) {
+        all.push_back(
+            {cx + radius * out[0] + (straight - at) * out[1], cy + radius * out[1] - (straight - at) * out[0]});
+        break;
+      }
+      if ((at -= straight) < arc) {
+        const double c = std::cos(at / radius), s = std::sin(at / radius);
+        all.push_back({cx + radius * (c * out[0] - s * out[1]), cy + radius * (c * out[1] + s * out[0])});
+        break;
+      }
+      at -= arc;
+    }
+  }
+  return all;
+}
+
+/// A closed solid round z: rings of vertices at (factor of the outline, height), and fans to the axis at both ends.
+shapes::Arrays turned(const std::vector<std::array<double, 2>>& profile, const Outline& outline = circle()) {
   shapes::Arrays a;
   const auto at = [&](std::size_t ring, int k) { return static_cast<std::int32_t>(ring) * kRound + k % kRound; };
   for (const auto& [rho, z] : profile)
-    for (int k = 0; k < kRound; ++k) {
-      const double angle = 2 * std::numbers::pi * k / kRound;
-      a.vertices.emplace_back(rho * std::cos(angle), rho * std::sin(angle), z);
-    }
+    for (const auto& [x, y] : outline) a.vertices.emplace_back(rho * x, rho * y, z);
   for (std::size_t r = 0; r + 1 < profile.size(); ++r)
     for (int k = 0; k < kRound; ++k) {
       a.triangles.push_back({at(r, k), at(r, k + 1), at(r + 1, k + 1)});
@@ -46,11 +80,20 @@ shapes::Arrays turned(const std::vector<std::array<double, 2>>& profile) {
 }
 
 /// A can of radius 1, its lids of rings, so that no triangle is a needle.
-shapes::Arrays can(double upper = 1.0) {
+shapes::Arrays can(double upper = 1.0, const Outline& outline = circle()) {
   std::vector<std::array<double, 2>> profile;
   for (int k = 1; k < 8; ++k) profile.push_back({k / 8.0, -1.5});
   for (int k = 0; k <= 40; ++k) profile.push_back({1 + (upper - 1) * k / 40.0, -1.5 + 3 * k / 40.0});
   for (int k = 7; k > 0; --k) profile.push_back({upper * k / 8.0, 1.5});
+  return turned(profile, outline);
+}
+
+/// A can with a roof: a cone without its tip, which meets the cylinder at 37 degrees.
+shapes::Arrays silo() {
+  std::vector<std::array<double, 2>> profile;
+  for (int k = 1; k < 8; ++k) profile.push_back({k / 8.0, -2});
+  for (int k = 0; k <= 40; ++k) profile.push_back({1, -2 + 3 * k / 40.0});
+  for (int k = 1; k < 18; ++k) profile.push_back({1 - k / 20.0, 1 + 0.75 * k / 20.0});
   return turned(profile);
 }
 
@@ -121,6 +164,50 @@ TEST(Curved, NoiseLeavesAxisAndRadius) {
   ASSERT_EQ(part.curved.size(), 1U);
   EXPECT_NEAR(part.curved[0].radius, 1, 0.005);
   EXPECT_LT(std::acos(std::min(1.0, std::abs(part.curved[0].axis.z()))), 0.1 * std::numbers::pi / 180);
+}
+
+TEST(Curved, ASiloIsACylinderAndACone) {
+  for (const double noise : {0.0, 0.003, 0.015}) {
+    const Mesh mesh = shapes::mesh(noise > 0 ? shapes::noisy(silo(), noise, 3) : silo());
+    const Partition part = split(mesh, true, noise);
+    ASSERT_EQ(part.curved.size(), 2U) << noise;
+    const auto is_cone = [](const CurvedProxy& p) { return p.kind == CurvedKind::cone; };
+    const CurvedProxy& roof = part.curved[is_cone(part.curved[0]) ? 0 : 1];
+    const CurvedProxy& wall = part.curved[is_cone(part.curved[0]) ? 1 : 0];
+    EXPECT_EQ(roof.kind, CurvedKind::cone);
+    EXPECT_EQ(wall.kind, CurvedKind::cylinder);
+    EXPECT_NEAR(wall.radius, 1, 0.005);
+    EXPECT_NEAR(std::abs(roof.slope), 1 / 0.75, 0.03);
+  }
+}
+
+TEST(Curved, HalfCylindersEndAtThePlanesThatTouchThem) {
+  for (const double noise : {0.003, 0.012}) {
+    const Mesh mesh = shapes::mesh(shapes::noisy(can(1, rounded(2, 1, 1)), noise, 3));
+    const Partition part = split(mesh, true, noise);
+    ASSERT_EQ(part.curved.size(), 2U) << noise;
+    for (const CurvedProxy& p : part.curved) {
+      EXPECT_EQ(p.kind, CurvedKind::cylinder);
+      EXPECT_NEAR(p.radius, 1, 0.01);
+      const double width = p.span / p.segments;
+      EXPECT_NEAR(width * (p.segments + 1), std::numbers::pi, 0.02);  // the planes have half a segment each
+    }
+  }
+}
+
+TEST(Curved, AFilletIsOneStripBetweenItsPlanes) {
+  const Mesh mesh = shapes::mesh(can(1, rounded(2, 1.5, 0.4)));
+  PartitionOptions options{.proxies = 10};
+  options.curved = true;
+  Job job;
+  const Partition part = Partitioner(mesh).run(options, {}, job);
+  ASSERT_EQ(part.curved.size(), 4U);
+  for (const CurvedProxy& p : part.curved) {
+    EXPECT_NEAR(p.radius, 0.4, 0.006);  // an arc of few faces
+    EXPECT_EQ(p.segments, 1);
+    EXPECT_NEAR(p.span, std::numbers::pi / 4, 0.01);
+  }
+  EXPECT_EQ(part.region_count(), 10);
 }
 
 TEST(Curved, FreeFormsStayBitByBit) {
