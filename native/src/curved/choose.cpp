@@ -36,14 +36,15 @@ class Chooser {
     const std::vector<bool> done = choose_pipes(f_, s_, distance_);
     for (const std::vector<std::size_t>& some : classes()) {
       job.poll();
-      for (const std::size_t k : some) s_.patches[k].together = static_cast<std::int32_t>(some[0]);
       if (std::any_of(some.begin(), some.end(), [&](std::size_t k) { return done[k]; })) continue;
+      for (const std::size_t k : some) s_.patches[k].together = static_cast<std::int32_t>(some[0]);
       for (const std::size_t k : some) limit_to_tangents(s_.patches[k]);
+      if (some.size() > 1) share_axis(some);
+      for (const std::size_t k : some) cuts_.try_emplace(k, s_.patches[k].proxy, s_.patches[k].faces);
       if (some.size() == 1) {
         choose_within(some);
         continue;
       }
-      share_axis(some);
       double before = 0;
       for (const std::size_t k : some) before += s_.patches[k].before;
       if (choose_within(some) <= kWorse * before) continue;
@@ -162,7 +163,7 @@ class Chooser {
       const RoundPatch& p = s_.patches[k];
       // Alone a patch keeps to its own number of cells; together they keep to the sum.
       const double mine = some.size() > 1 ? std::max(share * p.cells, cells / 2) : cells;
-      for (Grid& grid : grids(p.proxy, p.faces, mine, p.rough)) by_segments[grid.segments].push_back(std::move(grid));
+      for (Grid& grid : cuts_.at(k).within(mine, p.rough)) by_segments[grid.segments].push_back(std::move(grid));
     }
     const std::vector<Grid>* best = nullptr;
     double least = std::numeric_limits<double>::infinity();
@@ -192,12 +193,11 @@ class Chooser {
 
   /// Grids of patches with the same segments that together keep to a number of cells: rings are added one by one where
   /// they gain most for a cell.
-  [[nodiscard]] std::vector<Grid> within(std::int32_t n, const std::vector<std::size_t>& some, double cells) const {
+  [[nodiscard]] std::vector<Grid> within(std::int32_t n, const std::vector<std::size_t>& some, double cells) {
     std::vector<Grid> all, next;
     double count = 0;
     const auto grid = [&](std::size_t k, std::int32_t rings) {
-      const RoundPatch& p = s_.patches[some[k]];
-      return grid_of(p.proxy, p.faces, n, rings, p.cells);
+      return cuts_.at(some[k]).of(n, rings, s_.patches[some[k]].cells);
     };
     for (std::size_t k = 0; k < some.size(); ++k) {
       all.push_back(grid(k, 1));
@@ -235,6 +235,7 @@ class Chooser {
   const Faces& f_;
   Scene& s_;
   double distance_;
+  std::map<std::size_t, Cuts> cuts_;  // by patch
 };
 
 }  // namespace

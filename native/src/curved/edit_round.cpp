@@ -110,7 +110,7 @@ Partition with_segments(const Mesh& mesh, const Partition& part, std::int32_t fa
   proxy.point -= mesh.origin();
   PatchFaces cells(faces, proxy, faces_of(faces, part, chosen));
   const double now = static_cast<double>(proxy.segments) * proxy.rings;
-  apply(proxy, grid_of(proxy, cells, segments, rings, now));
+  apply(proxy, Cuts(proxy, cells).of(segments, rings, now));
   if (proxy.full) proxy.phase = -proxy.span / proxy.segments / 2;
   return with_cells(surface, part, scene_of(std::move(proxy), std::move(cells)), job);
 }
@@ -159,8 +159,9 @@ Partition make_round(const Mesh& mesh, const Partition& part, std::span<const st
   const double rough = rms(proxy, samples_of(all, some));
   PatchFaces cells(all, proxy, std::move(some));
   set_span(proxy, cells);
-  const double count = std::max<double>(3, static_cast<double>(std::count(chosen.begin(), chosen.end(), true)));
-  const std::vector<Grid> cuts = grids(proxy, cells, count, rough);
+  const double count = std::max<double>(proxy.full ? kLeastRound : 3,
+                                        static_cast<double>(std::count(chosen.begin(), chosen.end(), true)));
+  const std::vector<Grid> cuts = Cuts(proxy, cells).within(count, rough);
   if (cuts.empty()) throw InvalidInput("the faces given can't be cut into segments");
   apply(proxy,
         *std::min_element(cuts.begin(), cuts.end(), [](const Grid& a, const Grid& b) { return a.cost < b.cost; }));

@@ -11,16 +11,19 @@
 namespace isimp::curved {
 namespace {
 
-constexpr int kBins = 120;               ///< number of bins of the profile
-constexpr int kSteps = 72;               ///< number of steps of a full turn in the search for gaps
-constexpr double kOccupied = 0.15;       ///< share of the mean area of steps that are not empty
-constexpr double kFullTurn = 0.93;       ///< share of the steps that are occupied
-constexpr double kCapRadius = 0.12;      ///< share of the largest radius: an end nearer to the axis may be a cap
-constexpr double kCapWeight = 1.5;       ///< weight of the distance of a cap, which counts as one cell
-constexpr std::int32_t kLeastRound = 6;  ///< least number of segments of a full turn
+constexpr int kBins = 120;           ///< number of bins of the profile
+constexpr int kSteps = 72;           ///< number of steps of a full turn in the search for gaps
+constexpr double kOccupied = 0.15;   ///< share of the mean area of steps that are not empty
+constexpr double kFullTurn = 0.93;   ///< share of the steps that are occupied
+constexpr double kCapRadius = 0.12;  ///< share of the largest radius: an end nearer to the axis may be a cap
+constexpr double kCapWeight = 1.5;   ///< weight of the distance of a cap, which counts as one cell
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 using Row = std::array<double, kBins + 1>;
+
+bool is_straight(const CurvedProxy& proxy) {
+  return proxy.kind == CurvedKind::cylinder || proxy.kind == CurvedKind::cone;
+}
 
 /// A quantile of some numbers.
 double quantile(std::vector<double> x, double share) {
@@ -28,6 +31,8 @@ double quantile(std::vector<double> x, double share) {
   std::nth_element(x.begin(), x.begin() + at, x.end());
   return x[static_cast<std::size_t>(at)];
 }
+
+}  // namespace
 
 /// Sums over the bins of a profile, and the costs of ranges of bins.
 class Profile {
@@ -52,30 +57,19 @@ class Profile {
     for (Row& row : sum_)
       for (int b = 0; b < kBins; ++b) row[b + 1] += row[b];
     for (std::size_t k = 0; k < 2; ++k) may_cap_[k] = proxy.full && !proxy.closed && end_rho[k] < kCapRadius * largest;
-    for (int i = 0; i <= kBins; ++i)
+    const int rows = is_straight(proxy) ? 1 : kBins + 1;
+    straight_.resize(static_cast<std::size_t>(rows));
+    bent_ = cap_ = straight_;
+    for (int i = 0; i < rows; ++i)
       for (int j = 0; j <= kBins; ++j) set(i, j);
   }
 
   /// The best rings for a number of segments.
   /// \param caps  whether ends at the axis are caps, which count as one cell
-  [[nodiscard]] Grid best(std::int32_t segments, std::int32_t rings, bool caps) const {
-    const double d = proxy_.span / segments, sinc = std::sin(d / 2) / (d / 2);
-    const double chord = 0.5 + std::sin(d) / (2 * d) - sinc * sinc;
-    const auto cost = [&](int i, int j) { return straight_[i][j] + std::max(0.0, chord) * bent_[i][j]; };
+  [[nodiscard]] Grid best(std::int32_t segments, std::int32_t rings, bool caps) {
     const bool may = caps && rings > 2, low = may && may_cap_[0], high = may && may_cap_[1];
-    std::vector<Row> least(static_cast<std::size_t>(rings) + 1);
-    std::vector<std::array<int, kBins + 1>> from(least.size());
-    for (Row& row : least) row.fill(kNever);
-    least[0][0] = 0;
-    for (int k = 1; k <= rings; ++k)
-      for (int j = k; j <= kBins; ++j)
-        for (int i = k - 1; i < j; ++i) {
-          const double c = least[k - 1][i] + (k == 1 && low ? cap_[i][j] : cost(i, j));
-          if (c < least[k][j]) {
-            least[k][j] = c;
-            from[k][j] = i;
-          }
-        }
+    const Table& table = table_of(segments, low, rings);
+    const Row& before = table.least[rings - 1];
     Grid out;
     out.cost = kNever;
     out.rings = rings;
@@ -83,7 +77,8 @@ class Profile {
     out.high_cap = high;
     int at = kBins;
     for (int i = rings - 1; i < kBins; ++i) {
-      const double c = least[rings - 1][i] + (high ? cap_[i][kBins] : cost(i, kBins));
+      if (before[i] == kNever) continue;
+      const double c = before[i] + (high ? cap_[i][kBins] : table.cost(*this, i, kBins));
       if (c >= out.cost) continue;
       out.cost = c;
       at = i;
@@ -91,7 +86,7 @@ class Profile {
     out.knots.assign(static_cast<std::size_t>(rings) + 1, high_);
     for (int k = rings - 1; k >= 0; --k) {
       out.knots[k] = low_ + (high_ - low_) * at / kBins;
-      if (k > 0) at = from[k][at];
+      if (k > 0) at = table.from[k][at];
     }
     out.segments = segments;
     out.cells = segments * (out.rings - out.low_cap - out.high_cap) + out.low_cap + out.high_cap;
@@ -116,19 +111,58 @@ class Profile {
     cap_[i][j] = kCapWeight * w * std::max(0.0, zz);
   }
 
+  /// The least costs up to each bin by number of rings, for one number of segments.
+  struct Table {
+    std::int32_t segments = 0;
+    bool low_cap = false;
+    double chord = 0;
+    std::vector<Row> least;
+    std::vector<std::array<int, kBins + 1>> from;
+
+    [[nodiscard]] double cost(const Profile& p, int i, int j) const {
+      return p.straight_[i][j] + chord * p.bent_[i][j];
+    }
+  };
+
+  /// The table with `rings` rows at the least. The last table with and without a cap is kept, and grows.
+  const Table& table_of(std::int32_t segments, bool low_cap, std::int32_t rings) {
+    Table& t = table_[low_cap ? 1 : 0];
+    if (t.segments != segments) {
+      const double d = proxy_.span / segments, sinc = std::sin(d / 2) / (d / 2);
+      t = {segments, low_cap, std::max(0.0, 0.5 + std::sin(d) / (2 * d) - sinc * sinc), {}, {}};
+      t.least.emplace_back().fill(kNever);
+      t.least[0][0] = 0;
+      t.from.emplace_back();
+    }
+    for (auto k = static_cast<int>(t.least.size()); k < rings; ++k) {
+      const Row& before = t.least[k - 1];
+      Row least;
+      least.fill(kNever);
+      std::array<int, kBins + 1> from{};
+      for (int j = k; j <= kBins; ++j)
+        for (int i = k - 1; i < j; ++i) {
+          if (before[i] == kNever) continue;
+          const double c = before[i] + (k == 1 && low_cap ? cap_[i][j] : t.cost(*this, i, j));
+          if (c < least[j]) {
+            least[j] = c;
+            from[j] = i;
+          }
+        }
+      t.least.push_back(least);
+      t.from.push_back(from);
+    }
+    return t;
+  }
+
   const CurvedProxy& proxy_;
   double low_ = 0, high_ = 1;
   std::array<bool, 2> may_cap_{};
   std::array<Row, 8> sum_{};
-  std::vector<Row> straight_ = std::vector<Row>(kBins + 1), bent_ = straight_,
-                   cap_ = straight_;  // by first and last bin: of cells as wide as they may, and caps
+  std::vector<Row> straight_, bent_, cap_;  // by first and last bin: of cells as wide as they may, and caps
+  std::array<Table, 2> table_;
 };
 
-bool is_straight(const CurvedProxy& proxy) {
-  return proxy.kind == CurvedKind::cylinder || proxy.kind == CurvedKind::cone;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 PatchFaces::PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some) : face(std::move(some)) {
   for (const std::int32_t i : face) {
@@ -181,23 +215,29 @@ void set_span(CurvedProxy& proxy, const PatchFaces& f) {
   proxy.span = std::max(high - low, 1e-6);
 }
 
-std::vector<Grid> grids(const CurvedProxy& proxy, const PatchFaces& patch, double cells, double rough) {
+Cuts::Cuts(const CurvedProxy& proxy, const PatchFaces& patch)
+    : proxy_(&proxy), largest_(quantile(patch.rho, 0.9)), profile_(std::make_unique<Profile>(proxy, patch)) {}
+Cuts::Cuts(Cuts&&) noexcept = default;
+Cuts::~Cuts() = default;
+
+std::vector<Grid> Cuts::within(double cells, double rough) {
   std::vector<Grid> all;
-  const Profile profile(proxy, patch);
-  const double largest = quantile(patch.rho, 0.9);
+  const CurvedProxy& proxy = *proxy_;
   const std::int32_t least = proxy.full ? kLeastRound : 1;
   const auto most = to_integer(cells * kMoreCells + kHalfCell, least, kMostSegments);
-  const double limit = std::max(cells * kMoreCells + kHalfCell, static_cast<double>(least));
+  double limit = cells * kMoreCells + kHalfCell;
+  if (limit < least - kHalfCell) return all;  // a few planes are enough
+  limit = std::max(limit, static_cast<double>(least));
   for (std::int32_t n = least; n <= most; ++n) {
-    const bool is_fine = largest * (1 - std::cos(proxy.span / n / 2)) < rough;
+    const bool is_fine = largest_ * (1 - std::cos(proxy.span / n / 2)) < rough;
     if (is_fine && !all.empty()) break;
     std::optional<Grid> best;
     for (const bool caps : {false, true}) {
-      if (caps && !profile.may_cap()) continue;
+      if (caps && !profile_->may_cap()) continue;
       std::int32_t rings =
           is_straight(proxy) ? 1 : std::clamp(to_integer(limit / n, 0, kMostRings) + 2 * caps, 1, kMostRings);
-      Grid grid = profile.best(n, rings, caps);
-      while (grid.cells > limit && rings > 1) grid = profile.best(n, --rings, caps);
+      Grid grid = profile_->best(n, rings, caps);
+      while (grid.cells > limit && rings > 1) grid = profile_->best(n, --rings, caps);
       if (grid.cells <= limit && (!best || grid.cost < best->cost)) best = std::move(grid);
     }
     if (best) all.push_back(std::move(*best));
@@ -205,14 +245,12 @@ std::vector<Grid> grids(const CurvedProxy& proxy, const PatchFaces& patch, doubl
   return all;
 }
 
-Grid grid_of(const CurvedProxy& proxy, const PatchFaces& patch, std::int32_t segments, std::int32_t rings,
-             double cells) {
-  const Profile profile(proxy, patch);
-  if (is_straight(proxy)) return profile.best(segments, 1, false);
-  const bool caps = profile.may_cap();
-  if (rings > 0) return profile.best(segments, rings, caps);
+Grid Cuts::of(std::int32_t segments, std::int32_t rings, double cells) {
+  if (is_straight(*proxy_)) return profile_->best(segments, 1, false);
+  const bool caps = profile_->may_cap();
+  if (rings > 0) return profile_->best(segments, rings, caps);
   const auto k = to_integer(cells / segments + kHalfCell, 1, kMostRings);
-  return profile.best(segments, k + (caps ? 1 : 0), caps);
+  return profile_->best(segments, k + (caps ? 1 : 0), caps);
 }
 
 void apply(CurvedProxy& proxy, const Grid& grid) {

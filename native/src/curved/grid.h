@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "points.h"
@@ -9,6 +10,7 @@
 namespace isimp::curved {
 
 inline constexpr std::int32_t kMostSegments = 256, kMostRings = 64;
+inline constexpr std::int32_t kLeastRound = 6;               ///< least number of segments of a full turn
 inline constexpr double kMoreCells = 1.03, kHalfCell = 0.5;  ///< cuts may have 1.03 n + .5 cells for n
 
 /// The faces of a patch, seen from its axis.
@@ -31,17 +33,32 @@ struct Grid {
 /// Sets whether the faces cover a full turn; if not, sets their first angle and the covered angle.
 void set_span(CurvedProxy& proxy, const PatchFaces& patch);
 
-/// For each number of segments the best rings along the profile within a number of cells: dynamic programming over bins
-/// of the profile, VSA in one dimension, by squared distances in both directions.
-/// \param cells  the number of cells; a cut may have 3 % more
-/// \param rough  root mean square distance of the faces from the surface: no chord error is below it
-/// \return the grids that fit, by rising number of segments
-/// Cost: O(bins^2 cells log cells).
-std::vector<Grid> grids(const CurvedProxy& proxy, const PatchFaces& patch, double cells, double rough);
+class Profile;
 
-/// The best grid with a given number of segments and, if above 0, of rings. The number of cells is no limit to these.
-Grid grid_of(const CurvedProxy& proxy, const PatchFaces& patch, std::int32_t segments, std::int32_t rings,
-             double cells);
+/// The cuts of a patch, from sums over its profile that are made once.
+class Cuts {
+ public:
+  /// \param proxy, patch  must outlive this
+  Cuts(const CurvedProxy& proxy, const PatchFaces& patch);
+  Cuts(Cuts&&) noexcept;
+  ~Cuts();
+
+  /// For each number of segments the best rings along the profile within a number of cells: dynamic programming over
+  /// bins of the profile, VSA in one dimension, by squared distances in both directions.
+  /// \param cells  the number of cells; a cut may have 3 % more
+  /// \param rough  root mean square distance of the faces from the surface: no chord error is below it
+  /// \return the grids that fit, by rising number of segments
+  /// Cost: O(bins^2 cells log cells).
+  [[nodiscard]] std::vector<Grid> within(double cells, double rough);
+
+  /// The best grid with a given number of segments and, if above 0, of rings. The number of cells is no limit to these.
+  [[nodiscard]] Grid of(std::int32_t segments, std::int32_t rings, double cells);
+
+ private:
+  const CurvedProxy* proxy_;
+  double largest_;
+  std::unique_ptr<Profile> profile_;
+};
 
 void apply(CurvedProxy& proxy, const Grid& grid);
 

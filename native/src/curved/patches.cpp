@@ -134,8 +134,8 @@ void fit_planes(const Faces& faces, Scene& scene) {
 
 }  // namespace
 
-Scene find_patches(const Faces& faces, const Partition& part, const Partition& data, const RoundLengths& lengths,
-                   std::span<const std::uint8_t> stays, Job& job) {
+Scene find_patches(const Faces& faces, const Partition& part, std::span<const std::int32_t> small,
+                   const RoundLengths& lengths, std::span<const std::uint8_t> stays, Job& job) {
   const Nearness near{std::max(kOfTolerance * lengths.tolerance, kOfNoise * lengths.noise), kNearTurn,
                       faces.mesh().diagonal()};
   std::vector<std::uint8_t> locked;
@@ -147,7 +147,7 @@ Scene find_patches(const Faces& faces, const Partition& part, const Partition& d
       locked[i] = is_locked || (!stays.empty() && stays[f] != 0);
     }
   }
-  Scene scene{points_of(faces, data, locked, job), {}, {}, {}};
+  Scene scene{points_of(faces, small, locked, job), {}, {}, {}};
   scene.found = joined(find_surfaces(scene.points, near, job), scene.points, near, job);
   if (std::all_of(scene.found.begin(), scene.found.end(), [](const Found& f) { return f.is_plane(); })) return scene;
   scene.label = face_labels(faces, scene.points, scene.found, near, job);

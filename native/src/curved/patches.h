@@ -35,8 +35,8 @@ struct Scene {
 };
 
 /// Finds the curved patches of a scan.
-Scene find_patches(const Faces& faces, const Partition& part, const Partition& data, const RoundLengths& lengths,
-                   std::span<const std::uint8_t> stays, Job& job);
+Scene find_patches(const Faces& faces, const Partition& part, std::span<const std::int32_t> small,
+                   const RoundLengths& lengths, std::span<const std::uint8_t> stays, Job& job);
 
 /// Chooses segments and rings of bends and of the straight pipes at their ends: the segments of these are the rings of the
 /// bend. (pipes.cpp)

@@ -161,15 +161,17 @@ class Pipes {
         segments = m;
       }
     if (rings == 0) return false;
+    bend.together = static_cast<std::int32_t>(run.bend);
     set_knots(bend.proxy, tube, rings);
     bend.proxy.segments = segments;
     bend.faces = PatchFaces(f_, bend.proxy, std::move(bend.faces.face));
     for (const std::size_t k : run.pipes) {
       RoundPatch& pipe = s_.patches[k];
+      pipe.together = bend.together;
       CurvedProxy& p = pipe.proxy;
       p.across = (bend.proxy.axis - bend.proxy.axis.dot(p.axis) * p.axis).normalized();
       pipe.faces = PatchFaces(f_, p, std::move(pipe.faces.face));
-      apply(p, grid_of(p, pipe.faces, rings, 1, pipe.cells));
+      apply(p, Cuts(p, pipe.faces).of(rings, 1, pipe.cells));
       p.phase = -p.span / p.segments / 2;
     }
     return true;

@@ -11,9 +11,10 @@ const double kJoins = std::cos(33 * std::numbers::pi / 180);  ///< least cosine 
 
 }  // namespace
 
-Points points_of(const Faces& faces, const Partition& data, std::span<const std::uint8_t> locked, Job& job) {
+Points points_of(const Faces& faces, std::span<const std::int32_t> small, std::span<const std::uint8_t> locked,
+                 Job& job) {
   const FaceGraph& graph = faces.graph();
-  const auto count = static_cast<std::size_t>(data.region_count());
+  const auto count = small.empty() ? 0 : static_cast<std::size_t>(1 + *std::max_element(small.begin(), small.end()));
   Points points;
   points.area.assign(count, 0.0);
   points.centre.assign(count, Vec3::Zero());
@@ -22,7 +23,7 @@ Points points_of(const Faces& faces, const Partition& data, std::span<const std:
   for (std::int32_t i = 0; i < faces.size(); ++i) {
     if ((i & 0xffff) == 0) job.poll();
     const bool is_free = locked.empty() || locked[i] == 0;
-    const std::int32_t p = points.of_face[i] = is_free ? data.face_region[graph.mesh_face[i]] : kNone;
+    const std::int32_t p = points.of_face[i] = is_free ? small[graph.mesh_face[i]] : kNone;
     if (p == kNone) continue;
     const double a = faces.area(i);
     points.area[p] += a;

@@ -54,9 +54,10 @@ struct Points {
   }
 };
 
-/// \param data    the small regions
+/// \param small   (F) the small region of each face of the mesh, kNone where it is in none
 /// \param locked  (n) by graph index, 1 where a face may get no other region; empty: none
 /// Cost: O(F).
-Points points_of(const Faces& faces, const Partition& data, std::span<const std::uint8_t> locked, Job& job);
+Points points_of(const Faces& faces, std::span<const std::int32_t> small, std::span<const std::uint8_t> locked,
+                 Job& job);
 
 }  // namespace isimp::curved

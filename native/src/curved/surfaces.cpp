@@ -14,28 +14,31 @@ constexpr double kBeyond = 3;  ///< times its first and its last edge: an open p
 
 /// The place on a profile that is nearest to a point.
 struct OnProfile {
-  double distance = std::numeric_limits<double>::infinity(), length = 0;
-  Vec2 tangent = Vec2::UnitX();
+  double square = std::numeric_limits<double>::infinity(), at = 0;  ///< squared distance; share of the edge
+  std::size_t edge = 0;
 };
 
 OnProfile nearest_on_profile(const CurvedSurface& s, const Vec2& p) {
   OnProfile best;
-  double before = 0, least = std::numeric_limits<double>::infinity();
   const std::size_t n = corners(s), ends = s.closed ? n : n - 1;
   for (std::size_t i = 0; i < ends; ++i) {
     const Vec2 a = corner(s, i), t = corner(s, (i + 1) % n) - a;
-    const double length = t.norm();
+    const double square = t.squaredNorm();
     // An open profile is extended straight at its ends, since its corners are means of points.
     const double from = !s.closed && i == 0 ? -kBeyond : 0, to = !s.closed && i + 1 == ends ? 1 + kBeyond : 1;
-    const double u = length > 0 ? std::clamp((p - a).dot(t) / (length * length), from, to) : 0.0;
+    const double u = square > 0 ? std::clamp((p - a).dot(t) / square, from, to) : 0.0;
     const double d = (p - a - u * t).squaredNorm();
-    if (d < least) {
-      least = d;
-      best = {std::sqrt(d), before + u * length, length > 0 ? Vec2(t / length) : Vec2(Vec2::UnitX())};
-    }
-    before += length;
+    if (d < best.square) best = {d, u, i};
   }
   return best;
+}
+
+Vec2 edge_of(const CurvedSurface& s, std::size_t i) { return corner(s, (i + 1) % corners(s)) - corner(s, i); }
+
+double length_to(const CurvedSurface& s, const OnProfile& at) {
+  double length = 0;
+  for (std::size_t i = 0; i < at.edge; ++i) length += edge_of(s, i).norm();
+  return length + at.at * edge_of(s, at.edge).norm();
 }
 
 }  // namespace
@@ -65,7 +68,8 @@ Residual residual(const CurvedSurface& s, const Vec3& x) {
   const Polar p = polar(s, x);
   if (s.kind == CurvedKind::revolution) {
     const OnProfile at = nearest_on_profile(s, {p.rho, p.z});
-    return {at.distance, s.side * (at.tangent.y() * p.out - at.tangent.x() * s.axis)};
+    const Vec2 edge = edge_of(s, at.edge), tangent = edge.squaredNorm() > 0 ? Vec2(edge.normalized()) : Vec2::UnitX();
+    return {std::sqrt(at.square), s.side * (tangent.y() * p.out - tangent.x() * s.axis)};
   }
   const double c = 1 / std::sqrt(1 + s.slope * s.slope);
   return {(p.rho - s.radius - s.slope * p.z) * c, s.side * c * (p.out - s.slope * s.axis)};
@@ -73,7 +77,7 @@ Residual residual(const CurvedSurface& s, const Vec3& x) {
 
 double along(const CurvedSurface& s, const Polar& p) {
   if (s.kind == CurvedKind::sphere) return std::atan2(p.rho, -p.z);
-  if (s.kind == CurvedKind::revolution) return nearest_on_profile(s, {p.rho, p.z}).length;
+  if (s.kind == CurvedKind::revolution) return length_to(s, nearest_on_profile(s, {p.rho, p.z}));
   return p.z;
 }
 

@@ -122,20 +122,19 @@ Partition Partitioner::with_round_parts(const PartitionOptions& options, const C
                                         Job& job) const {
   const std::string other = options.bound ? "a bound" : options.symmetry != Symmetry::none ? "symmetry" : "";
   if (!other.empty()) throw InvalidInput("round parts can't be had with " + other + ": leave out one of the two");
-  PartitionOptions plain = options, small;
+  PartitionOptions plain = options;
   plain.curved = false;
   Partition part = [&] {
     const Job::Part stage(job, "partitioning", 0.0, 0.6);
     return run(plain, constraints, job);
   }();
-  small.proxies = round_points(mesh_->face_count());
-  small.leave_out = 0.0;
-  small.threads = options.threads;
   Prepared prepared = prepare(constraints.with_cuts(), options.adaptivity, job);
   const Surface surface = prepared.surface;
-  const Partition data = [&] {
+  const std::vector<std::int32_t> small = [&] {
     const Job::Part stage(job, "partitioning", 0.6, 0.8);
-    return by_known_number(surface, std::move(prepared.kept), small, job);
+    const bool has_tree =
+        !options.proxies && options.adaptivity == 0 && !open_faces(*mesh_, constraints, 1, options.leave_out, job);
+    return small_regions(surface, std::move(prepared.kept), options, has_tree, job);
   }();
   const Job::Part stage(job, "finding round parts", 0.8, 1.0);
   const bool is_found = part.tolerance > 0;
@@ -148,7 +147,20 @@ Partition Partitioner::with_round_parts(const PartitionOptions& options, const C
     stays.assign(static_cast<std::size_t>(mesh_->face_count()), 1);
     for (const std::int32_t f : *constraints.faces) stays[f] = 0;
   }
-  return round_parts(surface, std::move(part), data, lengths, stays, job);
+  return round_parts(surface, std::move(part), small, lengths, stays, job);
+}
+
+/// The small regions in which round parts are found: from the tree that the partition was cut from where it is of the
+/// whole surface, else of a partition of their own. Which of the two does not depend on what is kept.
+std::vector<std::int32_t> Partitioner::small_regions(const Surface& surface, Kept kept, const PartitionOptions& options,
+                                                     bool has_tree, Job& job) const {
+  if (has_tree) return detail_tree(surface, kept, options, job)->small_regions(surface);
+  PartitionOptions small;
+  small.proxies = small_count(mesh_->face_count());
+  small.leave_out = 0.0;
+  small.threads = options.threads;
+  const Partition data = by_known_number(surface, std::move(kept), small, job);
+  return {data.face_region.begin(), data.face_region.end()};
 }
 
 Partition Partitioner::with_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const {
@@ -346,18 +358,23 @@ Partition Partitioner::with_weights(const Surface& surface, Kept kept, const Par
   return found_by_detail(surface, std::move(kept), options, job);
 }
 
-Partition Partitioner::found_by_detail(const Surface& surface, Kept kept, const PartitionOptions& options,
-                                       Job& job) const {
+/// The tree from which a number of regions is found: the kept one, or a new one, which is kept.
+std::shared_ptr<const DetailTree> Partitioner::detail_tree(const Surface& surface, Kept& kept,
+                                                           const PartitionOptions& options, Job& job) const {
   const DetailSettings settings = detail_settings(surface, options);
-  double done = 0.0;
   if (!kept.tree || kept.tree->settings() != settings) {
-    done = 0.8;
-    const Job::Part stage(job, "merging", 0.0, done);
+    const Job::Part stage(job, "merging", 0.0, 0.8);
     kept.tree = std::make_shared<const DetailTree>(surface, settings, job, options.threads);
     keep(kept);
   }
-  const Job::Part stage(job, "relaxing", done, 1.0);
-  Partition found = by_detail(surface, *kept.tree, options, job);
+  return kept.tree;
+}
+
+Partition Partitioner::found_by_detail(const Surface& surface, Kept kept, const PartitionOptions& options,
+                                       Job& job) const {
+  const auto tree = detail_tree(surface, kept, options, job);
+  const Job::Part stage(job, "relaxing", 0.8, 1.0);
+  Partition found = by_detail(surface, *tree, options, job);
   if (options.method == Method::hierarchy) return found;
   PartitionOptions counted = options;
   counted.proxies = found.region_count();

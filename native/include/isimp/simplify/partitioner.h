@@ -93,6 +93,10 @@ class Partitioner {
                     const Constraints& constraints, Job& job) const;
   Partition on_surface(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
   Partition with_weights(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
+  std::vector<std::int32_t> small_regions(const Surface& surface, Kept kept, const PartitionOptions& options,
+                                          bool has_tree, Job& job) const;
+  std::shared_ptr<const DetailTree> detail_tree(const Surface& surface, Kept& kept, const PartitionOptions& options,
+                                                Job& job) const;
   Partition found_by_detail(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
   Partition by_known_number(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
 

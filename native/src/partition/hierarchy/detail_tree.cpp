@@ -140,6 +140,11 @@ double finest_for(double detail) {
   return finest;
 }
 
+std::int32_t small_count(std::int32_t faces) {
+  constexpr std::int32_t kFaces = 20, kFewest = 120, kMost = 450, kMostFine = 700, kFine = 100000;
+  return std::min(faces, std::clamp(faces / kFaces, kFewest, faces > kFine ? kMostFine : kMost));
+}
+
 DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, Job& job, std::int32_t threads)
     : settings_(settings),
       area_(surface.graph().area),
@@ -188,6 +193,12 @@ void DetailTree::make_patches(const Surface& surface, std::int32_t thread_count,
     }();
     const MergeTree fine = merge_all(std::move(start.clusters), {.cost = limit, .need = need_}, job);
     const std::vector<std::int32_t> patch = cut_after(fine, fine.merges());
+    if (const std::int32_t most = small_count(graph.size()), count = fine.leaves; count > most)
+      if (const auto fewer = static_cast<std::size_t>(count - most); fewer < fine.merges()) {
+        const std::vector<std::int32_t> small = cut_after(fine, fewer);
+        small_.resize(start.cluster.size());
+        for (std::size_t i = 0; i < small_.size(); ++i) small_[i] = small[start.cluster[i]];
+      }
     patches_.label.resize(start.cluster.size());
     for (std::size_t i = 0; i < start.cluster.size(); ++i) patches_.label[i] = patch[start.cluster[i]];
     patches_.sum.resize(static_cast<std::size_t>(fine.leaves) - fine.merges());
@@ -230,6 +241,17 @@ Cut DetailTree::choose(double tolerance, bool snap) const {
 std::int32_t DetailTree::merges(const Cut& cut) const {
   const auto above = [&](double cost) { return cost * area_ > cut.cost; };
   return static_cast<std::int32_t>(std::find_if(tree_.cost.begin(), tree_.cost.end(), above) - tree_.cost.begin());
+}
+
+std::vector<std::int32_t> DetailTree::small_regions(const Surface& surface) const {
+  const FaceGraph& graph = surface.graph();
+  const auto more = std::max(0, patches_.count() - small_count(graph.size()));
+  const std::vector<std::int32_t> cluster = cut_after(tree_, std::min(tree_.merges(), static_cast<std::size_t>(more)));
+  std::vector<std::int32_t> by_face(static_cast<std::size_t>(graph.size()), kNone);
+  for (std::int32_t i = 0; i < graph.size(); ++i)
+    if (const std::int32_t patch = patches_.label[i]; patch != kNone)
+      by_face[graph.mesh_face[i]] = small_.empty() ? cluster[patch] : small_[i];
+  return by_face;
 }
 
 Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Threads& threads, Job& job) const {

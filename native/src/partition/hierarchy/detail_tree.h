@@ -28,6 +28,9 @@ struct DetailSettings {
 /// on t alone, so that earlier uses of a tree do not show in the result.
 double finest_for(double detail);
 
+/// The number of small regions that show a surface without its noise: a twentieth of the faces, within limits.
+std::int32_t small_count(std::int32_t faces);
+
 /// The data of a surface that does not depend on its tolerance t: made once, cut at any t from `finest` up.
 ///
 /// Faces (of large surfaces small patches, many at once) merge into patches by filtered normals, since single faces
@@ -48,6 +51,11 @@ class DetailTree {
   /// \param surface  the one the tree was made of
   [[nodiscard]] Regions regions(const Surface& surface, const Cut& cut, const Threads& threads, Job& job) const;
 
+  /// small_count() regions or a few more or less, their borders not relaxed: (F) by face of the mesh, kNone where a
+  /// component is left out.
+  /// Cost: O(F).
+  [[nodiscard]] std::vector<std::int32_t> small_regions(const Surface& surface) const;
+
   [[nodiscard]] const DetailSettings& settings() const { return settings_; }
   [[nodiscard]] double size() const { return size_; }    ///< see surface_size()
   [[nodiscard]] double noise() const { return noise_; }  ///< given or estimated, scene units
@@ -64,6 +72,7 @@ class DetailTree {
   std::vector<std::int32_t> need_;     // least number of regions of each component
   std::vector<std::int32_t> part_;     // component of each patch; empty if there is one
   Regions patches_;                    // their borders relaxed
+  std::vector<std::int32_t> small_;    // (F) by graph index: small regions where there are fewer patches; else empty
   std::vector<std::int32_t> borders_;  // faces next to another patch
   MergeTree tree_;                     // over the patches before their borders were relaxed
   MergeGraph touching_;                // pairs of patches that share an edge since then
