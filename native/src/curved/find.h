@@ -38,4 +38,7 @@ std::vector<Found> find_surfaces(const Points& points, const Nearness& near, Job
 /// sphere or a cone, or two of these, to a revolution that they fit nearly as well. (join.cpp)
 std::vector<Found> joined(std::vector<Found> found, const Points& points, const Nearness& near, Job& job);
 
+/// Adds the bends between pipes of one radius whose axes meet; surfaces there lose their points. (bends.cpp)
+std::vector<Found> with_bends(std::vector<Found> found, const Points& points, const Nearness& near);
+
 }  // namespace isimp::curved

@@ -56,7 +56,7 @@ class Rounding {
   std::optional<Cut> cut_of(RoundPatch& patch) {
     // A plane that touches a patch is its first segment.
     const int segments = patch.proxy.segments + (patch.tangent[0] != kNone) + (patch.tangent[1] != kNone);
-    const bool is_wide = patch.proxy.full || (segments >= kFewest && patch.proxy.span >= kNarrow);
+    const bool is_wide = patch.proxy.full || patch.proxy.closed || (segments >= kFewest && patch.proxy.span >= kNarrow);
     if (!is_edit() && !is_wide) return std::nullopt;
     Cut c{&patch, {}, give_to_tangents(patch)};
     if (patch.faces.face.empty()) return std::nullopt;

@@ -195,6 +195,49 @@ TEST(Curved, HalfCylindersEndAtThePlanesThatTouchThem) {
   }
 }
 
+/// A pipe of radius 0.5 along z, a quarter of a turn of radius 1.5, and a pipe along x: rings of vertices along its spine.
+shapes::Arrays elbow() {
+  constexpr int kAlong = 60, kAround = 48;
+  constexpr double kBend = 1.5, kLeg = 2, kTube = 0.5;
+  const double arc = kBend * std::numbers::pi / 2;
+  shapes::Arrays a;
+  for (int i = 0; i <= kAlong; ++i) {
+    const double s = (2 * kLeg + arc) * i / kAlong, turn = std::clamp((s - kLeg) / kBend, 0.0, std::numbers::pi / 2);
+    const Vec3 out(std::cos(turn), 0, std::sin(turn));  // from the axis of the bend
+    const Vec3 spine =
+        kBend * out + std::min(s - kLeg, 0.0) * Vec3::UnitZ() - std::max(s - kLeg - arc, 0.0) * Vec3::UnitX();
+    for (int k = 0; k < kAround; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kAround;
+      a.vertices.push_back(spine + kTube * (std::cos(angle) * out + std::sin(angle) * Vec3::UnitY()));
+    }
+  }
+  for (std::int32_t i = 0; i < kAlong; ++i)
+    for (std::int32_t k = 0; k < kAround; ++k) {
+      const std::int32_t p = i * kAround + k, q = i * kAround + (k + 1) % kAround;
+      a.triangles.push_back({p, p + kAround, q});
+      a.triangles.push_back({q, p + kAround, q + kAround});
+    }
+  return a;
+}
+
+TEST(Curved, ABendHasTheSegmentsOfItsPipes) {
+  for (const std::uint32_t seed : {3U, 4U}) {
+    const Mesh mesh = shapes::mesh(shapes::noisy(elbow(), 0.01, seed));
+    const Partition part = split(mesh, true, 0.01);
+    ASSERT_EQ(part.curved.size(), 3U);
+    std::int32_t bends = 0;
+    for (const CurvedProxy& p : part.curved) {
+      const bool is_bend = p.kind == CurvedKind::revolution;
+      bends += is_bend;
+      EXPECT_EQ(is_bend ? p.rings : p.segments,
+                part.curved[0].kind == CurvedKind::revolution ? part.curved[0].rings : part.curved[0].segments);
+      EXPECT_LT(is_bend ? std::acos(std::min(1.0, std::abs(p.axis.y()))) : 0.0, 0.5 * std::numbers::pi / 180);
+    }
+    EXPECT_EQ(bends, 1);
+    EXPECT_EQ(broken_promise(mesh, part), "");
+  }
+}
+
 TEST(Curved, ThinPinsStayPlanes) {  // three planes serve them, and a ring would be six
   const Mesh mesh = shapes::mesh(can());
   PartitionOptions options{.proxies = 5};
