@@ -19,7 +19,8 @@ constexpr double kBent = 0.015;          ///< 1 - |mean normal|: points with les
 constexpr double kLeastTurn = 0.3, kLeastBend = 0.15;  ///< least seen share of a full turn: of a revolution, of a tube
 constexpr double kWorst = 0.35;     ///< share of the score that a surface loses at the greatest mean distance
 constexpr double kStillFree = 0.7;  ///< share of a candidate's area that others have not taken
-constexpr double kLargest = 1;      ///< diagonals: the largest radius
+constexpr double kUntouched = 0.999, kNotMuchSmaller = 0.4;  ///< of a second find of a round: free, and of the first
+constexpr double kLargest = 1;                               ///< diagonals: the largest radius
 constexpr double kPlaneTurn = 9 * kDegree;
 constexpr std::array kBalls = {10, 30, 80};  ///< points to which a first surface is fitted
 constexpr std::array kKinds = {CurvedKind::sphere, CurvedKind::cylinder, CurvedKind::cone, CurvedKind::revolution};
@@ -58,13 +59,14 @@ class Search {
       const Some seeds = seeds_of(round);
       if (seeds.empty()) break;
       for (std::size_t k = 0; k < seeds.size(); ++k) try_seed(seeds[k], k % 2 == 0);
-      std::optional<Found> best = choose();
-      if (!best || best->area < kLeastArea * total()) {
-        ++fails;
-      } else {
-        fails = 0;
+      std::optional<Found> best = choose(kStillFree);
+      fails = best && best->area >= kLeastArea * total() ? 0 : fails + 1;
+      // Others of the same seeds are as good if they lose nothing to it and are not much smaller.
+      for (const double least = best ? kNotMuchSmaller * best->area : 0; fails == 0 && best;) {
         for (const std::int32_t i : best->points) is_free_[i] = false;
         found.push_back(std::move(*best));
+        best = choose(kUntouched);
+        if (best && best->area < std::max(least, kLeastArea * total())) best.reset();
       }
       drop_taken();
     }
@@ -197,13 +199,14 @@ class Search {
     return area;
   }
 
-  [[nodiscard]] std::optional<Found> choose() const {
+  /// \param share  the least share of a candidate that is free
+  [[nodiscard]] std::optional<Found> choose(double share) const {
     const Candidate* best = nullptr;
     double most = 0;
     for (const Candidate& c : pool_) {
       if (c.score <= most) continue;
       const double area = free_area(c.found);
-      if (area < kStillFree * c.found.area) continue;
+      if (area < share * c.found.area) continue;
       const double score = c.score * area / c.found.area;
       if (score <= most) continue;
       most = score;
