@@ -19,6 +19,7 @@ constexpr double kTightest = 1.05, kWidest = 8;  ///< radius of a bend, over tha
 constexpr int kSteps = 80;                       ///< of the radius
 constexpr int kCorners = 48;                     ///< of the profile
 constexpr double kReach = 1.4;                   ///< times the nearness, of a point on the bend
+constexpr std::size_t kLeastPoints = 6;          ///< least number of points of a pipe
 constexpr double kLeastArea = 0.01;              ///< share of the whole area
 constexpr double kLeft = 0.5;  ///< share of its area that a surface needs to be left with, and beside the bend
 
@@ -58,8 +59,7 @@ class Bends {
       : found_(std::move(found)), p_(points), near_(near) {}
 
   std::vector<Found> run() {
-    while (std::optional<std::pair<Bend, double>> next = largest())
-      add(surface_of(next->first, next->second), next->first);
+    while (const auto next = largest()) add(next->first, next->second);
     return std::move(found_);
   }
 
@@ -68,9 +68,9 @@ class Bends {
     return found_[k].surface.kind == CurvedKind::cylinder &&
            turn_share(found_[k].surface, samples_of(p_, found_[k].points)) > kAllRound;
   }
-  /// The bend between the largest pipes that have none yet, and the side of its surface. Small cylinders in a bend lose
-  /// their points to it before they count as pipes.
-  std::optional<std::pair<Bend, double>> largest() {
+  /// The largest pipes with a bend between them that was not tried yet. Small cylinders in a bend lose their points to it
+  /// before they count as pipes.
+  std::optional<std::pair<std::size_t, std::size_t>> largest() {
     Some pipes;
     for (std::size_t k = 0; k < found_.size(); ++k)
       if (is_pipe(k)) pipes.push_back(static_cast<std::int32_t>(k));
@@ -83,7 +83,7 @@ class Bends {
         const auto is_known = [&](const Vec3& meet) { return (meet - bend->meet).norm() < bend->tube; };
         if (std::any_of(met_.begin(), met_.end(), is_known)) continue;
         met_.push_back(bend->meet);
-        return std::pair(*bend, found_[pipes[i]].surface.side);
+        return std::pair<std::size_t, std::size_t>(pipes[i], pipes[j]);
       }
     return std::nullopt;
   }
@@ -143,9 +143,23 @@ class Bends {
     return sum;
   }
 
-  /// Adds a bend with its points, which other surfaces lose.
-  void add(CurvedSurface surface, const Bend& bend) {
-    Found now{std::move(surface), {}, 0, 0};
+  /// Fits a pipe to its points outside a bend, since those inside turn its axis.
+  void fit_again(std::size_t k, const Bend& bend) {
+    Some some = found_[k].points;
+    std::erase_if(some, [&](std::int32_t i) { return bend.is_between(p_.centre[i]); });
+    if (some.size() < kLeastPoints) return;
+    if (const auto again = fit(CurvedKind::cylinder, samples_of(p_, some))) found_[k].surface = *again;
+  }
+
+  /// Adds the bend of two pipes with its points, which other surfaces lose.
+  void add(std::size_t first, std::size_t second) {
+    Bend bend = *between(first, second);
+    for (int round = 0; round < 2; ++round) {
+      fit_again(first, bend);
+      fit_again(second, bend);
+      if (const std::optional<Bend> better = between(first, second)) bend = *better;
+    }
+    Found now{surface_of(bend, found_[first].surface.side), {}, 0, 0};
     std::vector<bool> is_mine(p_.area.size(), false);
     for (std::int32_t i = 0; i < p_.count(); ++i) {
       if (p_.area[i] <= 0 || !bend.is_between(p_.centre[i])) continue;

@@ -51,12 +51,14 @@ class Joiner {
   /// The share of the area of some points that a surface explains.
   [[nodiscard]] double explained(const CurvedSurface& s, const Some& some, double turn) const {
     double area = 0;
-    for (const std::int32_t i : some) {
-      const Residual r = residual(s, p_.centre[i]);
-      if (std::abs(r.distance) < kFurther * near_.distance && r.normal.dot(p_.normal[i]) > std::cos(turn))
-        area += p_.area[i];
-    }
+    for (const std::int32_t i : some)
+      if (is_explained(s, i, turn)) area += p_.area[i];
     return area / p_.area_of(some);
+  }
+
+  [[nodiscard]] bool is_explained(const CurvedSurface& s, std::int32_t i, double turn) const {
+    const Residual r = residual(s, p_.centre[i]);
+    return std::abs(r.distance) < kFurther * near_.distance && r.normal.dot(p_.normal[i]) > std::cos(turn);
   }
 
   bool join_one() {
@@ -87,9 +89,13 @@ class Joiner {
     const bool is_one = a.surface.kind == CurvedKind::revolution || b.surface.kind == CurvedKind::revolution;
     if (!is_seen(*surface, s) || !(is_one || surface->closed || turn_share(*surface, s) > kAllRound)) return false;
     if (explained(*surface, a.points, turn) < kKept || explained(*surface, b.points, turn) < kKept) return false;
-    both.surface = *surface;
+    // A region that bends far round the axis has its centre inside the surface, and would end the profile there.
+    Some near = both.points;
+    std::erase_if(near, [&](std::int32_t k) { return !is_explained(*surface, k, turn); });
+    const Samples rest = samples_of(p_, near);
+    both.surface = fit(CurvedKind::revolution, rest).value_or(*surface);
     both.area = a.area + b.area;
-    both.rms = rms(*surface, s);
+    both.rms = rms(both.surface, rest);
     if (both.rms > kWorst * near_.distance) return false;
     found_.erase(found_.begin() + std::max(i, j));
     found_.erase(found_.begin() + std::min(i, j));
