@@ -240,8 +240,6 @@ class Chooser {
 
 }  // namespace
 
-void choose_grids(const Faces& faces, Scene& scene, double distance, Job& job) {
-  Chooser(faces, scene, distance).run(job);
-}
+void choose_grids(const Faces& faces, Scene& scene, Job& job) { Chooser(faces, scene, scene.near.distance).run(job); }
 
 }  // namespace isimp::curved

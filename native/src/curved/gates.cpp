@@ -10,7 +10,7 @@ namespace {
 const double kCrease = std::cos(24 * std::numbers::pi / 180);  ///< cosine between normals of points on both sides
 constexpr double kNearlyAll = 0.85;  ///< least good share of the border of a patch that is no sphere and no full turn
 constexpr double kMost =
-    0.62;  ///< least good share for a sphere, and for a cylinder with kHalf of its border at planes along it
+    0.62;  ///< that of a sphere, a tube, and a cylinder with kHalf of its border at planes along it
 constexpr double kHalf = 0.5, kAlong = 0.12;
 constexpr double kAllRound = 0.92;    ///< share of a full turn that counts as a full turn
 constexpr double kSome = 0.25;        ///< least good share of the border of a full turn, or of more than half a sphere
@@ -67,7 +67,8 @@ class Gates {
         if (found_[k].is_plane() || !kept[k]) continue;
         const bool is_sphere = found_[k].surface.kind == CurvedKind::sphere;
         const bool is_round = round[k] > (is_sphere ? kHalfSphere : kAllRound);
-        const double most = is_sphere || along_planes(k, kept) > kHalf ? kMost : kNearlyAll;
+        const bool is_easier = is_sphere || found_[k].surface.closed || along_planes(k, kept) > kHalf;
+        const double most = is_easier ? kMost : kNearlyAll;
         const double more = good_share(k, kept) - (is_round ? kSome : most);
         if (more > least) continue;
         least = more;

@@ -147,7 +147,7 @@ Scene find_patches(const Faces& faces, const Partition& part, std::span<const st
       locked[i] = is_locked || (!stays.empty() && stays[f] != 0);
     }
   }
-  Scene scene{points_of(faces, small, locked, job), {}, {}, {}};
+  Scene scene{points_of(faces, small, locked, job), near, {}, {}, {}};
   scene.found = joined(find_surfaces(scene.points, near, job), scene.points, near, job);
   scene.found = with_bends(std::move(scene.found), scene.points, near);
   if (std::all_of(scene.found.begin(), scene.found.end(), [](const Found& f) { return f.is_plane(); })) return scene;

@@ -29,6 +29,7 @@ struct RoundPatch {
 /// The surfaces found on a scan.
 struct Scene {
   Points points;
+  Nearness near;
   std::vector<Found> found;
   Some label;  ///< (n) by graph index: the surface of each face, kNone
   std::vector<RoundPatch> patches;
@@ -44,6 +45,6 @@ Scene find_patches(const Faces& faces, const Partition& part, std::span<const st
 std::vector<bool> choose_pipes(const Faces& faces, Scene& scene, double distance);
 
 /// Chooses segments and rings of all patches. Patches with a common axis and a common circle have the same segments.
-void choose_grids(const Faces& faces, Scene& scene, double distance, Job& job);
+void choose_grids(const Faces& faces, Scene& scene, Job& job);
 
 }  // namespace isimp::curved

@@ -1,6 +1,5 @@
 #include "isimp/curved/round.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "patches.h"
@@ -20,7 +19,7 @@ Partition round_parts(const Surface& surface, Partition part, std::span<const st
   }();
   if (scene.patches.empty()) return part;
   const Job::Part stage(job, "cutting round parts", 0.8, 1.0);
-  choose_grids(faces, scene, std::max(0.3 * lengths.tolerance, 2.5 * lengths.noise), job);
+  choose_grids(faces, scene, job);
   return with_cells(surface, part, std::move(scene), job);
 }
 
