@@ -16,12 +16,12 @@ constexpr double kSameRadius = 3;                ///< times the nearness
 constexpr double kMeet = 2;                      ///< times the nearness: distance of the axes
 constexpr double kStraight = 0.97;               ///< cosine between the axes
 constexpr double kTightest = 1.05, kWidest = 8;  ///< radius of a bend, over that of the pipe
-constexpr int kSteps = 80;                       ///< of the radius
-constexpr int kCorners = 48;                     ///< of the profile
+constexpr int kSteps = 80;                       ///< number of tries of the radius
+constexpr int kCorners = 48;                     ///< number of corners of the profile
 constexpr double kReach = 1.4;                   ///< times the nearness, of a point on the bend
 constexpr std::size_t kLeastPoints = 6;          ///< least number of points of a pipe
 constexpr double kLeastArea = 0.01;              ///< share of the whole area
-constexpr double kLeft = 0.5;  ///< share of its area that a surface needs to be left with, and beside the bend
+constexpr double kLeft = 0.5;  ///< least share of its area that a surface keeps, and least share outside the bend
 
 /// Two pipes whose axes meet, and the bend of one radius between them.
 struct Bend {

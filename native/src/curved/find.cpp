@@ -19,8 +19,9 @@ constexpr double kBent = 0.015;          ///< 1 - |mean normal|: points with les
 constexpr double kLeastTurn = 0.3, kLeastBend = 0.15;  ///< least seen share of a full turn: of a revolution, of a tube
 constexpr double kWorst = 0.35;     ///< share of the score that a surface loses at the greatest mean distance
 constexpr double kStillFree = 0.7;  ///< share of a candidate's area that others have not taken
-constexpr double kUntouched = 0.999, kNotMuchSmaller = 0.4;  ///< of a second find of a round: free, and of the first
-constexpr double kLargest = 1;                               ///< diagonals: the largest radius
+constexpr double kUntouched = 0.999,
+                 kNotMuchSmaller = 0.4;  ///< least free share of a second find, and least area over the first
+constexpr double kLargest = 1;           ///< diagonals: the largest radius
 constexpr double kPlaneTurn = 9 * kDegree;
 constexpr std::array kBalls = {10, 30, 80};  ///< points to which a first surface is fitted
 constexpr std::array kKinds = {CurvedKind::sphere, CurvedKind::cylinder, CurvedKind::cone, CurvedKind::revolution};

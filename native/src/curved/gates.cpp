@@ -10,7 +10,7 @@ namespace {
 const double kCrease = std::cos(24 * std::numbers::pi / 180);  ///< cosine between normals of points on both sides
 constexpr double kNearlyAll = 0.85;  ///< least good share of the border of a patch that is no sphere and no full turn
 constexpr double kMost =
-    0.62;  ///< that of a sphere, a tube, and a cylinder with kHalf of its border at planes along it
+    0.62;  ///< least good share for a sphere, a tube, and a cylinder with kHalf of its border along planes
 constexpr double kHalf = 0.5, kAlong = 0.12;
 constexpr double kAllRound = 0.92;    ///< share of a full turn that counts as a full turn
 constexpr double kSome = 0.25;        ///< least good share of the border of a full turn, or of more than half a sphere

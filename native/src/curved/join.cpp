@@ -89,7 +89,7 @@ class Joiner {
     const bool is_one = a.surface.kind == CurvedKind::revolution || b.surface.kind == CurvedKind::revolution;
     if (!is_seen(*surface, s) || !(is_one || surface->closed || turn_share(*surface, s) > kAllRound)) return false;
     if (explained(*surface, a.points, turn) < kKept || explained(*surface, b.points, turn) < kKept) return false;
-    // A region that bends far round the axis has its centre inside the surface, and would end the profile there.
+    // A long region along a parallel has its centre inside the surface, and the profile would end there.
     Some near = both.points;
     std::erase_if(near, [&](std::int32_t k) { return !is_explained(*surface, k, turn); });
     const Samples rest = samples_of(p_, near);
@@ -121,6 +121,8 @@ class Joiner {
       std::sort(f.points.begin(), f.points.end());
       f.area = p_.area_of(f.points);
       const Samples s = samples_of(p_, f.points);
+      if (f.surface.closed && turn_share(f.surface, s) < kAllRound)
+        continue;  // its pipes tell the axis of a bend better
       const auto again = fit(f.surface.kind, s);
       const double before = rms(f.surface, s);
       if (!again || rms(*again, s) >= 1.025 * before) continue;

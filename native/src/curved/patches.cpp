@@ -148,8 +148,9 @@ Scene find_patches(const Faces& faces, const Partition& part, std::span<const st
     }
   }
   Scene scene{points_of(faces, small, locked, job), near, {}, {}, {}};
-  scene.found = joined(find_surfaces(scene.points, near, job), scene.points, near, job);
-  scene.found = with_bends(std::move(scene.found), scene.points, near);
+  // Bends first: a pipe and a part of its bend may pass for one surface of revolution.
+  scene.found = with_bends(find_surfaces(scene.points, near, job), scene.points, near);
+  scene.found = joined(std::move(scene.found), scene.points, near, job);
   if (std::all_of(scene.found.begin(), scene.found.end(), [](const Found& f) { return f.is_plane(); })) return scene;
   scene.label = face_labels(faces, scene.points, scene.found, near, job);
   fit_planes(faces, scene);
