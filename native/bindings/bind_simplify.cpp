@@ -97,13 +97,20 @@ Raises InvalidInput (regions below 1) or Cancelled. Cost: O(V + F).)");
       "opening_lengths",
       [](const KeptMesh& mesh, std::int32_t regions, Job* job) {
         const OpeningLengths lengths = call_here(job, [&](Job& j) { return opening_lengths(mesh, regions, j); });
-        return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles};
+        return std::pair{lengths.holes, lengths.handles};
       },
       "mesh"_a, "regions"_a, "job"_a = py::none(),
-      R"((fill_holes, fill_flat_holes, cut_handles) for CleanOptions, as the command and the add-on use them: see opening_length.
+      R"((fill_holes, cut_handles) for CleanOptions, as the command and the add-on use them: see opening_length.
 
-Holes of up to 8 mean edges, such as a missing vertex makes, are filled up to sqrt(area / regions), holes in walls up to
-twice that and at most 20 mean edges.)");
+Holes of up to 8 mean edges, such as a missing vertex makes, are filled up to sqrt(area / regions). `openings.lengths`
+has the length of holes in walls too.)");
+  m.def(
+      "_all_opening_lengths",
+      [](const KeptMesh& mesh, std::int32_t regions, Job* job) {
+        const OpeningLengths lengths = call_here(job, [&](Job& j) { return opening_lengths(mesh, regions, j); });
+        return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles};
+      },
+      "mesh"_a, "regions"_a, "job"_a = py::none(), "See openings.lengths.");
   m.def(
       "_guess_opening_lengths",
       [](const KeptMesh& mesh, const PartitionOptions& options, Job* job) {

@@ -8,9 +8,9 @@ from ._core import (
     Job,
     Mesh,
     PartitionOptions,
+    _all_opening_lengths,
     _guess_opening_lengths,
     close_openings,
-    opening_lengths,
 )
 
 
@@ -41,12 +41,21 @@ class Lengths:
         return {"fill_holes": self.holes, "fill_flat_holes": self.flat_holes, "cut_handles": self.handles}
 
 
+def lengths(mesh: Mesh, regions: int, job: Job | None = None) -> Lengths:
+    """The lengths up to which openings of a repaired scan are errors of scanning, for this number of regions.
+
+    Holes in walls are closed up to twice sqrt(area / regions) and at most 20 mean edges; for the others see
+    `opening_lengths`. Raises InvalidInput (regions below 1) or Cancelled. Cost: O(V + F).
+    """
+    return Lengths(*_all_opening_lengths(mesh, regions, job))
+
+
 def closed_for(mesh: Mesh, regions: int, job: Job | None = None, threads: int = 0) -> Mesh:
     """The repaired scan without the openings that this number of regions can't show; the mesh itself if it has none.
 
     Raises InvalidInput (regions below 1) or Cancelled. Cost: see `close_openings`.
     """
-    return Lengths(*opening_lengths(mesh, regions, job)).closed(mesh, job, threads)
+    return lengths(mesh, regions, job).closed(mesh, job, threads)
 
 
 def lengths_for(
@@ -63,4 +72,4 @@ def lengths_for(
         if likely:
             return Lengths(holes, flat, handles, most)
         regions = count()
-    return Lengths(*opening_lengths(mesh, regions, job))
+    return lengths(mesh, regions, job)

@@ -143,12 +143,13 @@ def test_openings_that_are_closed_before_the_regions_are_counted_are_the_same(mo
     counted = Session().replay(scan_of(*shapes.room(16)), steps)
     report, _ = simplified(tmp_path, shapes.room(16), "--detail=0.1")
     scan = scan_of(*shapes.room(16))
-    lengths = engine.opening_lengths(engine.clean(scan.vertices, scan.triangles), report["regions"])
+    lengths = engine.openings.lengths(engine.clean(scan.vertices, scan.triangles), report["regions"])
     asked = []
 
     def guess(mesh, options, job):
         asked.append(len(mesh.triangles))
-        return *((9.0, 9.0, 9.0) if most == 1 else lengths), most, True
+        found = (9.0, 9.0, 9.0) if most == 1 else (lengths.holes, lengths.flat_holes, lengths.handles)
+        return *found, most, True
 
     monkeypatch.setattr(engine.openings, "_guess_opening_lengths", guess)
     guessed = Session().replay(scan_of(*shapes.room(16)), steps)

@@ -252,8 +252,9 @@ def pierced_wall(width):
 
 def test_a_hole_in_a_wall_is_closed_where_another_stays_open():
     mesh = pierced_wall(0.2)
-    holes, flat, _ = engine.opening_lengths(mesh, 6)
-    assert holes < 0.6 < 0.8 < flat
+    lengths = engine.openings.lengths(mesh, 6)
+    assert lengths.holes < 0.6 < 0.8 < lengths.flat_holes
+    assert engine.opening_lengths(mesh, 6) == (lengths.holes, lengths.handles)
     assert mesh.report["border_loops"] == 4
     closed = engine.openings.closed_for(mesh, 6)
     assert closed.report["filled_holes"] == 1  # not the ends of the tube, nor the rim of the wall
