@@ -10,23 +10,32 @@
 
 namespace isimp::meshing {
 
+/// Whether the corners of changed polygons keep their places, or are placed again if the change fails otherwise: a polygon
+/// that two halves make may be too bent at their corners' places, and flat at others.
+enum class Places { kept, better };
+
 /// Tries a change of labels, corners or diagonals. The change stays if no polygon has a new fault or a new intersection
-/// by it, else it is undone. Corners that exist do not move. `Findings::renew_hits` must follow the last trial.
+/// by it, else it is undone. `Findings::renew_hits` must follow the last trial.
 /// \param pieces  pieces that vanish by the change or get other diagonals
 /// \param whole  a piece that must have no fault afterwards, kNone for none
-/// \param change  makes the change; returns false if it cannot be made, after which it is undone
+/// \param change  makes the change, and once more for better places; returns false if it cannot be made
 /// \return whether the change stays
-/// Cost: `State::update_in_place` and `Findings::accepts` of the changed polygons.
+/// Cost: `State::update_in_place` and `Findings::accepts` of the changed polygons; for better places once more.
 template <class Change>
-bool attempt(State& state, Findings& findings, std::vector<std::int32_t> pieces, std::int32_t whole, Change change) {
-  Transaction transaction(state);
-  if (!change()) return false;
-  std::vector<std::int32_t> near = state.update_in_place(pieces);
-  near.insert(near.end(), pieces.begin(), pieces.end());
-  sort_unique(near);
-  if (!findings.accepts(near, whole)) return false;
-  transaction.commit();
-  return true;
+bool attempt(State& state, Findings& findings, const std::vector<std::int32_t>& pieces, std::int32_t whole,
+             Change change, Places places = Places::kept) {
+  for (const bool in_place : {true, false}) {
+    if (!in_place && places == Places::kept) return false;
+    Transaction transaction(state);
+    if (!change()) return false;
+    std::vector<std::int32_t> near = in_place ? state.update_in_place(pieces) : state.update(pieces);
+    near.insert(near.end(), pieces.begin(), pieces.end());
+    sort_unique(near);
+    if (!findings.accepts(near, whole)) continue;
+    transaction.commit();
+    return true;
+  }
+  return false;
 }
 
 }  // namespace isimp::meshing

@@ -187,10 +187,11 @@ class Coarsener {
     std::vector<std::array<std::int32_t, 2>> all = s_.diagonals[l];
     mark_tried(Act::diagonal, l, all[at][0], all[at][1]);
     all.erase(all.begin() + static_cast<std::ptrdiff_t>(at));
-    attempt(s_, findings_, {l}, l, [&] {
-      s_.set_diagonals(l, std::move(all));
+    const auto drop = [&] {
+      s_.set_diagonals(l, all);
       return true;
-    });
+    };
+    attempt(s_, findings_, {l}, l, drop, Places::better);
     std::vector<Candidate> more;
     add_diagonal(l, more);
     queue(more);
@@ -201,13 +202,13 @@ class Coarsener {
     std::int32_t& left = pieces_of_[s_.mesh.component()[s_.labels.pieces[c.other].face]];
     if (left <= kLeastClosed) return;
     const std::int32_t region = s_.labels.pieces[c.other].region;
-    std::vector<std::int32_t> loop = s_.loop_together(c.piece, c.other);
+    const std::vector<std::int32_t> loop = s_.loop_together(c.piece, c.other);
     if (loop.empty() || is_hopeless(loop, c) || !may_change_region(c)) return;
-    const bool done = attempt(s_, findings_, {c.other}, c.piece, [&] {
-      s_.unite(c.piece, c.other, std::move(loop));
+    const auto join = [&] {
+      s_.unite(c.piece, c.other, loop);
       return true;
-    });
-    if (!done) return;
+    };
+    if (!attempt(s_, findings_, {c.other}, c.piece, join, Places::better)) return;
     scope_.add(c.piece);
     --left;
     --pieces_in_[region];
