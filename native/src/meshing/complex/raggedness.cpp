@@ -1,6 +1,8 @@
 #include "complex/raggedness.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace isimp::meshing {
 namespace {
@@ -67,8 +69,10 @@ double raggedness(const Mesh& mesh, std::span<const std::int32_t> face_region, d
   std::vector<double> off;
   for (const std::vector<Vec3>& line : border_lines(mesh, face_region)) {
     const Along along(line);
-    if (!(along.length() >= 2 * window)) continue;
-    const double length = std::min(window, along.length() / kWindows);
+    if (!(along.length() >= 2 * window) || !std::isfinite(along.length())) continue;
+    // No shorter than an edge: regions without area have a window of no length.
+    const double edge = along.length() / static_cast<double>(line.size() - 1);
+    const double length = std::min(std::max(window, edge), along.length() / kWindows);
     for (double begin = 0; begin < along.length(); begin += length / 2) {
       std::array<Vec3, kSamples> points;
       for (int i = 0; i < kSamples; ++i) points[i] = along.at(begin + length * i / (kSamples - 1));
