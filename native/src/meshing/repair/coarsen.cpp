@@ -110,7 +110,7 @@ class Coarsener {
   }
 
   void add_diagonal(std::int32_t l, std::vector<Candidate>& all) const {
-    if (s_.labels.pieces[l].face != kNone && scope_.has(l) && untried_diagonal(l) < s_.diagonals[l].size())
+    if (is_there(l) && scope_.has(l) && untried_diagonal(l) < s_.diagonals[l].size())
       all.push_back({0.5, Act::diagonal, l, l});
   }
 
@@ -120,6 +120,8 @@ class Coarsener {
     return s_.cutter.perforated && is_cut(a) && is_cut(b) &&
            s_.complex.chords(a).size() + s_.complex.chords(b).size() > 2 * kLarge;
   }
+
+  [[nodiscard]] bool is_there(std::int32_t l) const { return s_.labels.pieces[l].face != kNone; }
 
   [[nodiscard]] bool may_unite(std::int32_t kept, std::int32_t gone) const {
     return (scope_.has(kept) || scope_.has(gone)) && !tried(Act::split, gone, kept);
@@ -175,7 +177,7 @@ class Coarsener {
       queue_.pop();
       if (c.act == Act::diagonal)
         drop_diagonal(c.piece);
-      else if (c.version == version_[c.other] && may_unite(c.piece, c.other))
+      else if (is_there(c.piece) && is_there(c.other) && c.version == version_[c.other] && may_unite(c.piece, c.other))
         unite(c);
     }
     findings_.renew_hits();
@@ -183,7 +185,7 @@ class Coarsener {
 
   void drop_diagonal(std::int32_t l) {
     const std::size_t at = untried_diagonal(l);
-    if (s_.labels.pieces[l].face == kNone || at >= s_.diagonals[l].size()) return;
+    if (!is_there(l) || at >= s_.diagonals[l].size()) return;
     std::vector<std::array<std::int32_t, 2>> all = s_.diagonals[l];
     mark_tried(Act::diagonal, l, all[at][0], all[at][1]);
     all.erase(all.begin() + static_cast<std::ptrdiff_t>(at));
