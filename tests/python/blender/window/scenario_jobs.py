@@ -125,7 +125,7 @@ def surveyor(hand):
     user.does("**File > Import > Scan (iSimp)** reads PLY, OBJ, STL and OFF")
     bpy.ops.isimp.import_scan(filepath=str(hand.out / "house.ply"), epsg=25832)
     yield from user.looks()
-    user.does("**Figure**, **Building**, **City Tile**, **CAD**, **Low Poly**")
+    user.does("**Figure**, **Building**, **City Tile**, **CAD**, **Generated Mesh**")
     bpy.ops.isimp.preset("EXEC_DEFAULT", True, name="building")
     yield 0.3
     yield from user.presses("Partition")
