@@ -89,7 +89,8 @@ class ISIMP_MT_chosen_pie(bpy.types.Menu):
 
     def draw(self, context):
         pie, panel = self.layout.menu_pie(), context.window_manager.isimp
-        faces = pointed.faces(context.view_layer.objects.active)
+        scan = context.view_layer.objects.active
+        faces = pointed.faces(scan) if scan else ()
         if not faces:  # a script may open the pie when nothing is chosen
             return
         buttons = []

@@ -197,6 +197,7 @@ bool Findings::accepts(std::span<const std::int32_t> pieces, std::int32_t whole)
     judged_ += s_.polygons.count_of(l);
   }
   std::vector<Found> fresh;
+  fresh.reserve(changed.size());
   for (const std::int32_t l : changed) fresh.push_back(find(l, source_of(l)));
   for (std::size_t i = 0; i < changed.size(); ++i)
     if (meets_any(i, changed, fresh, changed_facets(changed[i], fresh[i]))) return false;
@@ -226,6 +227,7 @@ ScanMeetings::Pair Findings::regions_of(const Hit& h) const {
 
 void Findings::find_excuses(std::span<Hit> hits) {
   std::vector<ScanMeetings::Pair> pairs;
+  pairs.reserve(hits.size());
   for (const Hit& h : hits) pairs.push_back(regions_of(h));
   excuses_.test(pairs, s_.threads, job_);
   for (std::size_t i = 0; i < hits.size(); ++i) hits[i].excused = excuses_.meet(pairs[i]);

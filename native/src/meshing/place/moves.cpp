@@ -14,6 +14,7 @@ constexpr std::size_t kStride = 64;           ///< corners from one poll to the 
 /// Moves corners to the given places, and returns the moves back.
 std::vector<Move> carry_out(State& state, std::span<const Move> moves) {
   std::vector<Move> back;
+  back.reserve(moves.size());
   for (const Move& m : moves) {
     back.push_back({m.corner, state.corners.position[m.corner]});
     state.move(m.corner, m.to);
