@@ -85,8 +85,6 @@ class Logged {
   [[nodiscard]] bool in_transaction() const { return is_open_; }
 
   // Within a transaction:
-  /// The number of places at the start of the transaction.
-  [[nodiscard]] std::size_t size_before() const { return size_; }
   /// The value of a place at the start of the transaction.
   [[nodiscard]] const T& before(std::size_t i) const { return is_kept(i) ? kept_[place_[i]].value : now_[i]; }
   /// Restores a place.

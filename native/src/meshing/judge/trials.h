@@ -24,18 +24,17 @@ enum class Places { kept, better };
 template <class Change>
 bool attempt(State& state, Findings& findings, const std::vector<std::int32_t>& pieces, std::int32_t whole,
              Change change, Places places = Places::kept) {
-  for (const bool in_place : {true, false}) {
-    if (!in_place && places == Places::kept) return false;
+  const auto stays = [&](bool in_place) {
     Transaction transaction(state);
     if (!change()) return false;
     std::vector<std::int32_t> near = in_place ? state.update_in_place(pieces) : state.update(pieces);
     near.insert(near.end(), pieces.begin(), pieces.end());
     sort_unique(near);
-    if (!findings.accepts(near, whole)) continue;
+    if (!findings.accepts(near, whole)) return false;
     transaction.commit();
     return true;
-  }
-  return false;
+  };
+  return stays(true) || (places == Places::better && stays(false));
 }
 
 }  // namespace isimp::meshing
