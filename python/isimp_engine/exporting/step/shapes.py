@@ -122,6 +122,12 @@ class Cone(Turned):
         return -self.radius / self.slope * float(np.hypot(1.0, self.slope)), None
 
 
+def _from_circle(x: Array, z: Array, radius: float) -> tuple[Array, Array, Array]:
+    """The distances of points from a circle around the origin, and the components of its normals there."""
+    far = np.maximum(np.hypot(x, z), _TINY)
+    return far - radius, x / far, z / far
+
+
 @dataclass(frozen=True)
 class Sphere(Turned):
     """A sphere; its axis is free."""
@@ -131,8 +137,7 @@ class Sphere(Turned):
     kind = "sphere"
 
     def split(self, rho: Array, z: Array) -> tuple[Array, Array, Array]:
-        far = np.maximum(np.hypot(rho, z), _TINY)
-        return far - self.radius, rho / far, z / far
+        return _from_circle(rho, z, self.radius)
 
     def along(self, p: Array) -> Array:
         rho, z, _ = self.polar(p)
@@ -152,8 +157,7 @@ class Torus(Turned):
     kind = "torus"
 
     def split(self, rho: Array, z: Array) -> tuple[Array, Array, Array]:
-        far = np.maximum(np.hypot(rho - self.large, z), _TINY)
-        return far - self.small, (rho - self.large) / far, z / far
+        return _from_circle(rho - self.large, z, self.small)
 
     def along(self, p: Array) -> Array:
         rho, z, _ = self.polar(p)
