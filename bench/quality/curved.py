@@ -183,13 +183,19 @@ def run_scans(folder, names):
     return all_rows
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def shape_arguments(description, noise):
+    """A parser with the arguments of a run over generated shapes; noise: the default."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", help="names with commas between")
-    parser.add_argument("--noise", default="0,0.001,0.003")
+    parser.add_argument("--noise", default=noise)
     parser.add_argument("--seeds", default="1,2,3")
-    parser.add_argument("--scans", type=Path)
     parser.add_argument("--json", type=Path)
+    return parser
+
+
+def main():
+    parser = shape_arguments(__doc__, "0,0.001,0.003")
+    parser.add_argument("--scans", type=Path)
     given = parser.parse_args()
     names = [n for n in given.only.split(",") if n]
     if given.scans:

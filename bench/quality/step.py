@@ -12,7 +12,6 @@
   gap          largest distance of an edge from its faces, in thousandths of the diagonal
 """
 
-import argparse
 import json
 import tempfile
 import time
@@ -30,6 +29,7 @@ from OCP.TopoDS import TopoDS
 
 import isimp_engine as engine
 from bench.generators.round_shapes import made, shapes, with_noise
+from bench.quality.curved import shape_arguments
 
 COLUMNS = ("faces", "true", "valid", "solid", "volume", "parts", "axis", "radius", "gap", "time")
 _ONE_TO_THREE = {"torus": 1, "capped": 3, "cone": 3, "vase": 3, "capsule": 3, "silo": 3, "barrel": 3}
@@ -128,12 +128,7 @@ def line(name, row):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", default="", help="names with commas between")
-    parser.add_argument("--noise", default="0.001,0.003")
-    parser.add_argument("--seeds", default="1,2,3")
-    parser.add_argument("--json", type=Path)
-    given = parser.parse_args()
+    given = shape_arguments(__doc__, "0.001,0.003").parse_args()
     known, all_rows = shapes(), {}
     names = [n for n in given.only.split(",") if n] or list(known)
     for noise in map(float, given.noise.split(",")):
