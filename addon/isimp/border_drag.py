@@ -6,7 +6,7 @@ import numpy as np
 
 from . import view
 
-_STRIP = 3.0  # edges that the strip of the region that grows is wide, by which what it takes hangs together
+_STRIP = 3.0  # edges: width of the strip of the growing region, to which the taken triangles are connected
 
 
 def swept(
@@ -17,14 +17,14 @@ def swept(
     drag: np.ndarray,
     sight: np.ndarray,
 ) -> np.ndarray:
-    """The triangles that one region takes from another one, with a strip of its own, as the border moves along a drag.
+    """The triangles that a region takes from its neighbour as the border is dragged, and a strip of its own triangles.
 
-    All as seen: what differs along the sight is one place. Triangles are taken between a place of the border and the
-    same place moved by the drag, and as far as they hang together with the strip.
+    Places are compared as seen, without the distance along the sight. A triangle is taken if it lies between a place of
+    the border and the same place moved by the drag, and is connected to the strip.
 
-    centers: (T, 3) of the triangles of both regions that face the eye. is_taker: (T,) those of the region that grows.
+    centers: (T, 3) of the visible triangles of both regions. is_taker: (T,) those of the growing region.
     border: (K, 2, 3) the ends of the edges between both. pairs: (E, 2) of the T triangles that share an edge.
-    drag, sight: (3,) vectors. Returns (N,) numbers of triangles; none where the border does not move into the other.
+    drag, sight: (3,) vectors. Returns (N,) numbers of triangles; none if the border does not move into the neighbour.
     """
     sight = sight / np.linalg.norm(sight)
     along = drag - (drag @ sight) * sight

@@ -1,9 +1,9 @@
 """New colours of few faces, drawn over the scan until Blender shows them itself.
 
 If a mesh is reported as changed, Blender copies all of it to the graphics card: a quarter of a second for a million
-faces. A click changes few of them. The mesh gets its new layers at once, so undo, files and renders have them; Blender
-is told of the change together with the next polygons, or after a moment of rest. Later versions of Blender notice every
-write; there it is as before.
+faces. A click changes few of them. The new layers are written at once, so undo, files and renders have them. The change
+is reported to Blender together with the next polygons, or after a moment of rest. Later versions of Blender detect each
+write, so nothing is delayed there.
 """
 
 import time
@@ -15,14 +15,14 @@ from .. import view
 from ..spare import Spare
 from . import mesh_io, runtime, shaders
 
-#: Whether Blender does not notice by itself that a layer is written: 3.4 does not, 4.5 does, others are not known
+#: Whether Blender leaves a written layer undetected: 3.4 does, 4.5 does not, other versions were not tried
 IS_QUIET = bpy.app.version < (3, 5, 0) and not bpy.app.background
 _MOST = 0.25  # of the faces: a patch of more is no quicker than Blender
 _REST = 0.6  # seconds
 
 
 class Written:
-    """The colours that were written on a mesh last, and those that Blender shows of it."""
+    """The last written colours of a mesh, and the colours that Blender shows."""
 
     def __init__(self, obj, state: int, color: np.ndarray):
         """color: (faces,) rows of view.COLORS, on the mesh and shown."""
@@ -49,7 +49,7 @@ class Patch:
 
 
 def shown(obj) -> np.ndarray | None:
-    """(faces,) the colours that Blender shows of an object in Object Mode; None where that is not known."""
+    """(faces,) the colours that Blender shows of an object in Object Mode; None if they are unknown."""
     known = runtime.get().late
     if not IS_QUIET or known is None or obj.mode != "OBJECT":
         return None
@@ -71,7 +71,7 @@ def fits(obj, patch: Patch | None) -> bool:
 
 
 def note(obj, state: int, color: np.ndarray, patch: Patch | None) -> None:
-    """Colours were written on an object in Object Mode; with a patch, Blender was not told of it."""
+    """Records colours that were written on an object in Object Mode. A patch: the write was not reported to Blender."""
     current = runtime.get()
     if patch is None:
         if current.late is not None and current.late.mesh != obj.data.name:
@@ -91,13 +91,13 @@ def draw(scan) -> None:
 
 
 def is_due() -> bool | None:
-    """Whether Blender may be told now, as nothing was written for a moment; None if there is nothing to tell."""
+    """Whether the last write is long enough ago to report it to Blender; None if there is no write to report."""
     known = runtime.get().late
     return None if known is None or known.patch is None else time.monotonic() - known.touched > _REST
 
 
 def settle() -> None:
-    """Tells Blender of the colours that it does not show yet."""
+    """Reports the delayed colours to Blender."""
     known = runtime.get().late
     if known is None or known.patch is None:
         return
@@ -108,7 +108,7 @@ def settle() -> None:
 
 
 def forget(mesh_name: str | None = None) -> None:
-    """Blender has heard of a change of a mesh, or of all: which colours it shows is not known any more."""
+    """Forgets the colours that Blender shows of a mesh, or of all, after Blender detected a change."""
     known = runtime.get().late
     if known is not None and mesh_name in (None, known.mesh):
         runtime.get().late = None

@@ -306,7 +306,7 @@ def write_regions(
     """Puts regions, their colours and the state that led to them on the mesh. Nothing else of it is changed.
 
     face_color: (faces,) into view.COLORS. corner_color: the colour of each corner, if that is there already; it is used
-    for others then. tells: whether Blender is told of the change in Object Mode; see late.py.
+    for others then. tells: whether the change is reported to Blender in Object Mode; see late.py.
     """
     if is_edited(obj):
         if not _is_written(obj, face_region, state):

@@ -164,7 +164,7 @@ def _tick():
 
 
 def tell_late() -> None:
-    """Has Blender told of colours that it does not show yet (see late.py), once nothing else is under way."""
+    """Starts a timer that reports delayed colours to Blender (late.py) when no other work is running."""
     if not bpy.app.background and not bpy.app.timers.is_registered(_rest):
         bpy.app.timers.register(_rest, first_interval=_TICK)
 
@@ -193,7 +193,7 @@ def _seen(context, scan):
 
 def _keep(key, made) -> None:
     _store(key, made)
-    late.settle()  # what has to be drawn again is drawn once
+    late.settle()  # so that the view is drawn once for both
     redraw()
 
 

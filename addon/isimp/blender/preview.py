@@ -17,7 +17,7 @@ from . import modal, runtime, shaders
 class Work(modal.Work):
     """A recipe replayed to be seen, and written only if it settles."""
 
-    color = points = None  #: of the corners; none where a step failed, and no points where those of before hold
+    color = points = None  #: of the corners. Both None after a failed step; points None if the previous ones are valid
     _painting = None  #: the Task that colours the corners as the mesh takes them
 
     def __init__(self, context, obj, recipe, before=None, again=False):

@@ -57,7 +57,7 @@ class Runtime:
         self.scans = {}  #: object's name -> the arrays read last; see reading.py
         self.former = None  #: the arrays that `scans` had before, as the next ones may be equal
         self.groups = {}  #: (object's name, vertex group's) -> weights.Group, as far as it is read
-        self.late = None  #: the colours written last in Object Mode, and those that Blender shows; see late.py
+        self.late = None  #: late.Written: the last written colours in Object Mode, and the colours that Blender shows
         self.written = {}  #: object's name -> (state, regions, colours) as last written on it in Edit Mode
         self.seen = {}  #: object's name -> (state, regions) as read in Edit Mode since anything was changed
         self.edit = None  #: the BMesh in Edit Mode, kept; see mesh_io.edit_mesh

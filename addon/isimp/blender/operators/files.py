@@ -209,7 +209,7 @@ class ISIMP_OT_export_lods(bpy.types.Operator):
 
 
 def _levels(context, scan) -> list:
-    """The levels of detail of a scan, the finest first: those that were kept, then the result of Mesh."""
+    """The levels of detail of a scan from fine to coarse: the kept levels, then the result of Mesh."""
     named = [(re.fullmatch(rf"{re.escape(scan.name)}_LOD(\d+)", obj.name), obj) for obj in context.scene.objects]
     found = [obj for _, obj in sorted(((int(match[1]), obj) for match, obj in named if match), key=itemgetter(0))]
     result = targets.result_of(context.scene, scan)

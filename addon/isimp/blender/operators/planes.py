@@ -78,7 +78,7 @@ class ISIMP_OT_align(_Planes, bpy.types.Operator):
         return recipe.then(upward.of_scan(upward.as_last(step, up, recipe), scan))
 
     def _led(self, scan, faces: list) -> list:
-        """The faces with that of the leading region first: clicked last, of the active face, or the largest one."""
+        """The faces, with the face of the leading region first: the last clicked, the active or the largest region."""
         regions = mesh_io.read_regions(scan)
         if len(faces) < 2 or max(faces) >= len(regions):
             return faces

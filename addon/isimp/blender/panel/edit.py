@@ -1,4 +1,4 @@
-"""Panels of edits: of all regions, at the selected faces, or at places chosen by the error."""
+"""Panels of edits of all regions, of selected faces, and of places that the error selects."""
 
 import bpy
 

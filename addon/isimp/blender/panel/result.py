@@ -1,4 +1,4 @@
-"""Panels of drawing, of the texture and of all numbers."""
+"""Panels that show regions and polygons, make the texture and list all numbers."""
 
 import dataclasses
 

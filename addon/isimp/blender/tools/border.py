@@ -27,7 +27,7 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         if self._hit is None:
             return miss()
         self._from, self._is_dragged = self.place(event), False
-        self._pair, self._faces = None, ()  # the two regions beside the border; what it goes over
+        self._pair, self._faces = None, ()  # the two regions at the border; the faces that the border passes
         return self.go(context, own("Drag: move the border · Release here: select the region · Esc: cancel"))
 
     def modal(self, context, event):
@@ -52,7 +52,7 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def follow(self, event) -> None:
-        """Finds the faces that change their region, and shows them."""
+        """Finds and shows the faces that change their region."""
         ground = self._ground
         triangles = self.moved(event)
         faces = ground.scan.triangle_face[triangles]
@@ -64,7 +64,7 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         overlay.redraw()
 
     def moved(self, event) -> np.ndarray:
-        """The triangles of the region that grows and those that it takes, one of its own first."""
+        """The triangles of the growing region, then the triangles that it takes."""
         if self._pair is None and not self.find_pair():
             return np.empty(0, np.int64)
         ground, place = self._ground, np.array(self._hit.place)
@@ -81,7 +81,7 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         return triangles[found]
 
     def find_pair(self) -> bool:
-        """The border nearest to the press, and the triangles beside it that face the eye."""
+        """Finds the border nearest to the press and the visible triangles of both its regions."""
         ground, scan, region = self._ground, self._ground.scan, self._hit.region
         faces, edges = ground.between()
         beside = ground.label[faces]

@@ -199,7 +199,7 @@ def _is_locked(context, region: int) -> bool:
 
 
 class _Chosen:
-    """Mixin of what is done with chosen regions; without any, Blender gets the event."""
+    """Mixin for actions on chosen regions. The event passes to Blender if no region is chosen."""
 
     bl_options = {"INTERNAL"}
 
