@@ -164,7 +164,7 @@ class _Shown:
                 "Erase",
                 "Erase from the region where the stroke begins; its neighbours take the faces (Ctrl and Shift)",
             ),
-            ("finer", "Finer Here", "Split each region that the stroke goes over where its halves differ most (Alt)"),
+            ("finer", "Finer Here", "Split each region under the stroke where its halves differ most (Alt)"),
         ),
         default="paint",
     )

@@ -47,7 +47,7 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
                 joined = self._ground.joined(list(self._faces), start)
                 do("isimp.paint_faces", painted=f"{start}:{','.join(map(str, joined))}")
             else:
-                self.report({"INFO"}, said("No border moves so: drag it across, to a region that is not locked"))
+                self.report({"INFO"}, said("No border was moved: drag across one into a region that is not locked"))
             return {"FINISHED"}
         return {"RUNNING_MODAL"}
 
