@@ -5,7 +5,7 @@ from .option import Option
 MESHING: dict[str, Option] = {
     "chord_tolerance": Option(
         kind="float",
-        default=0.7,
+        default=0.35,
         words="in [0, 100]",
         least=0.0,
         most=100.0,

@@ -11,7 +11,7 @@ namespace isimp {
 
 /// The options of `polygonize`. The table `fields` below describes each of them.
 struct MeshingOptions {
-  double chord_tolerance = 0.7;
+  double chord_tolerance = 0.35;
   double chord_area = 0.53;
   double join_junctions = 0.8;
   double reach = 0.01;
