@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "complex/flat_fit.h"
+#include "isimp/core/sorted.h"
 
 namespace isimp::meshing {
 namespace {
@@ -65,35 +66,39 @@ struct Group {
 };
 
 std::vector<Group> groups_of(const Polygons& polygons, std::span<const std::int32_t> moving) {
+  std::vector<std::int32_t> all;  // in rising order; from here on polygons are named by their index
+  for (const std::int32_t c : moving) all.insert(all.end(), polygons.at(c).begin(), polygons.at(c).end());
+  sort_unique(all);
+  const auto index = [&](std::int32_t q) {
+    return static_cast<std::int32_t>(std::lower_bound(all.begin(), all.end(), q) - all.begin());
+  };
   // Polygons that have a moving corner in common hang together, each on a lower one down to the lowest.
-  std::vector<std::int32_t> on(polygons.numbers(), kNone);
-  const auto lowest = [&](std::int32_t q) {
-    while (on[q] != q) q = on[q] = on[on[q]];
-    return q;
+  std::vector<std::int32_t> on = numbers_below(static_cast<std::int32_t>(all.size()));
+  const auto lowest = [&](std::int32_t i) {
+    while (on[i] != i) i = on[i] = on[on[i]];
+    return i;
   };
   for (const std::int32_t c : moving) {
     std::int32_t low = kNone;
     for (const std::int32_t q : polygons.at(c)) {
-      if (on[q] == kNone) on[q] = q;
-      const std::int32_t other = lowest(q);
+      const std::int32_t other = lowest(index(q));
       if (low != kNone) on[std::max(low, other)] = std::min(low, other);
       low = low == kNone ? other : std::min(low, other);
     }
   }
   std::vector<Group> groups;
-  std::vector<std::int32_t> group(polygons.numbers()), place(polygons.numbers());
-  for (std::int32_t q = 0; q < polygons.numbers(); ++q) {
-    if (on[q] == kNone) continue;
-    const std::int32_t low = lowest(q);
-    if (low == q) groups.emplace_back();
-    group[q] = low == q ? static_cast<std::int32_t>(groups.size()) - 1 : group[low];
-    place[q] = static_cast<std::int32_t>(groups[group[q]].polygons.size());
-    groups[group[q]].polygons.push_back(q);
+  std::vector<std::int32_t> group(all.size()), place(all.size());
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(all.size()); ++i) {
+    const std::int32_t low = lowest(i);
+    if (low == i) groups.emplace_back();
+    group[i] = low == i ? static_cast<std::int32_t>(groups.size()) - 1 : group[low];
+    place[i] = static_cast<std::int32_t>(groups[group[i]].polygons.size());
+    groups[group[i]].polygons.push_back(all[i]);
   }
   for (const std::int32_t c : moving) {
-    Group& g = groups[group[polygons.at(c)[0]]];
+    Group& g = groups[group[index(polygons.at(c)[0])]];
     g.corners.push_back(c);
-    for (const std::int32_t q : polygons.at(c)) g.round.push_back(place[q]);
+    for (const std::int32_t q : polygons.at(c)) g.round.push_back(place[index(q)]);
     g.round_start.push_back(static_cast<std::int32_t>(g.round.size()));
   }
   for (Group& g : groups) g.fits.resize(g.polygons.size());

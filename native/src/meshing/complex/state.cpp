@@ -281,6 +281,7 @@ std::vector<bool> State::settle_handovers() {
 void State::move_onto(std::span<const Plane> planes_by_piece, std::span<const std::int32_t> moving) {
   place_on_held(polygons, mesh, planes_by_piece, moving, threads, corners_);
   flatten(polygons, mesh, planes_by_piece, moving, options.flatten, threads, corners_);
+  place_on_held(polygons, mesh, planes_by_piece, moving, threads, corners_);
 }
 
 void State::limit(std::span<const std::int32_t> moving) {

@@ -106,7 +106,8 @@ class State {
 
   // Changes of positions, which `update` takes no notice of.
   void move(std::int32_t corner, const Vec3& place) { corners_.position.set(corner, place); }
-  /// Moves corners from their places onto the held ones of the given planes, and makes the polygons flat.
+  /// Moves corners onto the held ones of the given planes, makes the polygons flat, and moves the corners onto the held
+  /// planes again.
   void move_onto(std::span<const Plane> planes_by_piece, std::span<const std::int32_t> moving);
 
   /// Updates polygons and positions after splits, new corners or new diagonals. All corners of polygons that have
