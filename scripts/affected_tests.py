@@ -4,6 +4,7 @@ native/src/MODULE, and what includes its headers    tests/cpp/MODULE, tests/pyth
 native/include, native/bindings                     tests/python/engine and project
 python/isimp_engine/{batch,tiles}                   tests/python of that name
 python/isimp_engine/{cli,exporting}, recipes.py     tests/python/command
+python/isimp_engine/recipe                          tests/python/addon and command
 python/isimp_engine, other files                    tests/python/engine and command
 addon/isimp, outside blender                        tests/python/addon
 bench, tests/shared                                 the tests that import the file
@@ -23,6 +24,7 @@ ROOMS = {
     "tiles": ["tiles"],
     "cli": ["command"],
     "exporting": ["command"],
+    "recipe": ["addon", "command"],
     "recipes": ["command"],
     "reports": ["command"],
 }

@@ -25,6 +25,7 @@ import wheels
 
 ROOT = Path(__file__).resolve().parent.parent
 ADDON = ROOT / "addon" / "isimp"
+RECIPE = ROOT / "python" / "isimp_engine" / "recipe"
 PLATFORMS = {  # of wheels, and their names in Blender
     r"(many)?linux.*_x86_64": "linux-x64",
     r"(many)?linux.*_aarch64": "linux-arm64",
@@ -74,6 +75,8 @@ def addon_files() -> dict[str, bytes]:
     """The add-on's own files, by their path in it."""
     files = (path for path in ADDON.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
     names = {path.relative_to(ADDON).as_posix(): path for path in sorted(files)}
+    names = {name: path for name, path in names.items() if name != "recipe.py"}  # it loads the next ones
+    names |= {f"recipe/{path.name}": path for path in sorted(RECIPE.glob("*.py"))}
     return {name: with_version(name, path.read_bytes()) for name, path in names.items()} | {
         "LICENSE": (ROOT / "LICENSE").read_bytes()
     }

@@ -3,7 +3,7 @@
     PYTHONPATH=build-dev/python python scripts/generate.py
 
 - python/isimp_engine/_core.pyi: its classes of options
-- addon/isimp/engine_options.py: the table as plain data, so that recipes load without the engine
+- python/isimp_engine/recipe/engine_options.py: the table as plain data, so that recipes load without the engine
 - docs/api.md, by scripts/api_docs.py
 - docs/files.md, by scripts/file_table.py
 
@@ -20,10 +20,10 @@ import isimp_engine as engine
 
 ROOT = Path(__file__).resolve().parents[1]
 STUB = ROOT / "python" / "isimp_engine" / "_core.pyi"
-DATA = ROOT / "addon" / "isimp" / "engine_options.py"
+DATA = ROOT / "python" / "isimp_engine" / "recipe" / "engine_options.py"
 HEAD = '''"""The engine's options of partition and meshing. Written by scripts/generate.py; do not edit."""
 
-from .option import Option
+from .options import Option
 '''
 CLASSES = (
     engine.CleanOptions,

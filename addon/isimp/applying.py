@@ -10,7 +10,6 @@ import numpy as np
 from . import recipe as rcp
 from . import smoothing, view
 from .engine import engine
-from .engine_options import MESHING
 from .language import said
 from .outcome import Outcome
 from .prepared import (
@@ -322,7 +321,7 @@ _EDITS = {
 def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int) -> Outcome:
     """If the polygons violate the bound, repartitions with a smaller one, unless the partition was edited."""
     before = _needs_regions(before)
-    own = rcp.engine_options(step, MESHING)
+    own = rcp.engine_options(step, rcp.MESHING)
     own["straight_rims"] = None if step.straight_rims < 0 else step.straight_rims
     options = engine.MeshingOptions(**own, threads=threads)
 

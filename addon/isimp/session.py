@@ -12,7 +12,6 @@ from . import recipe as rcp
 from .applying import APPLY, PREPARING, TIMES, apply_mesh, carried_colors, engine_call, flaws, with_regions
 from .cache import Cache
 from .engine import ENGINE_PROBLEM, engine
-from .engine_options import PARTITION
 from .language import said
 from .outcome import Outcome, StepFailed
 from .prepared import (
@@ -222,7 +221,7 @@ class Session:
         return replace(outcome, numbers=numbers)
 
     def _partition(self, step: rcp.Partition, prepared, before, watch, begin, end) -> Outcome:
-        own = rcp.engine_options(step, PARTITION)
+        own = rcp.engine_options(step, rcp.PARTITION)
         own |= {name: found(getattr(step, name)) for name in ("noise", "sharp_edges")}
         own = {name: value for name, value in own.items() if name not in rcp.COUNTS or name == step.count_by}
         options = engine.PartitionOptions(**own, backend=self.backend, threads=self.threads)

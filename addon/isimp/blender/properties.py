@@ -3,8 +3,7 @@
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from .. import recipe as rcp
-from ..engine_options import MESHING, PARTITION, REGULARISE
-from ..option import Option
+from ..recipe import MESHING, PARTITION, REGULARISE, Option
 from . import targets, weights
 
 _PARTITION, _MESH, _REGULARISE = rcp.Partition(), rcp.Mesh(), rcp.Regularise()

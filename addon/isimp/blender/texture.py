@@ -8,8 +8,8 @@ import numpy as np
 from .. import messages
 from ..engine import engine
 from ..language import said
+from ..recipe import Texture, step_from_dict
 from ..session import Shown
-from ..steps import Texture, step_from_dict
 from . import materials, mesh_io, runtime, tiles
 from .result import corner_order
 

@@ -56,6 +56,13 @@ def test_only_the_blender_part_imports_bpy():
         assert path.name == "engine.py" or not engine, path
 
 
+def test_the_zip_has_the_package_s_recipes_in_place_of_the_door_to_them():
+    files = build_addon.addon_files()
+    own = {path.name: path.read_bytes() for path in (ROOT / "python/isimp_engine/recipe").glob("*.py")}
+    assert {name: files.get(f"recipe/{name}") for name in own} == own
+    assert "recipe.py" not in files
+
+
 def fake_wheel(folder, platform="linux_x86_64"):
     wheel = folder / f"isimp-0.1.0-cp311-cp311-{platform}.whl"
     with zipfile.ZipFile(wheel, "w") as archive:

@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 
 from isimp import blender, language
-from isimp.engine_options import MESHING, PARTITION, TEXTURE
+from isimp.recipe import MESHING, PARTITION, TEXTURE
 
 _FOLDER = Path(blender.__file__).parent
 _DRAWN = ("panel/*.py", "menus.py", "preferences.py", "presets.py", "tools/__init__.py", "start.py", "targets.py")

@@ -14,7 +14,7 @@ from bench.generators import houses
 from isimp_engine import batch, recipes
 from isimp_engine.cli import main
 
-steps = pytest.importorskip("isimp.steps")
+steps = pytest.importorskip("isimp.recipe.steps")
 rcp = pytest.importorskip("isimp.recipe")
 
 

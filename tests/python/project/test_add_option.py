@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import isimp_engine as engine
-from isimp import steps
+from isimp.recipe import steps
 from isimp_engine.cli.command import parser
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -80,7 +80,7 @@ def test_the_table_makes_stub_flag_and_the_add_ons_copy(crisp, generate, capsys)
 
 def test_a_field_of_the_step_is_checked_and_reaches_the_engine(crisp, generate, monkeypatch, tmp_path):
     copy = tmp_path / "engine_options.py"
-    copy.write_text(generate.data().replace("from .option import Option", "from isimp.option import Option"))
+    copy.write_text(generate.data().replace("from .options import Option", "from isimp.recipe.options import Option"))
     made = runpy.run_path(str(copy))
     monkeypatch.setattr(steps, "PARTITION", made["PARTITION"])
 

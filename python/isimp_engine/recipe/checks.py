@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, SupportsIndex
 
 from .language import own, said
-from .option import Option
+from .options import Option
 
 
 class RecipeError(ValueError):

@@ -6,7 +6,7 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
-from .option import Option
+from .options import Option
 
 #: The name of each kind of step in saved recipes; steps.py has all of them
 KINDS: dict[type[Step], str] = {}

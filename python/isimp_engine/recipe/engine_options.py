@@ -1,6 +1,6 @@
 """The engine's options of partition and meshing. Written by scripts/generate.py; do not edit."""
 
-from .option import Option
+from .options import Option
 
 MESHING: dict[str, Option] = {
     "chord_tolerance": Option(

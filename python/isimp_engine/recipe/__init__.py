@@ -1,0 +1,96 @@
+"""Recipes: the steps from a scan to its result, as plain values with checks. Standard library only.
+
+The command and batches read recipes with these modules, and the add-on has a copy of the folder.
+"""
+
+from .checks import RecipeError
+from .engine_options import MESHING, PARTITION, REGULARISE, TEXTURE
+from .language import count, noun, own, plural, said, speak
+from .options import Option
+from .plane_steps import ALIGNMENTS, UPS, AlignPlanes, Regularise
+from .recipe import Recipe, numbered_step, parsed
+from .round_steps import ROUND_KINDS, ExplodeRound, RoundRegions, RoundSegments
+from .step import KINDS, Step, engine_options
+from .steps import (
+    COUNTS,
+    MARKS,
+    METHODS,
+    MOST_ROUNDS,
+    SEEDINGS,
+    AddProxy,
+    AddWorst,
+    CutRegion,
+    DeleteLeast,
+    DeleteProxy,
+    EraseFaces,
+    EvenBorders,
+    GrowRegion,
+    Improve,
+    LockRegions,
+    MergeCheapest,
+    MergeRegions,
+    Mesh,
+    PaintFaces,
+    Partition,
+    ShrinkRegion,
+    SmoothFaces,
+    SplitRegion,
+    Texture,
+    UnlockRegions,
+    step_from_dict,
+)
+
+__all__ = [
+    "ALIGNMENTS",
+    "COUNTS",
+    "KINDS",
+    "MARKS",
+    "MESHING",
+    "METHODS",
+    "MOST_ROUNDS",
+    "PARTITION",
+    "REGULARISE",
+    "ROUND_KINDS",
+    "SEEDINGS",
+    "TEXTURE",
+    "UPS",
+    "AddProxy",
+    "AddWorst",
+    "AlignPlanes",
+    "CutRegion",
+    "DeleteLeast",
+    "DeleteProxy",
+    "EraseFaces",
+    "EvenBorders",
+    "ExplodeRound",
+    "GrowRegion",
+    "Improve",
+    "LockRegions",
+    "MergeCheapest",
+    "MergeRegions",
+    "Mesh",
+    "Option",
+    "PaintFaces",
+    "Partition",
+    "Recipe",
+    "RecipeError",
+    "Regularise",
+    "RoundRegions",
+    "RoundSegments",
+    "ShrinkRegion",
+    "SmoothFaces",
+    "SplitRegion",
+    "Step",
+    "Texture",
+    "UnlockRegions",
+    "count",
+    "engine_options",
+    "noun",
+    "numbered_step",
+    "own",
+    "parsed",
+    "plural",
+    "said",
+    "speak",
+    "step_from_dict",
+]

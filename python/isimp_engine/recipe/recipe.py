@@ -1,0 +1,186 @@
+"""The ordered steps that lead from a scan to its result, as plain values that can be saved and replayed.
+
+Standard library only.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from .checks import RecipeError, check, short
+from .language import own, said
+from .plane_steps import AlignPlanes, Regularise
+from .round_steps import RoundSegments
+from .step import Step
+from .steps import LockRegions, Mesh, PaintFaces, Partition, Texture, UnlockRegions, step_from_dict
+
+VERSION = 1
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """An ordered list of steps. All methods return a new recipe."""
+
+    steps: tuple[Step, ...] = ()
+
+    def then(self, step: Step) -> Recipe:
+        """The recipe with one more step, in place of a Mesh step at its end and its texture.
+
+        A partition of all faces replaces the steps after the last lock. Regularise replaces an earlier one, unless
+        planes were set by hand after it, as these may follow those that it has snapped.
+        """
+        if isinstance(step, Texture):
+            return Recipe((*self._without(Texture).steps, step))
+        steps = self.without_mesh().steps
+        if isinstance(step, Partition) and not step.faces:
+            steps = steps[: self._last_lock() + 1]
+        elif isinstance(step, Partition) and steps and getattr(steps[-1], "faces", ()) == step.faces:
+            steps = steps[:-1] if isinstance(steps[-1], Partition) else steps  # the same part once more
+        elif isinstance(step, Regularise):
+            hand = max((k for k, old in enumerate(steps) if isinstance(old, AlignPlanes)), default=-1)
+            steps = tuple(old for k, old in enumerate(steps) if k < hand or not isinstance(old, Regularise))
+        elif isinstance(step, RoundSegments) and steps and isinstance(steps[-1], RoundSegments):
+            steps = steps[:-1] if steps[-1].face == step.face else steps  # the same round part once more
+        return Recipe((*steps, step))
+
+    def _last_lock(self) -> int:
+        """The index of the last step that changes which regions are locked; -1 if none is locked after it."""
+        locked, last = set(), -1
+        for index, step in self.active():
+            if type(step) is LockRegions:
+                locked |= set(step.faces)
+            elif isinstance(step, UnlockRegions):
+                locked -= set(step.faces)
+            elif isinstance(step, PaintFaces) and step.lock:
+                locked.add(step.faces[0] if step.onto < 0 else step.onto)
+            else:
+                continue
+            last = index
+        return last if locked else -1
+
+    def replaced(self, index: int, step: Step) -> Recipe:
+        """The recipe with another step in the place of one."""
+        self._check_index(index)
+        return Recipe((*self.steps[:index], step, *self.steps[index + 1 :]))
+
+    def changed(self, index: int, step: Step) -> Recipe:
+        """The recipe after a setting of one of its steps was changed.
+
+        What was locked since stays as it is: a partition of all is followed by the changed one after the last lock.
+        """
+        last = self._last_lock()
+        if isinstance(step, Partition) and not step.faces and last > index:
+            return Recipe((*self.steps[: last + 1], step, *self.steps[last + 1 :]))
+        return self.replaced(index, step)
+
+    def removed(self, index: int) -> Recipe:
+        """The recipe without one of its steps."""
+        self._check_index(index)
+        return Recipe(self.steps[:index] + self.steps[index + 1 :])
+
+    def whole(self) -> tuple[int, Partition | None]:
+        """The last partition of all faces, which says what openings are closed, and its index; (-1, None) if none."""
+        found = [(index, step) for index, step in self.active() if isinstance(step, Partition) and not step.faces]
+        return found[-1] if found else (-1, None)
+
+    def regularised(self, step: Regularise) -> Recipe:
+        """The recipe with planes snapped at its end; as it is if they are already."""
+        active = self.without_mesh().active()
+        return self if active and isinstance(active[-1][1], Regularise) else self.then(step)
+
+    def moved(self, index: int, to: int) -> Recipe:
+        """The recipe with one of its steps at another place."""
+        self._check_index(index)
+        self._check_index(to)
+        rest = self.removed(index).steps
+        return Recipe((*rest[:to], self.steps[index], *rest[to:]))
+
+    def switched(self, index: int, enabled: bool) -> Recipe:
+        """The recipe with one of its steps switched on or off."""
+        self._check_index(index)
+        return self.replaced(index, dataclasses.replace(self.steps[index], enabled=enabled))
+
+    def _check_index(self, index: int) -> None:
+        text, steps = own("there is no step {number}: the recipe has {steps}"), len(self.steps)
+        check(not 0 <= index < steps, said(text, number=index + 1, steps=steps))
+
+    def ends_in_mesh(self) -> bool:
+        """Whether its outcome has polygons."""
+        active = [step for _, step in self.active() if not isinstance(step, Texture)]
+        return bool(active) and isinstance(active[-1], Mesh)
+
+    def texture(self) -> Texture | None:
+        """The texture that its outcome has."""
+        active = self.active()
+        return active[-1][1] if active and isinstance(active[-1][1], Texture) else None
+
+    def without_mesh(self) -> Recipe:
+        """The recipe without the Mesh step at its end and its texture, if it has them."""
+        return self._without(Texture)._without(Mesh)
+
+    def _without(self, kind: type[Step]) -> Recipe:
+        """The recipe without the step of this kind at its end, if it has one."""
+        return Recipe(self.steps[:-1]) if self.steps and isinstance(self.steps[-1], kind) else self
+
+    def layers(self) -> frozenset[str]:
+        """The names of the scan's own layers that its steps use."""
+        return frozenset().union(*(step.layers() for _, step in self.active() if isinstance(step, Partition)))
+
+    def active(self) -> tuple[tuple[int, Step], ...]:
+        """The steps that are switched on, each with its index."""
+        return tuple((index, step) for index, step in enumerate(self.steps) if step.enabled)
+
+    def prefix_keys(self) -> tuple[str, ...]:
+        """A key for each active step that depends on it and all active ones before it, and on nothing else."""
+        digest, keys = hashlib.blake2b(digest_size=16), []
+        for _, step in self.active():
+            digest.update(json.dumps(step.to_dict(), sort_keys=True).encode())
+            keys.append(digest.hexdigest())
+        return tuple(keys)
+
+    def to_json(self, indent: int | None = None) -> str:
+        values = {"isimp_recipe": VERSION, "steps": [step.to_dict() for step in self.steps]}
+        return json.dumps(values, indent=indent)
+
+    @staticmethod
+    def from_json(text: str) -> Recipe:
+        """The recipe that `to_json` made. Raises RecipeError, which names the problem and the step."""
+        values = parsed(text, said("not a recipe"))
+        check(
+            not isinstance(values, dict) or "isimp_recipe" not in values, said("not a recipe: it has no 'isimp_recipe'")
+        )
+        version = values["isimp_recipe"]
+        known = isinstance(version, int) and version <= VERSION
+        check(
+            not known,
+            said(
+                "the recipe has version {version}, this add-on reads up to {known}: update the add-on",
+                version=short(version),
+                known=VERSION,
+            ),
+        )
+        steps = values.get("steps")
+        check(not isinstance(steps, list), said("not a recipe: 'steps' must be a list"))
+        return Recipe(tuple(numbered_step(number, step) for number, step in enumerate(steps, 1)))
+
+
+def parsed(text: str, problem: str) -> Any:
+    """The value of a JSON text. Raises RecipeError, which begins with the problem and says where the text is wrong."""
+    try:
+        return json.loads(text)
+    except ValueError as error:
+        raise RecipeError(said("{problem}: it is not JSON ({error})", problem=problem, error=error)) from None
+    except RecursionError:
+        raise RecipeError(said("{problem}: its brackets are nested too deeply", problem=problem)) from None
+
+
+def numbered_step(number: int, values: Any) -> Step:
+    """As `step_from_dict`, with the number of the step in the message."""
+    try:
+        return step_from_dict(values)
+    except RecipeError as error:
+        raise RecipeError(said("step {number}: {error}", number=number, error=error)) from None
