@@ -3,6 +3,7 @@
     PYTHONPATH=build-dev/python python scripts/generate.py
 
 - python/isimp_engine/_core.pyi: its classes of options
+- python/isimp_engine/recipe/engine_fields.py: options as settings of steps
 - python/isimp_engine/recipe/engine_options.py: the table as plain data, so that recipes load without the engine
 - docs/api.md, by scripts/api_docs.py
 - docs/files.md, by scripts/file_table.py
@@ -22,9 +23,24 @@ ROOT = Path(__file__).resolve().parents[1]
 STUB = ROOT / "python" / "isimp_engine" / "_core.pyi"
 DATA = ROOT / "python" / "isimp_engine" / "recipe" / "engine_options.py"
 HEAD = '''"""The engine's options of partition and meshing. Written by scripts/generate.py; do not edit."""
+# fmt: off
+# ruff: noqa: E501
 
 from .options import Option
 '''
+FIELDS = DATA.with_name("engine_fields.py")
+PLAIN = runpy.run_path(str(DATA.with_name("options.py")))  # by its path: the package needs the files made here
+Option, COUNTS = PLAIN["Option"], PLAIN["COUNTS"]
+HEAD_OF_FIELDS = '''"""The engine's options as settings of steps. Written by scripts/generate.py; do not edit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .step import Step
+'''
+FACTS = ("least", "above_least", "most", "below_most", "unit", "label", "tip", "low", "high", "digits")
+MACHINE = ("threads", "backend")  #: options that change no result, so they are no settings of recipes
 CLASSES = (
     engine.CleanOptions,
     engine.MeshingOptions,
@@ -71,21 +87,47 @@ def with_classes(text: str) -> str:
     return text
 
 
+def table_of(kind: type) -> str:
+    """The name of the add-on's table of a class: MESHING."""
+    return kind.__name__.removesuffix("Options").upper()
+
+
+def settings_of(kind: type) -> list[dict[str, Any]]:
+    """The options that are settings of recipes; of repairs those that the panel shows."""
+    is_repair = kind is engine.CleanOptions
+    return [field for field in kind.fields() if field["name"] not in MACHINE and (field["label"] or not is_repair)]
+
+
+def option_of(field: dict[str, Any]) -> Option:
+    """A row of the table as plain data."""
+    facts = {name: tuple(field[name]) for name in ("choices", "items") if name in field}
+    facts |= {name: field[name] for name in FACTS if name in field}
+    return Option(field["type"].removesuffix(" | None"), field["default"], field.get("range", ""), **facts)
+
+
+def fields() -> str:
+    """The options as fields of classes that steps inherit."""
+    text = HEAD_OF_FIELDS
+    for kind in CLASSES:
+        text += f"\n\n@dataclass(frozen=True)\nclass {kind.__name__.removesuffix('Options')}Fields(Step):\n"
+        for field in settings_of(kind):
+            name, type_name = field["name"], field["type"].removesuffix(" | None")
+            if name in COUNTS:  # the step chooses one of them
+                continue
+            text += f"    {name}: {type_name} = {literal(option_of(field).unset)}\n"
+    return text
+
+
 def data() -> str:
     """The table in the add-on's form."""
     text = HEAD
-    tables = {"MESHING": engine.MeshingOptions, "PARTITION": engine.PartitionOptions}
-    tables |= {"REGULARISE": engine.RegulariseOptions, "TEXTURE": engine.TextureOptions}
-    for name, kind in tables.items():
-        text += f"\n{name}: dict[str, Option] = {{\n"
-        for field in kind.fields():
-            facts = {"kind": field["type"].removesuffix(" | None"), "default": field["default"]}
-            facts |= {"words": field.get("range", "")}
-            facts |= {end: field[end] for end in ("least", "above_least", "most", "below_most") if end in field}
-            facts |= {"choices": tuple(field.get("choices", ()))}
+    for kind in CLASSES:
+        text += f"\n{table_of(kind)}: dict[str, Option] = {{\n"
+        for field in settings_of(kind):
             text += f'    "{field["name"]}": Option(\n'
-            for key, value in facts.items():
-                if key in ("kind", "default") or not (value is False or value in ("", ())):  # the others are defaults
+            option = option_of(field)
+            for key, value in option._asdict().items():
+                if key in ("kind", "default") or value != Option._field_defaults[key]:
                     text += f"        {key}={literal(value)},\n"
             text += "    ),\n"
         text += "}\n"
@@ -103,6 +145,7 @@ def literal(value: object) -> str:
 
 if __name__ == "__main__":
     DATA.write_text(data())
+    FIELDS.write_text(fields())
     STUB.write_text(with_classes(STUB.read_text()))
     for script in ("api_docs.py", "file_table.py"):
         runpy.run_path(str(ROOT / "scripts" / script), run_name="__main__")

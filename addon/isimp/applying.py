@@ -218,13 +218,8 @@ def _up(step: rcp.Regularise | rcp.AlignPlanes, prepared, before) -> np.ndarray 
 def _apply_regularise(step: rcp.Regularise, prepared, before, watch, begin, end) -> Outcome:
     before = _needs_regions(before)
     up = _up(step, prepared, before)
-    options = engine.RegulariseOptions(
-        angle=step.angle,
-        length=step.length or None,
-        up="z" if up is not None else "none",
-        even_spacing=step.even_spacing,
-        merge_islands=step.merge_islands,
-    )
+    own = rcp.engine_options(step, rcp.REGULARISE) | {"up": "none" if up is None else "z"}
+    options = engine.RegulariseOptions(**own)
     snap = partial(engine.regularise, up_direction=up)
     args = (prepared.mesh, before.partition, options)
     partition = engine_call(watch, begin, end, "regularising", snap, *args)
@@ -321,9 +316,7 @@ _EDITS = {
 def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int) -> Outcome:
     """If the polygons violate the bound, repartitions with a smaller one, unless the partition was edited."""
     before = _needs_regions(before)
-    own = rcp.engine_options(step, rcp.MESHING)
-    own["straight_rims"] = None if step.straight_rims < 0 else step.straight_rims
-    options = engine.MeshingOptions(**own, threads=threads)
+    options = engine.MeshingOptions(**rcp.engine_options(step, rcp.MESHING), threads=threads)
 
     def job(of: float, to: float):
         share = 0.9 * (end - begin)

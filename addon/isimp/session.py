@@ -136,15 +136,7 @@ class Session:
         }
         arrays = (scan.vertices, scan.triangles, shown.uv, shown.material, shown.images)
         soup = engine.TexturedSoup(*arrays, names=shown.names, layers=layers)
-        options = engine.TextureOptions(
-            size=step.size or None,
-            tiles=step.tiles or None,
-            materials=step.materials,
-            height=step.height,
-            occlusion=step.occlusion,
-            occlusion_distance=step.occlusion_distance or None,
-            threads=self.threads,
-        )
+        options = engine.TextureOptions(**rcp.engine_options(step, rcp.TEXTURE), threads=self.threads)
         args = (mesh, outcome.partition, outcome.polygons, soup, options)
         make = partial(engine.texture, previous=self._textures.get(scan.digest))
         made = engine_call(watch, 0.0, 1.0, "making the texture", make, *args)
@@ -222,7 +214,6 @@ class Session:
 
     def _partition(self, step: rcp.Partition, prepared, before, watch, begin, end) -> Outcome:
         own = rcp.engine_options(step, rcp.PARTITION)
-        own |= {name: found(getattr(step, name)) for name in ("noise", "sharp_edges")}
         own = {name: value for name, value in own.items() if name not in rcp.COUNTS or name == step.count_by}
         options = engine.PartitionOptions(**own, backend=self.backend, threads=self.threads)
         locked = before is not None and before.partition.region_locked.any()
@@ -231,7 +222,7 @@ class Session:
         while not is_right:
             lengths = engine.openings.Lengths()
             if may_close:
-                opened = Closing(stitch=found(step.stitch), grid=found(step.grid))
+                opened = Closing(**rcp.engine_options(step, rcp.CLEAN))
                 args = (step, prepared.scan, opened, options, count, watch, begin, begin + 0.3 * (end - begin))
                 lengths = self._lengths(*args)
                 closing = opened.up_to(lengths, step.keep_openings) if lengths else opened
@@ -310,11 +301,6 @@ def _prepare(scan: Scan, plain, closing: Closing, watch: Watch, begin: float, en
     mesh = engine_call(watch, begin, middle, "reading the mesh", *args)
     with watch.part("reading the mesh", middle, end):
         return replace(prepared_of(scan, mesh), closing=closing)
-
-
-def found(length: float) -> float | None:
-    """A setting of a step as the engine has it: None where it is below 0, and the engine finds it."""
-    return None if length < 0 else length
 
 
 def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:

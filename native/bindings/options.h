@@ -101,6 +101,11 @@ class OptionsClass {
       }
       facts["range"] = words(f.range, f.unit);
       facts["unit"] = f.unit == Unit::length ? "length" : "";
+      facts["label"] = f.texts.label;
+      facts["tip"] = f.texts.tip;
+      if (f.slider.low > -std::numeric_limits<double>::infinity()) facts["low"] = f.slider.low;
+      if (f.slider.high < std::numeric_limits<double>::infinity()) facts["high"] = f.slider.high;
+      facts["digits"] = f.slider.digits;
       return facts;
     };
     if constexpr (is_optional<T>) {
@@ -128,7 +133,10 @@ class OptionsClass {
     std::vector<std::string> names;
     for (const auto& value : c.values) names.emplace_back(value.name);
     const auto about = [c, names] {
-      return py::dict("name"_a = c.name, "type"_a = "str", "about"_a = c.about, "choices"_a = names);
+      py::list items;
+      for (const auto& value : c.values) items.append(py::make_tuple(value.name, value.texts.label, value.texts.tip));
+      return py::dict("name"_a = c.name, "type"_a = "str", "about"_a = c.about, "choices"_a = names,
+                      "label"_a = c.texts.label, "tip"_a = c.texts.tip, "items"_a = items);
     };
     push(
         c.name, c.about,

@@ -104,7 +104,7 @@ class PartitionOptions:
     seed: int
     iterations: int
     seeding: Literal["random", "farthest", "hierarchical"]
-    method: Literal["lloyd", "hierarchy", "teleport", "naive", "queued", "hybrid"]
+    method: Literal["hierarchy", "teleport", "lloyd", "queued", "naive", "hybrid"]
     threads: int
     backend: str
     nearest: int
@@ -130,7 +130,7 @@ class PartitionOptions:
         seed: int = ...,
         iterations: int = ...,
         seeding: Literal["random", "farthest", "hierarchical"] = ...,
-        method: Literal["lloyd", "hierarchy", "teleport", "naive", "queued", "hybrid"] = ...,
+        method: Literal["hierarchy", "teleport", "lloyd", "queued", "naive", "hybrid"] = ...,
         threads: int = ...,
         backend: str = ...,
         nearest: int = ...,

@@ -12,7 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 
 from .. import recipe as rcp
 from . import runtime, units, weights
-from .properties import AlignSettings, MeshSettings, PartitionSettings, RegulariseSettings
+from .properties import AlignSettings, MeshSettings, PartitionSettings, RegulariseSettings, TextureSettings
 
 
 def changed(self, context) -> None:
@@ -45,7 +45,6 @@ def _plain(cls) -> type:
 _LIMITS = {
     (rcp.PaintFaces, "onto"): {},
     (rcp.SmoothFaces, "rounds"): {"min": 1, "max": rcp.MOST_ROUNDS},
-    (rcp.Texture, "size"): {"min": 0, "max": 16384},
     (rcp.EvenBorders, "strength"): {"min": 0.0, "max": 1.0, "subtype": "FACTOR"},
     **{(cls, "rings"): {"min": 1} for cls in (rcp.GrowRegion, rcp.ShrinkRegion)},
     **{(cls, "times"): {"min": 1} for cls in (rcp.AddWorst, rcp.DeleteLeast, rcp.MergeCheapest)},
@@ -58,13 +57,14 @@ def _words(name: str) -> str:
 
 def _group(cls) -> type:
     """The property group that holds the settings of a step in the panel."""
-    own = AlignSettings if cls is rcp.AlignPlanes else _SETTINGS.get(cls) or _plain(cls)
+    own = _SETTINGS.get(cls) or _OTHERS.get(cls) or _plain(cls)
     annotations = _watched(own) | units.SHOWN.get(cls, {})
     return type(f"Isimp{cls.__name__}", (bpy.types.PropertyGroup,), {"__annotations__": annotations})
 
 
 #: of those that a scan without regions has in the panel
 _SETTINGS = {rcp.Partition: PartitionSettings, rcp.Mesh: MeshSettings, rcp.Regularise: RegulariseSettings}
+_OTHERS = {rcp.AlignPlanes: AlignSettings, rcp.Texture: TextureSettings}
 _GROUPS = {cls: _group(cls) for cls in rcp.KINDS}
 _KNOWN = {cls: frozenset(group.__annotations__) for cls, group in _GROUPS.items()}
 

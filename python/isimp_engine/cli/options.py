@@ -22,9 +22,9 @@ _NEEDS = {
     "height": ("--height", "texture", "it has the places of the texture"),
     "tiles": ("--tiles", "texture", "it says how many images the texture has"),
     "materials": ("--keep-materials", "texture", "it says how many images the texture has"),
-    "even_spacing": ("--even-spacing", "regularise", "it moves planes that are parallel by it"),
-    "merge_islands": ("--merge-islands", "regularise", "islands are found by their planes"),
 }
+#: options of an engine's class whose flag has another name
+_FLAGS: dict[tuple[Options, str], str] = {(RegulariseOptions, "angle"): "regularise"}
 
 
 def simplify_options() -> argparse.ArgumentParser:
@@ -50,7 +50,7 @@ def simplify_options() -> argparse.ArgumentParser:
     turned = "snap planes: level, upright, parallel, coplanar; each turns by at most ANGLE degrees. Default: %(const)s"
     angle = RegulariseOptions().angle
     command.add_argument("--regularise", type=float, nargs="?", const=angle, metavar="ANGLE", help=turned)
-    add_fields(command, RegulariseOptions, ("even_spacing", "merge_islands"))
+    add_fields(command, RegulariseOptions, _snapping())
     command.add_argument(
         "--texture",
         type=partial(texturing.whole, "size"),
@@ -138,45 +138,49 @@ def _grid(text: str) -> float | None:
 _grid.__name__ = "grid: auto, off or a length"  # in argparse's message
 
 
+def _snapping() -> list[str]:
+    """The options of `--regularise` that have flags of their own."""
+    return names(RegulariseOptions, besides=("angle", "length", "up"))
+
+
 def options_of(arguments: argparse.Namespace, kind: Options) -> Any:
     """The engine's options of this kind as the command line has them; else the recipe's, else its defaults."""
-    given = {name: getattr(arguments, name) for name in names(kind) if getattr(arguments, name) is not None}
-    options = kind(**_of_recipe(arguments, given)) if kind is PartitionOptions else kind()
+    values = {name: getattr(arguments, _FLAGS.get((kind, name), name), None) for name in names(kind)}
+    given = {name: value for name, value in values.items() if value is not None}
+    options = kind(**_of_recipe(arguments.recipe, kind, given))
     for name, value in given.items():
         try:
             setattr(options, name, value)
         except InvalidInput as error:
-            flag = "--" + name.replace("_", "-")
+            flag = "--" + _FLAGS.get((kind, name), name).replace("_", "-")
             raise UsageError(str(error).replace(f"{kind.__name__}.{name}", flag)) from None
     return options
 
 
-def _of_recipe(arguments: argparse.Namespace, given: dict[str, Any]) -> dict[str, Any]:
-    """The recipe's options of a partition, without the given ones, and without its count if a count is given."""
-    if arguments.recipe is None:
+def _of_recipe(recipe: recipes.Recipe | None, kind: Options, given: dict[str, Any]) -> dict[str, Any]:
+    """The recipe's options of this kind, without the given ones, and without its count if a count is given."""
+    if recipe is None or kind is RegulariseOptions:  # with --regularise the recipe's planes are not snapped
         return {}
+    own = {CleanOptions: recipe.repair, MeshingOptions: recipe.meshing, PartitionOptions: recipe.partition}[kind]
     counted = any(name in given for name in _COUNTS)
-    own: dict[str, Any] = arguments.recipe.partition
     return {name: value for name, value in own.items() if name not in given and not (counted and name in _COUNTS)}
 
 
 def settle(arguments: argparse.Namespace) -> None:
     """Replace the arguments of the command line by arguments of the steps: the recipe and the engine's options."""
-    arguments.clean = options_of(arguments, CleanOptions)
     if isinstance(arguments.recipe, Path):
         try:
             arguments.recipe = recipes.read(arguments.recipe)
         except recipes.RecipeError as error:
             raise UsageError(str(error)) from None
     if arguments.recipe is not None:
-        for name, value in arguments.recipe.repair.items():
-            if getattr(arguments, name) is None:
-                setattr(arguments.clean, name, value)
         for name in _OF_RECIPE:
             if getattr(arguments, name) is None:
                 setattr(arguments, name, getattr(arguments.recipe, name))
-    for name, (flag, needed, reason) in _NEEDS.items():
+    snapping = {name: ("--" + name.replace("_", "-"), "regularise", "it is about its planes") for name in _snapping()}
+    for name, (flag, needed, reason) in (_NEEDS | snapping).items():
         value = getattr(arguments, name)
         if value is not None and value is not False and getattr(arguments, needed) is None:  # 0 is a value
             raise UsageError(f"{flag} needs --{needed}: {reason}")
+    arguments.clean = options_of(arguments, CleanOptions)
     arguments.options = options_of(arguments, PartitionOptions)

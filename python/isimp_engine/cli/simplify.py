@@ -35,6 +35,7 @@ from . import closing, guiding, lods, texturing, words
 from .errors import UsageError
 from .files import STDOUT, Outputs, check, is_same, show
 from .loading import Cleaned, Input, clean_mesh, close_mesh, facts, labels, load
+from .options import options_of
 from .progress import Steps, wanted
 
 OUTPUT_KINDS = (".ply", ".obj", *exporting.KINDS)
@@ -108,20 +109,10 @@ def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cle
     cleaned: the repaired scan, if it is known already; a mesh caches data of a partition for the next one.
     """
     options, recipe = arguments.options, arguments.recipe
-    meshing = MeshingOptions(**(recipe.meshing if recipe else {}) | {"threads": options.threads})
-    meshing.planar = meshing.planar or bool(arguments.planar)
-    if arguments.straight_rims is not None:
-        try:
-            meshing.straight_rims = arguments.straight_rims
-        except InvalidInput as error:
-            raise UsageError(str(error).replace("MeshingOptions.straight_rims", "--straight-rims")) from None
-    regular = None
+    meshing: MeshingOptions = options_of(arguments, MeshingOptions)
+    regular: RegulariseOptions | None = None
     if arguments.regularise is not None:
-        regular = RegulariseOptions(
-            angle=arguments.regularise,
-            even_spacing=bool(arguments.even_spacing),
-            merge_islands=arguments.merge_islands or 0.0,
-        )
+        regular = options_of(arguments, RegulariseOptions)
     (mesh, repaired, repaired_at), closed, guides, part = _partition(arguments, source, steps, cleaned, options.proxies)
     if recipe:
         with steps("partition") as job, refused(arguments):
@@ -133,7 +124,7 @@ def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cle
             except InvalidInput as error:
                 raise UsageError(str(error).replace("angle must", "--regularise must")) from None
     elif recipe is not None and recipe.regular is not None:
-        regular = recipe.regular.options
+        regular = recipe.regular
     with steps("mesh") as job:
         expected = expected_polygons(mesh, part, meshing, job)
     steps.say(f"expected: {words.expected(expected)}")

@@ -4,15 +4,14 @@ The command and batches read recipes with these modules, and the add-on has a co
 """
 
 from .checks import RecipeError
-from .engine_options import MESHING, PARTITION, REGULARISE, TEXTURE
+from .engine_options import CLEAN, MESHING, PARTITION, REGULARISE, TEXTURE
 from .language import count, noun, own, plural, said, speak
-from .options import Option
+from .options import COUNTS, Option
 from .plane_steps import ALIGNMENTS, UPS, AlignPlanes, Regularise
 from .recipe import Recipe, numbered_step, parsed
 from .round_steps import ROUND_KINDS, ExplodeRound, RoundRegions, RoundSegments
 from .step import KINDS, Step, engine_options
 from .steps import (
-    COUNTS,
     MARKS,
     METHODS,
     MOST_ROUNDS,
@@ -42,6 +41,7 @@ from .steps import (
 
 __all__ = [
     "ALIGNMENTS",
+    "CLEAN",
     "COUNTS",
     "KINDS",
     "MARKS",

@@ -31,15 +31,19 @@ def check_choice(wrong: bool, name: str, known: str, value: object) -> None:
     check(wrong, said("{name} must be one of {known}, got {value}", name=name, known=known, value=short(value)))
 
 
-def check_options(settings: dict[str, Any], table: dict[str, Option]) -> None:
-    """Refuses settings that the engine would refuse."""
-    for name, value in settings.items():
-        option = table[name]
+def check_options(step: object, table: dict[str, Option]) -> None:
+    """Refuses settings of a step that the engine would refuse."""
+    for name, option in table.items():
+        value = getattr(step, name, None)
+        if value is None:
+            continue
         if option.choices:
-            known = ", ".join(option.choices)
-            check_choice(value not in option.choices, name, known, value)
+            check_choice(value not in option.choices, name, ", ".join(option.choices), value)
+        elif option.is_below_zero:
+            must(option.accepts(value), name, own("a length, or below 0"), value)
         elif option.kind in {"int", "float"}:
-            must(option.holds(value), name, option.words, value)
+            words = said("0, or {words}", words=said(option.words)) if option.is_optional else option.words
+            must(option.accepts(value), name, words, value)
 
 
 def check_face(face: int) -> None:

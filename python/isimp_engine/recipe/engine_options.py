@@ -1,6 +1,31 @@
 """The engine's options of partition and meshing. Written by scripts/generate.py; do not edit."""
+# fmt: off
+# ruff: noqa: E501
 
 from .options import Option
+
+CLEAN: dict[str, Option] = {
+    "stitch": Option(
+        kind="float",
+        default=None,
+        words="a finite length, at least 0",
+        least=0.0,
+        unit="length",
+        label="Stitch",
+        tip="Largest gap between borders of chunks of a scan that become one, in the scan's units. 0: none do. Below 0: two mean edges, where a tenth of the border has another border that near",
+        high=1.0,
+    ),
+    "grid": Option(
+        kind="float",
+        default=None,
+        words="a finite length, at least 0",
+        least=0.0,
+        unit="length",
+        label="Grid Cell",
+        tip="Cell of the grid of occupied cells that the mesh was cut on, whose steps are smoothed, in the scan's units. 0: steps stay. Below 0: it is found",
+        high=1.0,
+    ),
+}
 
 MESHING: dict[str, Option] = {
     "chord_tolerance": Option(
@@ -9,6 +34,10 @@ MESHING: dict[str, Option] = {
         words="in [0, 100]",
         least=0.0,
         most=100.0,
+        label="Corner Tolerance",
+        tip="Distance of a border from a straight line at which it gets another corner, as a share of a region's size. A smaller value follows the scan more closely, with more corners",
+        low=0.01,
+        high=2.0,
     ),
     "chord_area": Option(
         kind="float",
@@ -23,6 +52,9 @@ MESHING: dict[str, Option] = {
         words="in [0, 100]",
         least=0.0,
         most=100.0,
+        label="Join Junctions",
+        tip="Largest distance at which two vertices of three polygons become one vertex of four, as a share of a region's size, where that gives better polygons. 0: none",
+        high=2.0,
     ),
     "reach": Option(
         kind="float",
@@ -36,6 +68,10 @@ MESHING: dict[str, Option] = {
         default=None,
         words="a finite length, at least 0",
         least=0.0,
+        unit="length",
+        label="Straight Rims",
+        tip="How far straight rims may leave the ragged border of an open scan, in the scan's units. 0: rims follow the border. Below 0: twice the raggedness, where the border is ragged",
+        high=1.0,
     ),
     "flatten": Option(
         kind="int",
@@ -43,6 +79,9 @@ MESHING: dict[str, Option] = {
         words="in [0, 10000]",
         least=0.0,
         most=10000.0,
+        label="Flatten",
+        tip="Rounds of moving corners to make polygons planar. 0: corners keep their first positions",
+        high=200.0,
     ),
     "flatness_from": Option(
         kind="int",
@@ -65,6 +104,8 @@ MESHING: dict[str, Option] = {
     "planar": Option(
         kind="bool",
         default=False,
+        label="Exactly Flat Faces",
+        tip="Make every polygon exactly planar. Corners that can't be on the plane of their polygon are cut off as triangles",
     ),
     "planar_reach": Option(
         kind="float",
@@ -79,12 +120,8 @@ MESHING: dict[str, Option] = {
         words="in [0, 1]",
         least=0.0,
         most=1.0,
-    ),
-    "threads": Option(
-        kind="int",
-        default=0,
-        words="at least 0",
-        least=0.0,
+        label="Cut at Most",
+        tip="Largest share of the polygons that Exactly Flat Faces may cut. If more would be, polygons stay whole and are not exactly planar, and the report says so",
     ),
 }
 
@@ -94,12 +131,18 @@ PARTITION: dict[str, Option] = {
         default=None,
         words="at least 1",
         least=1.0,
+        label="Regions",
+        tip="Number of regions. Each becomes one polygon, or a few",
+        high=5000.0,
     ),
     "triangles": Option(
         kind="int",
         default=None,
         words="at least 2",
         least=2.0,
+        label="Triangles",
+        tip="The polygons of Mesh make at most this many triangles, as a game counts them",
+        high=100000.0,
     ),
     "detail": Option(
         kind="float",
@@ -108,6 +151,11 @@ PARTITION: dict[str, Option] = {
         least=0.0,
         above_least=True,
         most=1.0,
+        label="Detail",
+        tip="Shapes below this share of the scan's size are ignored. A smaller value gives more regions",
+        low=0.0001,
+        high=0.05,
+        digits=4,
     ),
     "tolerance": Option(
         kind="float",
@@ -115,6 +163,10 @@ PARTITION: dict[str, Option] = {
         words="a finite length above 0",
         least=0.0,
         above_least=True,
+        unit="length",
+        label="Tolerance",
+        tip="Shapes below this length are ignored. A smaller value gives more regions",
+        high=10.0,
     ),
     "bound": Option(
         kind="float",
@@ -122,22 +174,36 @@ PARTITION: dict[str, Option] = {
         words="a finite length above 0",
         least=0.0,
         above_least=True,
+        unit="length",
+        label="Bound",
+        tip="Largest distance of a vertex from its region's plane. A smaller value gives more regions",
+        high=10.0,
     ),
     "noise": Option(
         kind="float",
         default=None,
         words="a finite length, at least 0",
         least=0.0,
+        unit="length",
+        label="Noise",
+        tip="Standard deviation of the scan's points, in the scan's units. Below 0: estimated",
+        high=0.1,
     ),
     "snap": Option(
         kind="bool",
         default=True,
+        label="Snap to Planes",
+        tip="If the shape clearly consists of planes, make one region for each plane",
     ),
     "sharp_edges": Option(
         kind="float",
         default=None,
         words="a finite length, at least 0",
         least=0.0,
+        unit="length",
+        label="Edge Width",
+        tip="Regions at edges that are narrower than this go to the planes beside them, in the scan's units. 0: three mean edges. Below 0: such regions stay",
+        high=0.1,
     ),
     "adaptivity": Option(
         kind="float",
@@ -145,6 +211,8 @@ PARTITION: dict[str, Option] = {
         words="in [0, 1]",
         least=0.0,
         most=1.0,
+        label="Finer Where Rough",
+        tip="Smaller regions where the scan is rough. 0: the same detail everywhere",
     ),
     "smooth": Option(
         kind="float",
@@ -152,15 +220,22 @@ PARTITION: dict[str, Option] = {
         words="in [0, 1]",
         least=0.0,
         most=1.0,
+        label="Straight Borders",
+        tip="How much short, straight borders count beside the error. 0: least error. 1: cleanest shapes",
     ),
     "symmetry": Option(
         kind="str",
         default="none",
         choices=("none", "x", "y", "z", "found"),
+        label="Symmetry",
+        tip="Regions and corners mirror, as the scan does within its noise",
+        items=(("none", "None", "Regions do not mirror"), ("x", "X", "Mirror in a plane across the scan's X axis, or nearly so"), ("y", "Y", "Mirror in a plane across the scan's Y axis, or nearly so"), ("z", "Z", "Mirror in a plane across the scan's Z axis, or nearly so"), ("found", "Found", "Mirror in the plane in which the scan mirrors, if there is one")),
     ),
     "curved": Option(
         kind="bool",
         default=False,
+        label="Round Parts",
+        tip="Cylinders, cones, spheres and surfaces of revolution become rings of equal segments",
     ),
     "leave_out": Option(
         kind="float",
@@ -169,38 +244,43 @@ PARTITION: dict[str, Option] = {
         least=0.0,
         most=1.0,
         below_most=True,
+        label="Ignore Parts Below",
+        tip="Loose parts below this share of the total area get no region and no polygon. 0: keep every part",
+        high=0.99,
+        digits=4,
     ),
     "seed": Option(
         kind="int",
         default=1,
         words="at least 0",
         least=0.0,
+        label="Seed",
+        tip="Seed of the random numbers",
     ),
     "iterations": Option(
         kind="int",
         default=20,
         words="at least 1",
         least=1.0,
+        label="Iterations",
+        tip="Maximum number of rounds of flooding and fitting. Fewer if the regions stop changing",
+        high=100.0,
     ),
     "seeding": Option(
         kind="str",
         default="random",
         choices=("random", "farthest", "hierarchical"),
+        label="Start",
+        tip="Faces at which the first regions start (all methods except Hierarchy)",
+        items=(("random", "Random", "Random faces"), ("farthest", "Farthest", "Each face where the surface differs most from all regions so far"), ("hierarchical", "Hierarchical", "One face in each region of the method Hierarchy")),
     ),
     "method": Option(
         kind="str",
         default="hierarchy",
-        choices=("lloyd", "hierarchy", "teleport", "naive", "queued", "hybrid"),
-    ),
-    "threads": Option(
-        kind="int",
-        default=0,
-        words="at least 0",
-        least=0.0,
-    ),
-    "backend": Option(
-        kind="str",
-        default="cpu",
+        choices=("hierarchy", "teleport", "lloyd", "queued", "naive", "hybrid"),
+        label="Method",
+        tip="Algorithm of the partition",
+        items=(("hierarchy", "Hierarchy", "Merge small patches, then relax the borders: the fastest, with the least error"), ("teleport", "Teleport", "As Lloyd; then merge the cheapest pair and split the worst region while the error falls"), ("lloyd", "Lloyd", "Flood from the seeds and fit planes, alternately: the method of the first paper"), ("queued", "Queued", "As Lloyd, but flood all faces of a queue at once: for GPUs"), ("naive", "Naive", "As Lloyd, but every face chooses among the nearest regions: for GPUs"), ("hybrid", "Hybrid", "Partition a decimated copy, and carry the regions back to the scan")),
     ),
     "nearest": Option(
         kind="int",
@@ -213,11 +293,13 @@ PARTITION: dict[str, Option] = {
         kind="str",
         default="grid",
         choices=("grid", "brute"),
+        items=(("grid", "", ""), ("brute", "", "")),
     ),
     "connect": Option(
         kind="str",
         default="repair",
         choices=("repair", "flood"),
+        items=(("repair", "", ""), ("flood", "", "")),
     ),
     "fraction": Option(
         kind="float",
@@ -236,6 +318,8 @@ REGULARISE: dict[str, Option] = {
         words="in [0, 45]",
         least=0.0,
         most=45.0,
+        label="Angle",
+        tip="Largest angle by which a plane is turned, in degrees",
     ),
     "length": Option(
         kind="float",
@@ -243,21 +327,32 @@ REGULARISE: dict[str, Option] = {
         words="a finite length above 0",
         least=0.0,
         above_least=True,
+        unit="length",
+        label="Allowed",
+        tip="What snapping may add to the distance of a region from its plane. 0: it follows from the noise of the scan, and all planes together add a tenth at most",
+        high=1.0,
     ),
     "up": Option(
         kind="str",
         default="z",
         choices=("x", "y", "z", "none"),
+        items=(("x", "", ""), ("y", "", ""), ("z", "", ""), ("none", "", "")),
     ),
     "even_spacing": Option(
         kind="bool",
         default=False,
+        label="Even Spacing",
+        tip="Make distances of parallel planes equal: of storeys, steps and rows of windows, and the widths that three or more windows have in common",
     ),
     "merge_islands": Option(
         kind="float",
         default=0.0,
         words="a finite length, at least 0",
         least=0.0,
+        unit="length",
+        label="Merge Islands",
+        tip="Window panes that are coplanar with the wall round them become part of it, with rims up to this depth. 0: none do",
+        high=1.0,
     ),
 }
 
@@ -268,6 +363,8 @@ TEXTURE: dict[str, Option] = {
         words="in [16, 16384]",
         least=16.0,
         most=16384.0,
+        label="Size",
+        tip="Width and height of the image in pixels; 0: as dense as the scan's images",
     ),
     "tiles": Option(
         kind="int",
@@ -275,10 +372,14 @@ TEXTURE: dict[str, Option] = {
         words="in [1, 100]",
         least=1.0,
         most=100.0,
+        label="Tiles",
+        tip="How many images of that size, as UDIM tiles; 0: one, or if Size is 0 as many as the density needs",
     ),
     "materials": Option(
         kind="bool",
         default=False,
+        label="Keep Materials Apart",
+        tip="Make a material with images of its own for each material of the scan. A polygon belongs to the one that most of its region shows",
     ),
     "unfold": Option(
         kind="float",
@@ -308,10 +409,14 @@ TEXTURE: dict[str, Option] = {
     "height": Option(
         kind="bool",
         default=False,
+        label="Height Map",
+        tip="Make an image of how far the scan lies above or below each polygon, with a Displacement node that is not linked: the normal map shows the same relief",
     ),
     "occlusion": Option(
         kind="bool",
         default=False,
+        label="Ambient Occlusion",
+        tip="Make an image of how much light from all directions reaches the scan, for glTF and other tools",
     ),
     "occlusion_distance": Option(
         kind="float",
@@ -319,6 +424,10 @@ TEXTURE: dict[str, Option] = {
         words="a finite length above 0",
         least=0.0,
         above_least=True,
+        unit="length",
+        label="Occlusion Distance",
+        tip="How far away faces may lie that keep light off; 0: at any distance, which is dark inside a closed room",
+        high=10.0,
     ),
     "occlusion_rays": Option(
         kind="int",
@@ -326,11 +435,5 @@ TEXTURE: dict[str, Option] = {
         words="in [9, 9216]",
         least=9.0,
         most=9216.0,
-    ),
-    "threads": Option(
-        kind="int",
-        default=0,
-        words="at least 0",
-        least=0.0,
     ),
 }

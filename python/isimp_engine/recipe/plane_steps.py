@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .checks import check, check_choice, check_options, indices, must, numbers
+from .checks import check, check_choice, check_options, indices, numbers
+from .engine_fields import RegulariseFields
 from .engine_options import REGULARISE
 from .language import said
 from .step import Step, count_faces
@@ -30,24 +31,12 @@ class _Upward(Step):
         three = len(self.direction) in (0, 3)
         check(not three, said("direction must have 3 numbers, got {number}", number=len(self.direction)))
         check(len(self.direction) == 3 and not any(self.direction), said("direction must not be 0"))
-        length = REGULARISE["length"]
-        fits = self.length == 0 or length.holds(self.length)
-        must(fits, "length", said("0, or {words}", words=length.words), self.length)
+        check_options(self, {name: option for name, option in REGULARISE.items() if name != "up"})
 
 
 @dataclass(frozen=True)
-class Regularise(_Upward):
+class Regularise(_Upward, RegulariseFields):
     """Snap the planes of regions: level, upright with right angles, equal slopes, parallel, coplanar."""
-
-    angle: float = REGULARISE["angle"].default  #: by which a plane is turned at most, in degrees
-    even_spacing: bool = REGULARISE["even_spacing"].default  #: also make distances of parallel planes equal
-    #: depth of a rim behind which islands become part of their wall, scene units; 0: none do
-    merge_islands: float = REGULARISE["merge_islands"].default
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        own = ("angle", "even_spacing", "merge_islands")
-        check_options({name: getattr(self, name) for name in own}, REGULARISE)
 
     def describe(self) -> str:
         return "Regularise"

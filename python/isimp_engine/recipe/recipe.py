@@ -149,7 +149,11 @@ class Recipe:
     @staticmethod
     def from_json(text: str) -> Recipe:
         """The recipe that `to_json` made. Raises RecipeError, which names the problem and the step."""
-        values = parsed(text, said("not a recipe"))
+        return Recipe.from_values(parsed(text, said("not a recipe")))
+
+    @staticmethod
+    def from_values(values: Any) -> Recipe:
+        """The recipe in the value of a JSON text."""
         check(
             not isinstance(values, dict) or "isimp_recipe" not in values, said("not a recipe: it has no 'isimp_recipe'")
         )
@@ -158,7 +162,7 @@ class Recipe:
         check(
             not known,
             said(
-                "the recipe has version {version}, this add-on reads up to {known}: update the add-on",
+                "the recipe has version {version}, this version of iSimp reads up to {known}: update iSimp",
                 version=short(version),
                 known=VERSION,
             ),

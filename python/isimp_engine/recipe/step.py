@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from .options import Option
 
@@ -13,8 +13,14 @@ KINDS: dict[type[Step], str] = {}
 
 
 def engine_options(step: Step, table: dict[str, Option]) -> dict[str, Any]:
-    """The settings of a step that are the engine's options, by the same names."""
-    return {field.name: getattr(step, field.name) for field in dataclasses.fields(step) if field.name in table}
+    """The settings of a step that are the engine's options, by the same names and as the engine has them."""
+    names = [field.name for field in dataclasses.fields(step) if field.name in table]
+    return {name: table[name].given(getattr(step, name)) for name in names}
+
+
+def unlabelled(table: dict[str, Option]) -> frozenset[str]:
+    """The options that the panel does not show."""
+    return frozenset(name for name, option in table.items() if not option.label)
 
 
 def count_faces(faces: tuple[int, ...]) -> str:
@@ -26,6 +32,9 @@ class Step:
     """Base of all steps: a step that is switched off has no effect."""
 
     enabled: bool = dataclasses.field(default=True, kw_only=True)
+
+    #: settings that are not saved where they have their defaults, as steps of earlier versions lack them
+    late: ClassVar[frozenset[str]] = frozenset()
 
     @property
     def kind(self) -> str:
@@ -39,4 +48,5 @@ class Step:
         values = {"step": KINDS[type(self)], **dataclasses.asdict(self)}
         if self.enabled:
             del values["enabled"]
-        return values
+        defaults = {field.name: field.default for field in dataclasses.fields(self) if field.name in self.late}
+        return {name: value for name, value in values.items() if name not in defaults or value != defaults[name]}

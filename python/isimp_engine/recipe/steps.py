@@ -13,15 +13,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from .checks import RecipeError, check, check_choice, check_face, check_options, indices, must, numbers, short
-from .engine_options import MESHING, PARTITION, TEXTURE
+from .engine_fields import CleanFields, MeshingFields, PartitionFields, TextureFields
+from .engine_options import CLEAN, MESHING, PARTITION, TEXTURE
 from .language import own, said
+from .options import COUNTS
 from .plane_steps import AlignPlanes, Regularise
 from .round_steps import ExplodeRound, RoundRegions, RoundSegments
-from .step import KINDS, Step, count_faces, engine_options
+from .step import KINDS, Step, count_faces, unlabelled
 
 METHODS = PARTITION["method"].choices
-#: settings that give the number of regions, and their defaults
-COUNTS = {"detail": 0.005, "tolerance": 1.0, "bound": 1.0, "proxies": 200, "triangles": 1000}
 #: settings of a Partition for barriers, and the layer of the scan (`Scan.layers`) that has them
 MARKS = {"seams": ".seam", "sharp": ".sharp", "materials": ".material", "face_sets": ".face_set"}
 SEEDINGS = PARTITION["seeding"].choices
@@ -33,7 +33,7 @@ _LARGEST_SEED = (1 << 63) - 1
 
 
 @dataclass(frozen=True)
-class Partition(Step):
+class Partition(PartitionFields, CleanFields):
     """Split the scan into regions, which replace all others except locked ones.
 
     `count_by` selects which of COUNTS is used; the others are ignored.
@@ -46,21 +46,6 @@ class Partition(Step):
     tolerance: float | None = None  #: the same in scene units
     bound: float | None = None  #: largest distance of a vertex from its region's plane, scene units
     adaptivity: float = 0.25  #: smaller regions where the scan is rough
-    smooth: float = PARTITION["smooth"].default  #: 0: least error; 1: cleanest shapes
-    symmetry: str = PARTITION["symmetry"].default  #: regions mirror across x, y or z, or in a plane that is found
-    curved: bool = PARTITION["curved"].default  #: cylinders, cones, spheres and the like become rings of segments
-    noise: float = -1.0  #: standard deviation of the scan's noise, scene units; below 0: estimated
-    snap: bool = PARTITION["snap"].default  #: take the number of planes if the scan clearly consists of planes
-    sharp_edges: float = (
-        -1.0
-    )  #: width of strips at edges that go to the planes beside; 0: three edges; below 0: none go
-    stitch: float = -1.0  #: how far borders of chunks may be apart that become one; 0: none do; below 0: it is found
-    grid: float = -1.0  #: cell of the grid whose steps are smoothed; 0: steps stay; below 0: it is found
-    seed: int = PARTITION["seed"].default
-    iterations: int = PARTITION["iterations"].default
-    method: str = PARTITION["method"].default
-    seeding: str = PARTITION["seeding"].default
-    leave_out: float = PARTITION["leave_out"].default
     close_openings: bool = True  #: close holes and tunnels of a noisy scan that the regions can't show,
     keep_openings: tuple[tuple[float, ...], ...] = ()  #: but for those at these places; scan coordinates
     weights: str = ""  #: vertex group or attribute; higher values give smaller regions; none if empty
@@ -72,28 +57,21 @@ class Partition(Step):
     angle: float = 180.0  #: nor one with a larger angle between its faces, in degrees,
     borders: str = ""  #: nor one between different values of this attribute of faces; none if empty
     faces: tuple[int, ...] = ()  #: split only these; empty: all
+    late = unlabelled(PARTITION) | {"keep_openings", "curved"}
 
     def __post_init__(self) -> None:
         self._settle_count()
         check_choice(self.count_by not in COUNTS, "count_by", ", ".join(COUNTS), self.count_by)
-        options = engine_options(self, PARTITION)
-        options.pop("noise"), options.pop("sharp_edges")
-        for name in ("noise", "sharp_edges", "stitch", "grid"):
-            must(math.isfinite(getattr(self, name)), name, own("a length, or below 0"), getattr(self, name))
-        check_options(options, PARTITION)
+        check_options(self, {name: option for name, option in PARTITION.items() if name not in COUNTS})
+        for name in COUNTS:
+            must(PARTITION[name].holds(getattr(self, name)), name, PARTITION[name].words, getattr(self, name))
+        check_options(self, CLEAN)
         must(0 <= self.influence <= 2, "influence", "in [0, 2]", self.influence)
         must(0 <= self.angle <= 180, "angle", own("in [0, 180] degrees"), self.angle)
         object.__setattr__(self, "faces", indices(self.faces) if len(self.faces) else ())
         places = tuple(numbers(place, said("a place of keep_openings")) for place in self.keep_openings)
         check(any(len(place) != 3 for place in places), said("each place of keep_openings must have 3 numbers"))
         object.__setattr__(self, "keep_openings", places)
-
-    def to_dict(self) -> dict[str, Any]:
-        values = super().to_dict()
-        for name in ("keep_openings", "curved"):  # as steps of earlier versions are
-            if not values[name]:
-                del values[name]
-        return values
 
     def keeping(self, place: Iterable[float], keep: bool) -> Partition:
         """The step with one more opening kept open, or without the kept place that is nearest to this one."""
@@ -347,21 +325,13 @@ class EvenBorders(Step):
 
 
 @dataclass(frozen=True)
-class Mesh(Step):
+class Mesh(MeshingFields):
     """Turn the regions into polygons."""
 
-    chord_tolerance: float = MESHING["chord_tolerance"].default
-    join_junctions: float = MESHING["join_junctions"].default
-    flatten: int = MESHING["flatten"].default
-    planar: bool = MESHING["planar"].default
-    planar_most: float = MESHING["planar_most"].default
-    straight_rims: float = -1.0  #: how far rims may leave a ragged border; 0: they follow it; below 0: it is found
+    late = unlabelled(MESHING)
 
     def __post_init__(self) -> None:
-        options = engine_options(self, MESHING)
-        options.pop("straight_rims")
-        check_options(options, MESHING)
-        must(math.isfinite(self.straight_rims), "straight_rims", own("a length, or below 0"), self.straight_rims)
+        check_options(self, MESHING)
         must(self.chord_tolerance > 0, "chord_tolerance", own("above 0"), self.chord_tolerance)
 
     def describe(self) -> str:
@@ -369,24 +339,13 @@ class Mesh(Step):
 
 
 @dataclass(frozen=True)
-class Texture(Step):
+class Texture(TextureFields):
     """Show the scan's images on the polygons of the Mesh step before it."""
 
-    size: int = 0  #: width and height of the image in pixels; 0: as dense as the scan's images
-    occlusion: bool = False  #: with an image of ambient occlusion
-    occlusion_distance: float = 0.0  #: how far away faces may be that keep light off; 0: at any distance
-    height: bool = False  #: with a height map
-    tiles: int = 0  #: images of that size, as UDIM tiles; 0: one, or as many as the scan's density needs
-    materials: bool = False  #: with images of its own for each of the scan's materials
+    late = unlabelled(TEXTURE)
 
     def __post_init__(self) -> None:
-        for name in ("size", "tiles"):
-            option, value = TEXTURE[name], getattr(self, name)
-            must(value == 0 or option.holds(value), name, said("0, or {words}", words=option.words), value)
-        length = TEXTURE["occlusion_distance"]
-        fits = self.occlusion_distance == 0 or length.holds(self.occlusion_distance)
-        words = said("0, or {words}", words=length.words)
-        must(fits, "occlusion_distance", words, self.occlusion_distance)
+        check_options(self, TEXTURE)
 
     def describe(self) -> str:
         return f"Texture {self.size:,}" if self.size else "Texture"

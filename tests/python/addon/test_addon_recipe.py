@@ -82,7 +82,7 @@ def test_steps_saved_before_a_setting_was_there_mean_what_they_meant():
         pytest.param("[" * 200_000, "not a recipe: its brackets are nested too deeply", id="deep"),
         pytest.param('{"isimp_recipe": "' + "9" * 10**6 + '"}', "version '9+[.]{3}9+'", id="long"),
         ("[]", "no 'isimp_recipe'"),
-        ('{"isimp_recipe": 99, "steps": []}', "version 99.*update the add-on"),
+        ('{"isimp_recipe": 99, "steps": []}', "version 99.*update iSimp"),
         ('{"isimp_recipe": 1}', "'steps' must be a list"),
         ('{"isimp_recipe": 1, "steps": [3]}', "step 1: not a step: 3"),
         ('{"isimp_recipe": 1, "steps": [{"step": "melt"}]}', "step 1: 'melt' is not a step"),
@@ -95,7 +95,7 @@ def test_steps_saved_before_a_setting_was_there_mean_what_they_meant():
         ('{"isimp_recipe": 1, "steps": [{"step": "mesh"}, {"step": "partition", "proxies": 0}]}', "step 2: proxies"),
         (
             '{"isimp_recipe": 1, "steps": [{"step": "partition", "method": "magic"}]}',
-            "method must be one of lloyd, hierarchy",
+            "method must be one of hierarchy, teleport",
         ),
         (
             '{"isimp_recipe": 1, "steps": [{"step": "partition", "count_by": "luck"}]}',

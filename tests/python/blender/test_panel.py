@@ -1,6 +1,7 @@
 """The panel: settings belong to a scan, have units, and every line and button has its place and its words."""
 
 import re
+import types
 from pathlib import Path
 
 import bpy
@@ -11,7 +12,20 @@ from drawing import Recorder, controls
 
 from isimp import blender
 from isimp import recipe as rcp
-from isimp.blender import clipping, measure, panel, pending, presets, reading, runtime, settings, store, targets, text
+from isimp.blender import (
+    clipping,
+    measure,
+    panel,
+    pending,
+    presets,
+    properties,
+    reading,
+    runtime,
+    settings,
+    store,
+    targets,
+    text,
+)
 from isimp.blender import result as results
 from isimp.blender.modal import RecipeOperator
 from isimp.blender.panel import main
@@ -476,3 +490,18 @@ def test_a_view_that_clips_the_scan_can_show_all_of_it(size):
     assert space.clip_end >= 1000
     assert (space.clip_start == pytest.approx(0.01)) == (size == 1.0)
     assert not clipping.hides(None, scan)
+
+
+def test_a_row_of_the_table_of_options_makes_a_property():
+    """The third of the places of tests/python/project/test_add_option.py that nobody writes."""
+    row = rcp.REGULARISE["angle"]._replace(label="Crisp", tip="How crisp it is", most=2.0)
+    step = types.SimpleNamespace(crispness=0.5)
+
+    @properties.with_options(step, {"crispness": row, "hidden": row._replace(label="")})
+    class Crisp:
+        pass
+
+    assert list(Crisp.__annotations__) == ["crispness"]
+    made = Crisp.__annotations__["crispness"]
+    texts = {"name": "Crisp", "description": "How crisp it is", "default": 0.5}
+    assert (made.function, made.keywords) == (bpy.props.FloatProperty, texts | {"min": 0.0, "max": 2.0})

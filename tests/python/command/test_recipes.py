@@ -30,8 +30,8 @@ def test_what_the_add_on_writes_is_read():
     assert found.partition["noise"] == 0.01
     assert not {"detail", "tolerance", "bound"} & found.partition.keys()
     assert found.angle == 40
-    assert found.edits == (("improve", 1), ("add_worst", 3))
-    assert recipe(rcp.Partition(), rcp.EvenBorders(strength=0.5)).edits == (("even_borders", 0.5),)
+    assert [(step.kind, getattr(step, "times", None)) for step in found.edits] == [("improve", None), ("add_worst", 3)]
+    assert [step.strength for step in recipe(rcp.Partition(), rcp.EvenBorders(strength=0.5)).edits] == [0.5]
     assert found.meshing["flatten"] == 7
     assert recipe(rcp.Partition()).partition["noise"] is None, "below 0: estimated"
     assert recipe(rcp.Partition(proxies=5), rcp.AddWorst(), rcp.Partition(proxies=6)).edits == ()
@@ -47,14 +47,17 @@ def test_every_preset_of_the_add_on_can_be_used():
 
 
 def test_recipes_of_earlier_versions_mean_what_they_meant():
-    """As in the add-on: a saved step has all settings of its version."""
-    assert {kind: tuple(map(sorted, pair)) for kind, pair in recipes._EARLIER.items()} == {
-        kind: tuple(map(sorted, pair)) for kind, pair in steps._EARLIER.items()
-    }
     old = {"step": "partition", "proxies": 9, "seed": 1, "leave_out": 0.001}
     found = recipes.parsed({"isimp_recipe": 1, "steps": [old, {"step": "mesh"}]})
-    assert found.partition["smooth"] == 0.0
-    assert found.partition["smooth"] == steps.step_from_dict(old).smooth
+    assert (found.partition["smooth"], found.repair["stitch"], found.close_openings) == (0.0, 0.0, False)
+
+
+def test_a_setting_that_people_leave_out_has_the_default_of_the_command():
+    found = recipes.parsed({"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 9}, {"step": "mesh"}]})
+    plain = engine.PartitionOptions(proxies=9).as_dict()
+    assert engine.PartitionOptions(**found.partition).as_dict() == plain
+    assert engine.MeshingOptions(**found.meshing).as_dict() == engine.MeshingOptions().as_dict()
+    assert engine.CleanOptions(**found.repair).as_dict() == engine.CleanOptions().as_dict()
 
 
 def test_a_texture_step_keeps_the_texture():
@@ -73,36 +76,42 @@ def test_a_texture_step_keeps_the_texture():
             recipes.parsed({"isimp_recipe": 1, "steps": steps_given})
 
 
+#: settings without which a step names no face
+_FACES = {"faces": [0], "line": [[0, 0, 0], [1, 0, 0]]}
+
+
 def test_every_step_is_known():
     """A step that is added to the add-on must be decided on here."""
     for cls, kind in steps.KINDS.items():
         if kind in ("partition", "mesh", "texture"):
             continue
         fields = {field.name for field in dataclasses.fields(cls)} - {"enabled"}
-        values = {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": kind}]}
+        more = {name: value for name, value in _FACES.items() if name in fields}
+        values = {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": kind, **more}]}
         if fields <= {"times", "strength"}:
-            assert recipes.parsed(values).edits == ((kind, 1),)
+            assert [step.kind for step in recipes.parsed(values).edits] == [kind]
         elif kind == "regularise":
-            assert recipes.parsed(values).regular.options.as_dict() == engine.RegulariseOptions().as_dict()
+            assert recipes.parsed(values).regular.as_dict() == engine.RegulariseOptions().as_dict()
         else:
             with pytest.raises(recipes.RecipeError, match=f"step 2: '{kind}' names faces of one scan"):
                 recipes.parsed(values)
 
 
 def test_regularise_is_read_with_its_settings():
-    found = recipe(rcp.Partition(), rcp.Regularise(angle=5.0, length=0.2, direction=(0.0, 2.0, 0.0))).regular
-    assert (found.options.angle, found.options.length, found.up) == (5.0, 0.2, (0.0, 2.0, 0.0))
-    assert recipe(rcp.Partition(), rcp.Regularise(up="y")).regular.options.up == "y"
-    assert recipe(rcp.Partition(), rcp.Regularise(up="none")).regular.options.up == "none"
+    found = recipe(rcp.Partition(), rcp.Regularise(angle=5.0, length=0.2, direction=(0.0, 2.0, 0.0)))
+    assert (found.regular.angle, found.regular.length, found.regular.up) == (5.0, 0.2, "z")
+    assert found.edits[0].direction == (0.0, 2.0, 0.0)
+    assert recipe(rcp.Partition(), rcp.Regularise(up="y")).regular.up == "y"
+    assert recipe(rcp.Partition(), rcp.Regularise(up="none")).regular.up == "none"
     assert recipe(rcp.Partition(), rcp.Regularise(enabled=False)).regular is None
     for settings, message in (
         ({"up": "region", "face": 3}, "takes up from a region of one scan"),
         ({"up": "down"}, "up must be one of"),
         ({"angle": 90}, "angle must be in"),
-        ({"length": -1}, "length must be a finite length above 0, got -1"),
-        ({"direction": [0, 0, 0]}, r"direction must be three finite numbers, not all 0, got \[0, 0, 0\]"),
-        ({"direction": [1]}, "direction must be three finite numbers"),
-        ({"gloss": 1}, "has no setting 'gloss'"),
+        ({"length": -1}, "length must be 0, or a finite length above 0, got -1"),
+        ({"direction": [0, 0, 0]}, "direction must not be 0"),
+        ({"direction": [1]}, "direction must have 3 numbers, got 1"),
+        ({"gloss": 1}, "regularise has no setting 'gloss'"),
     ):
         given = [{"step": "partition"}, {"step": "regularise", **settings}]
         with pytest.raises(recipes.RecipeError, match=f"step 2: .*{message}"):
@@ -140,16 +149,19 @@ def test_the_command_and_batches_regularise_as_a_recipe_says(tmp_path):
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ([], "is not a recipe"),
-        ({"isimp_recipe": 1}, "needs 'isimp_recipe' and the list 'steps'"),
-        ({"isimp_recipe": 2, "steps": []}, "version 2, this isimp reads up to 1"),
+        ([], "not a recipe"),
+        ({"isimp_recipe": 1}, "not a recipe: 'steps' must be a list"),
+        ({"isimp_recipe": 2, "steps": []}, "version 2, this version of iSimp reads up to 1"),
         ({"isimp_recipe": 1, "steps": []}, "no partition step"),
         ({"isimp_recipe": 1, "steps": [{"step": "improve"}]}, "step 1: there are no regions yet"),
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "faces": [1]}]}, "step 1: splits chosen faces"),
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "sharp": True}]}, "'sharp' needs marks of an object"),
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "weights": "w"}]}, "'weights' needs marks of an object"),
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "angle": 190}]}, r"angle must be in \[0, 180\]"),
-        ({"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 3, "detail": 0.1}]}, "detail and proxies each"),
+        (
+            {"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 3, "detail": 0.1}]},
+            "each set the number",
+        ),
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "colour": 3}]}, "has no setting 'colour'"),
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "method": "magic"}]}, "method"),
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "smooth": 3}]}, r"smooth must be in \[0, 1\], got 3"),
@@ -159,12 +171,12 @@ def test_the_command_and_batches_regularise_as_a_recipe_says(tmp_path):
             {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "mesh", "flatten": -1}]},
             r"step 2: flatten must be in \[0, 10000\], got -1",
         ),
-        ({"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "improve", "times": 0}]}, "at least 1, got 0"),
+        ({"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "add_worst", "times": 0}]}, "at least 1, got 0"),
         (
             {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "even_borders", "strength": 2}]},
             r"strength must be in \[0, 1\], got 2",
         ),
-        ({"isimp_recipe": 1, "steps": [3]}, "step 1: is not a step"),
+        ({"isimp_recipe": 1, "steps": [3]}, "step 1: not a step: 3"),
     ],
 )
 def test_what_can_not_be_used_says_why(values, words):
@@ -210,8 +222,8 @@ def test_a_recipe_in_a_file_that_is_wrong_names_the_file(scan, tmp_path):
     path = tmp_path / "r.json"
     for text, words in [
         ("{", "is not JSON"),
-        ("[" * 100_000, "is not JSON"),
-        ('{"isimp_recipe": 1}', "the list 'steps'"),
+        ("[" * 100_000, "its brackets are nested too deeply"),
+        ('{"isimp_recipe": 1}', "'steps' must be a list"),
     ]:
         path.write_text(text)
         with pytest.raises(recipes.RecipeError, match=words) as error:

@@ -125,4 +125,4 @@ def test_a_recipe_may_request_heights(tmp_path):
     steps[2]["height"] = 1
     (tmp_path / "r.json").write_text(json.dumps({"isimp_recipe": 1, "steps": steps}))
     done = isimp("simplify", scan, tmp_path / "out2.obj", "--recipe", tmp_path / "r.json")
-    assert "height must be true or false" in done.stderr
+    assert "height of texture must be true or false" in done.stderr

@@ -77,7 +77,7 @@ def test_a_recipe_keeps_them(tmp_path):
 @pytest.mark.parametrize("wrong", [3, [1, 2, 3], [[1, 2]], [[1, 2, "x"]], [[1, 2, float("inf")]], None])
 def test_a_recipe_with_wrong_places_is_refused(wrong):
     values = {"isimp_recipe": 1, "steps": [{"step": "partition", "keep_openings": wrong}]}
-    with pytest.raises(recipes.RecipeError, match="step 1: keep_openings must be a list of places"):
+    with pytest.raises(recipes.RecipeError, match=r"step 1: .*keep_openings"):
         recipes.parsed(values)
     with pytest.raises(rcp.RecipeError, match="keep_openings"):
         rcp.Recipe.from_json(json.dumps(values))

@@ -157,10 +157,10 @@ def test_the_texture_step_of_a_recipe_makes_it(tmp_path):
     steps = [{"step": "partition", "proxies": 6, "count_by": "proxies"}, {"step": "mesh"}]
     for texture, text in (
         ({"occlusion": True}, ""),
-        ({"occlusion": 1}, "step 3: occlusion must be true or false, got 1"),
+        ({"occlusion": 1}, "step 3: occlusion of texture must be true or false, got 1"),
         (
             {"occlusion": True, "occlusion_distance": -1},
-            "occlusion_distance must be a finite length, at least 0, got -1",
+            "occlusion_distance must be 0, or a finite length above 0, got -1",
         ),
     ):
         step = {"step": "texture", "size": 64} | texture

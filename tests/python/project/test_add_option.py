@@ -1,26 +1,34 @@
-"""The promise of CONTRIBUTING.md: a number added in two places of C++ and two of the add-on is an option everywhere."""
+"""The promise of CONTRIBUTING.md: two places of a header make an option. Its use and its row in the panel are left."""
 
-import dataclasses
-import runpy
+import importlib.util
+import json
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 import isimp_engine as engine
-from isimp.recipe import steps
 from isimp_engine.cli.command import parser
 
 ROOT = Path(__file__).resolve().parents[3]
 HEADERS = ROOT / "native" / "include"
+RECIPE = ROOT / "python" / "isimp_engine" / "recipe"
 ABOUT = "How crisp it is."
+#: of each class of options: its header, and the member and the row that the new ones come before
+CASES = {
+    engine.PartitionOptions: ("partition/options.h", "  double leave_out = ", '      field("leave_out"'),
+    engine.RegulariseOptions: ("regular/regularise.h", "  bool even_spacing = ", '      field("even_spacing"'),
+}
 MAIN = """
 #include <iostream>
 #include "isimp/partition/options.h"
+#include "isimp/regular/regularise.h"
 
-int main() {
-  isimp::PartitionOptions options;
+template <class Options>
+void show() {
+  Options options;
   std::cout << options.crispness << std::endl;
   options.crispness = 2;
   try {
@@ -29,12 +37,18 @@ int main() {
     std::cout << error.what() << std::endl;
   }
 }
+
+int main() {
+  show<isimp::PartitionOptions>();
+  show<isimp::RegulariseOptions>();
+}
 """
 
 
-def insert(text, before, line):
+def insert(path, before, line):
+    text = path.read_text()
     assert text.count(before) == 1
-    return text.replace(before, line + before)
+    path.write_text(text.replace(before, line + before))
 
 
 def test_two_places_in_a_header_give_a_checked_option(tmp_path):
@@ -43,51 +57,74 @@ def test_two_places_in_a_header_give_a_checked_option(tmp_path):
     if compiler is None or not eigen.is_dir():
         pytest.skip("there is no compiler here, or no Eigen")
     shutil.copytree(HEADERS, tmp_path / "include")
-    header = tmp_path / "include" / "isimp" / "partition" / "options.h"
-    text = insert(header.read_text(), "  double leave_out = ", "  double crispness = 0.5;\n")
-    field = f'      field("crispness", &O::crispness, between(0, 1), Unit::none, "{ABOUT}"),\n'
-    header.write_text(insert(text, '      field("leave_out"', field))
+    for name, member, row in CASES.values():
+        header = tmp_path / "include" / "isimp" / name
+        insert(header, member, "  double crispness = 0.5;\n")
+        text = f'field("crispness", &O::crispness, between(0, 1), Unit::none, "{ABOUT}").shown("Crisp", "{ABOUT}")'
+        insert(header, row, f"      {text},\n")
     (tmp_path / "main.cpp").write_text(MAIN)
     command = [compiler, "-std=c++20", f"-I{tmp_path / 'include'}", f"-I{eigen}"]
     command += [str(tmp_path / "main.cpp"), "-o", str(tmp_path / "main")]
     subprocess.run(command, check=True, timeout=120)
     said = subprocess.run([tmp_path / "main"], check=True, capture_output=True, text=True, timeout=10).stdout
-    assert said == "0.5\ncrispness must be in [0, 1], got 2\n"
+    assert said == 2 * "0.5\ncrispness must be in [0, 1], got 2\n"
 
 
 @pytest.fixture
 def crisp(monkeypatch):
-    """The engine's table as the bindings make it once the header has the number."""
+    """The engine's tables as the bindings make them once the headers have the number."""
     row = {"name": "crispness", "type": "float", "default": 0.5, "least": 0.0, "most": 1.0, "range": "in [0, 1]"}
+    row |= {"label": "Crisp", "tip": "How crisp it is"}
     like = next(field for field in engine.PartitionOptions.fields() if field["name"] == "smooth")
     assert set(row) <= set(like)
-    table = [*engine.PartitionOptions.fields(), like | row]
-    monkeypatch.setattr(engine.PartitionOptions, "fields", staticmethod(lambda: table))
-    monkeypatch.setattr(engine.PartitionOptions, "crispness", property(doc=ABOUT), raising=False)
+    for kind in CASES:
+        table = [*kind.fields(), like | row]
+        monkeypatch.setattr(kind, "fields", staticmethod(lambda table=table: table))
+        monkeypatch.setattr(kind, "crispness", property(doc=ABOUT), raising=False)
 
 
-def test_the_table_makes_stub_flag_and_the_add_ons_copy(crisp, generate, capsys):
-    stub = generate.stub_of(engine.PartitionOptions)
-    assert "    crispness: float\n" in stub
-    assert "        crispness: float = ...,\n" in stub
-    assert '    "crispness": Option(\n        kind="float",\n        default=0.5,\n' in generate.data()
-    parsed = parser().parse_args(["simplify", "a.ply", "b.ply", "--crispness", "0.25"])
-    assert parsed.crispness == 0.25
+@pytest.fixture
+def crisp_recipes(crisp, generate, monkeypatch, tmp_path):
+    """The recipes with the files that are made of such tables, and no other change."""
+    folder = tmp_path / "crisp_recipes"
+    shutil.copytree(RECIPE, folder)
+    (folder / generate.DATA.name).write_text(generate.data())
+    (folder / generate.FIELDS.name).write_text(generate.fields())
+    spec = importlib.util.spec_from_file_location("crisp_recipes", folder / "__init__.py")
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, "crisp_recipes", module)
+    spec.loader.exec_module(module)
+    yield module
+    for name in [name for name in sys.modules if name.startswith("crisp_recipes.")]:
+        del sys.modules[name]
+
+
+def test_the_table_makes_the_stub(crisp, generate):
+    for kind in CASES:
+        stub = generate.stub_of(kind)
+        assert "    crispness: float\n" in stub
+        assert "        crispness: float = ...,\n" in stub
+
+
+@pytest.mark.parametrize("kind", CASES, ids=lambda kind: kind.__name__)
+def test_the_table_makes_the_flag(crisp, kind, monkeypatch, capsys):
+    other = next(each for each in CASES if each is not kind)
+    fields = [field for field in other.fields() if field["name"] != "crispness"]
+    monkeypatch.setattr(other, "fields", staticmethod(lambda: fields))
+    assert parser().parse_args(["simplify", "a.ply", "b.ply", "--crispness", "0.25"]).crispness == 0.25
     with pytest.raises(SystemExit):
         parser().parse_args(["simplify", "--help"])
     assert ABOUT in capsys.readouterr().out
 
 
-def test_a_field_of_the_step_is_checked_and_reaches_the_engine(crisp, generate, monkeypatch, tmp_path):
-    copy = tmp_path / "engine_options.py"
-    copy.write_text(generate.data().replace("from .options import Option", "from isimp.recipe.options import Option"))
-    made = runpy.run_path(str(copy))
-    monkeypatch.setattr(steps, "PARTITION", made["PARTITION"])
-
-    @dataclasses.dataclass(frozen=True)
-    class Partition(steps.Partition):
-        crispness: float = 0.5
-
-    assert steps.engine_options(Partition(crispness=0.75), made["PARTITION"])["crispness"] == 0.75
-    with pytest.raises(steps.RecipeError, match=r"crispness must be in \[0, 1\], got 2"):
-        Partition(crispness=2)
+@pytest.mark.parametrize(("step", "table"), [("Partition", "PARTITION"), ("Regularise", "REGULARISE")])
+def test_steps_have_the_setting_check_it_and_give_it_to_the_engine(crisp_recipes, step, table):
+    cls, options = getattr(crisp_recipes, step), getattr(crisp_recipes, table)
+    assert (options["crispness"].label, options["crispness"].tip) == ("Crisp", "How crisp it is")
+    made = cls(crispness=0.75)
+    assert crisp_recipes.engine_options(made, options)["crispness"] == 0.75
+    text = crisp_recipes.Recipe((made,)).to_json()
+    assert json.loads(text)["steps"][0]["crispness"] == 0.75
+    assert crisp_recipes.Recipe.from_json(text).steps == (made,)
+    with pytest.raises(crisp_recipes.RecipeError, match=r"crispness must be in \[0, 1\], got 2"):
+        cls(crispness=2.0)

@@ -3,60 +3,16 @@ import bpy
 from ... import messages
 from ... import recipe as rcp
 from ...language import said
-from .. import display, mesh_io, pending, show, store, targets
+from .. import display, mesh_io, pending, settings, show, store, targets
 from ..modal import RecipeOperator
 
 
-class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
+class ISIMP_OT_texture(RecipeOperator, settings.TextureSettings, bpy.types.Operator):
     """Put the texture of the scan on the result: a UV map, and a material with colours and normals"""
 
     bl_idname = "isimp.texture"
     bl_label = "Keep Texture"
     adjusted = ("size", "tiles", "occlusion")
-
-    size: bpy.props.IntProperty(
-        name="Size",
-        description="Width and height of the image in pixels; 0: as dense as the scan's images",
-        default=0,
-        min=0,
-        max=16384,
-    )
-
-    occlusion: bpy.props.BoolProperty(
-        name="Ambient Occlusion",
-        description="Make an image of how much light from all directions reaches the scan, for glTF and other tools",
-        default=False,
-    )
-    occlusion_distance: bpy.props.FloatProperty(
-        name="Occlusion Distance",
-        description="How far away faces may lie that keep light off; 0: at any distance, which is dark inside a "
-        "closed room",
-        default=0.0,
-        min=0.0,
-        soft_max=10.0,
-        subtype="DISTANCE",
-    )
-
-    height: bpy.props.BoolProperty(
-        name="Height Map",
-        description="Make an image of how far the scan lies above or below each polygon, with a Displacement node that "
-        "is not linked: the normal map shows the same relief",
-        default=False,
-    )
-
-    tiles: bpy.props.IntProperty(
-        name="Tiles",
-        description="How many images of that size, as UDIM tiles; 0: one, or if Size is 0 as many as the density needs",
-        default=0,
-        min=0,
-        max=100,
-    )
-    materials: bpy.props.BoolProperty(
-        name="Keep Materials Apart",
-        description="Make a material with images of its own for each material of the scan. A polygon belongs to the "
-        "one that most of its region shows",
-        default=False,
-    )
 
     @classmethod
     def problem(cls, context, scan):
@@ -66,9 +22,7 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
         recipe = store.load(scan)
         if recipe is None or not recipe.ends_in_mesh():
             raise mesh_io.Unusable(said(messages.REGIONS_CHANGED))
-        distance = round(self.occlusion_distance, 6)
-        step = rcp.Texture(self.size, self.occlusion, distance, self.height, self.tiles, self.materials)
-        return recipe.then(step)
+        return recipe.then(settings.to_step(rcp.Texture, self))
 
     def _begin(self, context):
         work = super()._begin(context)

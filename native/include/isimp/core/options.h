@@ -13,7 +13,7 @@
 #include "isimp/core/errors.h"
 
 /// The table of options: name, range and meaning of each field of a struct of options, written once. Checks, the Python
-/// classes, their stubs, the flags of the command and the add-on's settings are made from it.
+/// classes, their stubs, the flags of the command, and the add-on's settings with their labels follow from it.
 ///
 /// Each struct has a function `constexpr auto fields(const Options*)` below it. It returns a tuple of Field and Choice,
 /// one for each member, in order. Defaults are the struct's own.
@@ -44,6 +44,19 @@ enum class Unit {
   length,  ///< scene units
 };
 
+/// The add-on's texts of a field: a field without a label is a setting of recipes, but not of the panel.
+struct Shown {
+  const char* label = "";
+  const char* tip = "";
+};
+
+/// The range of the add-on's slider, inside the range of the field.
+struct Slider {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  std::int32_t digits = 0;  ///< after the point; 0: as usual
+};
+
 /// One member of a struct of options; T may be a std::optional.
 template <class Options, class T>
 struct Field {
@@ -52,12 +65,20 @@ struct Field {
   Range range;
   Unit unit;
   const char* about;  ///< one or a few sentences
+  Shown texts = {};
+  Slider slider = {};
+
+  /// The field with a label and a tooltip, so that the add-on shows it.
+  [[nodiscard]] constexpr Field shown(const char* label, const char* tip, const Slider& range_shown = {}) const {
+    return {name, member, range, unit, about, {label, tip}, range_shown};
+  }
 };
 
 template <class Enum>
 struct NamedValue {
   const char* name;
   Enum value;
+  Shown texts = {};
 };
 
 /// A member that is an enumeration, with the names of its values.
@@ -67,6 +88,12 @@ struct Choice {
   Enum Options::*member;
   std::array<NamedValue<Enum>, N> values;
   const char* about;
+  Shown texts = {};
+
+  /// The field with a label and a tooltip, so that the add-on shows it.
+  [[nodiscard]] constexpr Choice shown(const char* label, const char* tip) const {
+    return {name, member, values, about, {label, tip}};
+  }
 };
 
 template <class Options, class T>

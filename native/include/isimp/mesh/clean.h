@@ -38,11 +38,19 @@ constexpr auto fields(const CleanOptions*) {
       field("stitch", &O::stitch, at_least(0), Unit::length,
             "Largest distance at which the borders of two chunks of a scan become one although their vertices do not "
             "match, in scene units. None: two mean edges, where a tenth of the border has another border that near. 0: "
-            "borders stay apart."),
+            "borders stay apart.")
+          .shown("Stitch",
+                 "Largest gap between borders of chunks of a scan that become one, in the scan's units. 0: none do. "
+                 "Below 0: two mean edges, where a tenth of the border has another border that near",
+                 {.high = 1}),
       field(
           "grid", &O::grid, at_least(0), Unit::length,
           "Cell of the grid of occupied and empty cells that the mesh was cut on: its stair steps are smoothed within "
-          "half a cell, in scene units. None: found, where the mesh is such a grid's. 0: steps stay."),
+          "half a cell, in scene units. None: found, where the mesh is such a grid's. 0: steps stay.")
+          .shown("Grid Cell",
+                 "Cell of the grid of occupied cells that the mesh was cut on, whose steps are smoothed, in the scan's "
+                 "units. 0: steps stay. Below 0: it is found",
+                 {.high = 1}),
       threads_field(&O::threads),
   };
 }

@@ -31,20 +31,34 @@ constexpr auto fields(const MeshingOptions*) {
   return std::tuple{
       field("chord_tolerance", &O::chord_tolerance, between(0, 100), Unit::none,
             "Distance between a boundary and its chord at which the boundary gets another corner, as a share of "
-            "sqrt(area / regions). Larger where the two regions are nearly coplanar."),
+            "sqrt(area / regions). Larger where the two regions are nearly coplanar.")
+          .shown("Corner Tolerance",
+                 "Distance of a border from a straight line at which it gets another corner, as a share of a region's "
+                 "size. A smaller value follows the scan more closely, with more corners",
+                 {.low = 0.01, .high = 2}),
       field("chord_area", &O::chord_area, between(0, 100), Unit::none,
             "Largest share of a region's area that its chords may add or leave out, so that small regions keep "
             "their shape. Larger where the two regions are nearly coplanar."),
       field("join_junctions", &O::join_junctions, between(0, 100), Unit::none,
             "Largest distance of two vertices where three regions meet that become one vertex, as a share of "
-            "sqrt(area / regions), if the polygons round them get better by it. 0: none do."),
+            "sqrt(area / regions), if the polygons round them get better by it. 0: none do.")
+          .shown("Join Junctions",
+                 "Largest distance at which two vertices of three polygons become one vertex of four, as a share of a "
+                 "region's size, where that gives better polygons. 0: none",
+                 {.high = 2}),
       field("reach", &O::reach, between(0, 1), Unit::none,
             "Largest distance of a corner from its vertex of the scan, as a share of the diagonal."),
       field("straight_rims", &O::straight_rims, at_least(0), Unit::length,
             "How far a straight rim may leave the ragged border of an open scan, in scene units. None: twice the "
-            "raggedness, where that is more than a mean edge of the border. 0: rims follow the border."),
+            "raggedness, where that is more than a mean edge of the border. 0: rims follow the border.")
+          .shown("Straight Rims",
+                 "How far straight rims may leave the ragged border of an open scan, in the scan's units. 0: rims "
+                 "follow the border. Below 0: twice the raggedness, where the border is ragged",
+                 {.high = 1}),
       field("flatten", &O::flatten, between(0, 10000), Unit::none,
-            "Rounds of fitting planes and moving corners. 0 keeps the first positions."),
+            "Rounds of fitting planes and moving corners. 0 keeps the first positions.")
+          .shown("Flatten", "Rounds of moving corners to make polygons planar. 0: corners keep their first positions",
+                 {.high = 200}),
       field("flatness_from", &O::flatness_from, any(), Unit::none,
             "Number of regions from which the limit is flatness itself. With fewer regions it is flatness * "
             "(flatness_from / regions)^4, since these are not planar themselves."),
@@ -57,13 +71,19 @@ constexpr auto fields(const MeshingOptions*) {
             "or a handle of the scan counts as 4. Those that prove unnecessary are undone."),
       field("planar", &O::planar,
             "Make every polygon planar to a millionth of the diagonal: planes and corners are moved together, and a "
-            "corner that can't be on its polygon's plane is cut off as a triangle."),
+            "corner that can't be on its polygon's plane is cut off as a triangle.")
+          .shown("Exactly Flat Faces",
+                 "Make every polygon exactly planar. Corners that can't be on the plane of their polygon are cut off "
+                 "as triangles"),
       field("planar_reach", &O::planar_reach, between(0, 1), Unit::none,
             "With planar: distance that a corner may move to be on its planes, as a share of the diagonal. Up to one "
             "and a half times as far along the scan where its edges are long, less where they are short."),
       field("planar_most", &O::planar_most, between(0, 1), Unit::none,
             "With planar: largest share of the polygons that may be cut to be planar. If more would be, none is made "
-            "planar, and the report says so (left_off)."),
+            "planar, and the report says so (left_off).")
+          .shown("Cut at Most",
+                 "Largest share of the polygons that Exactly Flat Faces may cut. If more would be, polygons stay whole "
+                 "and are not exactly planar, and the report says so"),
       threads_field(&O::threads),
   };
 }

@@ -83,67 +83,110 @@ constexpr auto fields(const PartitionOptions*) {
   return std::tuple{
       field("proxies", &O::proxies, at_least(1), Unit::none,
             "Number of regions, at most the number of faces. Give at most one of proxies, triangles, detail, tolerance "
-            "and bound."),
+            "and bound.")
+          .shown("Regions", "Number of regions. Each becomes one polygon, or a few", {.high = 5000}),
       field("triangles", &O::triangles, at_least(2), Unit::none,
             "As many regions as the polygons can have that make at most this many triangles. `partition` alone takes "
-            "one region for each 3.5; `polygonize_within` and all that uses it try several numbers."),
+            "one region for each 3.5; `polygonize_within` and all that uses it try several numbers.")
+          .shown("Triangles", "The polygons of Mesh make at most this many triangles, as a game counts them",
+                 {.high = 100000}),
       field("detail", &O::detail, above_to(0, 1), Unit::none,
             "Chooses the number of regions: smallest visible detail, as a share of the surface's size. 0.02, 0.01, "
-            "0.005, 0.0025 and 0.00125 go from very coarse to very fine. 0.005 if none of the five is given."),
+            "0.005, 0.0025 and 0.00125 go from very coarse to very fine. 0.005 if none of the five is given.")
+          .shown("Detail", "Shapes below this share of the scan's size are ignored. A smaller value gives more regions",
+                 {.low = 0.0001, .high = 0.05, .digits = 4}),
       field("tolerance", &O::tolerance, above(0), Unit::length,
-            "As detail, but in scene units: about the mean distance of the surface from the planes of its regions."),
+            "As detail, but in scene units: about the mean distance of the surface from the planes of its regions.")
+          .shown("Tolerance", "Shapes below this length are ignored. A smaller value gives more regions", {.high = 10}),
       field("bound", &O::bound, above(0), Unit::length,
             "As few regions as possible with every vertex within this distance of its region's plane, in scene "
-            "units. Method 'hierarchy' only."),
+            "units. Method 'hierarchy' only.")
+          .shown("Bound", "Largest distance of a vertex from its region's plane. A smaller value gives more regions",
+                 {.high = 10}),
       field("noise", &O::noise, at_least(0), Unit::length,
             "Standard deviation of the scan's noise, in scene units. Detail below 3.5 times it is ignored. None: "
-            "estimated. 0: a drawn model, not a scan."),
+            "estimated. 0: a drawn model, not a scan.")
+          .shown("Noise", "Standard deviation of the scan's points, in the scan's units. Below 0: estimated",
+                 {.high = 0.1}),
       field("snap", &O::snap,
             "If the surface clearly consists of a certain number of planes, use that number. For detail and "
-            "tolerance."),
+            "tolerance.")
+          .shown("Snap to Planes", "If the shape clearly consists of planes, make one region for each plane"),
       field("sharp_edges", &O::sharp_edges, at_least(0), Unit::length,
             "Rounded and dented edges become sharp: regions at edges that are narrower than this go to the planes "
             "beside them, in scene units. 0: three mean edges of the scan. None: such regions stay. Not for a bound, "
-            "a symmetry or a part of a partition."),
+            "a symmetry or a part of a partition.")
+          .shown("Edge Width",
+                 "Regions at edges that are narrower than this go to the planes beside them, in the scan's units. 0: "
+                 "three mean edges. Below 0: such regions stay",
+                 {.high = 0.1}),
       field("adaptivity", &O::adaptivity, between(0, 1), Unit::none,
-            "Smaller regions where the surface is rough. 0.25 suits figures, 0 suits buildings and drawn models."),
+            "Smaller regions where the surface is rough. 0.25 suits figures, 0 suits buildings and drawn models.")
+          .shown("Finer Where Rough", "Smaller regions where the scan is rough. 0: the same detail everywhere"),
       field("smooth", &O::smooth, between(0, 1), Unit::none,
             "Weight of short, straight borders relative to the error. 0: least error. 1: cleanest shapes. For method "
-            "'hierarchy', and for detail and tolerance."),
+            "'hierarchy', and for detail and tolerance.")
+          .shown("Straight Borders",
+                 "How much short, straight borders count beside the error. 0: least error. 1: cleanest shapes"),
       choice("symmetry", &O::symmetry,
-             {{"none", Symmetry::none},
-              {"x", Symmetry::x},
-              {"y", Symmetry::y},
-              {"z", Symmetry::z},
-              {"found", Symmetry::found}},
+             {{"none", Symmetry::none, {"None", "Regions do not mirror"}},
+              {"x", Symmetry::x, {"X", "Mirror in a plane across the scan's X axis, or nearly so"}},
+              {"y", Symmetry::y, {"Y", "Mirror in a plane across the scan's Y axis, or nearly so"}},
+              {"z", Symmetry::z, {"Z", "Mirror in a plane across the scan's Z axis, or nearly so"}},
+              {"found", Symmetry::found, {"Found", "Mirror in the plane in which the scan mirrors, if there is one"}}},
              "Regions that mirror, as the surface does. 'x', 'y', 'z': in a plane across that axis, or nearly so; "
              "refused where the surface does not mirror in it. 'found': in the plane in which the surface mirrors, if "
-             "there is one. Not for a bound."),
+             "there is one. Not for a bound.")
+          .shown("Symmetry", "Regions and corners mirror, as the scan does within its noise"),
       field("curved", &O::curved,
             "Makes round parts round: cylinders, cones, spheres and surfaces of revolution become rings of equal "
-            "segments. Not for a bound or symmetry."),
+            "segments. Not for a bound or symmetry.")
+          .shown("Round Parts", "Cylinders, cones, spheres and surfaces of revolution become rings of equal segments"),
       field("leave_out", &O::leave_out, from_below(0, 1), Unit::none,
             "Components below this share of the total area get no region, smallest first, as long as all of them "
             "together stay below ten times it; below twenty times it, where each has less than a tenth of the mean "
-            "area of the requested `proxies`. 0 keeps every component."),
-      field("seed", &O::seed, at_least(0), Unit::none, "Seed of the random numbers."),
-      field("iterations", &O::iterations, at_least(1), Unit::none, "Maximum number of rounds of flooding and fitting."),
+            "area of the requested `proxies`. 0 keeps every component.")
+          .shown("Ignore Parts Below",
+                 "Loose parts below this share of the total area get no region and no polygon. 0: keep every part",
+                 {.high = 0.99, .digits = 4}),
+      field("seed", &O::seed, at_least(0), Unit::none, "Seed of the random numbers.")
+          .shown("Seed", "Seed of the random numbers"),
+      field("iterations", &O::iterations, at_least(1), Unit::none, "Maximum number of rounds of flooding and fitting.")
+          .shown("Iterations", "Maximum number of rounds of flooding and fitting. Fewer if the regions stop changing",
+                 {.high = 100}),
       choice("seeding", &O::seeding,
-             {{"random", Seeding::random}, {"farthest", Seeding::farthest}, {"hierarchical", Seeding::hierarchical}},
+             {{"random", Seeding::random, {"Random", "Random faces"}},
+              {"farthest",
+               Seeding::farthest,
+               {"Farthest", "Each face where the surface differs most from all regions so far"}},
+              {"hierarchical",
+               Seeding::hierarchical,
+               {"Hierarchical", "One face in each region of the method Hierarchy"}}},
              "First seeds of 'lloyd' and 'teleport'. 'random': distinct random faces. 'farthest': each the face that "
-             "differs most from all seeds before. 'hierarchical': one face in each region of 'hierarchy'."),
-      choice("method", &O::method,
-             {{"lloyd", Method::lloyd},
-              {"hierarchy", Method::hierarchy},
-              {"teleport", Method::teleport},
-              {"naive", Method::naive},
-              {"queued", Method::queued},
-              {"hybrid", Method::hybrid}},
-             "How the regions are found. 'hierarchy': merge small patches, then relax the borders; the best and the"
-             " fastest. 'lloyd': flood and fit in turn, the method of the 2004 paper. 'teleport': as 'lloyd', then "
-             "merge the cheapest pair and split the worst region while the error falls. 'naive' and 'queued': as "
-             "'lloyd', with all faces, or all of a queue, flooded at once; for GPUs. 'hybrid': partition a "
-             "decimated mesh, and carry the regions back."),
+             "differs most from all seeds before. 'hierarchical': one face in each region of 'hierarchy'.")
+          .shown("Start", "Faces at which the first regions start (all methods except Hierarchy)"),
+      choice(
+          "method", &O::method,
+          {{"hierarchy",
+            Method::hierarchy,
+            {"Hierarchy", "Merge small patches, then relax the borders: the fastest, with the least error"}},
+           {"teleport",
+            Method::teleport,
+            {"Teleport", "As Lloyd; then merge the cheapest pair and split the worst region while the error falls"}},
+           {"lloyd",
+            Method::lloyd,
+            {"Lloyd", "Flood from the seeds and fit planes, alternately: the method of the first paper"}},
+           {"queued", Method::queued, {"Queued", "As Lloyd, but flood all faces of a queue at once: for GPUs"}},
+           {"naive", Method::naive, {"Naive", "As Lloyd, but every face chooses among the nearest regions: for GPUs"}},
+           {"hybrid",
+            Method::hybrid,
+            {"Hybrid", "Partition a decimated copy, and carry the regions back to the scan"}}},
+          "How the regions are found. 'hierarchy': merge small patches, then relax the borders; the best and the"
+          " fastest. 'lloyd': flood and fit in turn, the method of the 2004 paper. 'teleport': as 'lloyd', then "
+          "merge the cheapest pair and split the worst region while the error falls. 'naive' and 'queued': as "
+          "'lloyd', with all faces, or all of a queue, flooded at once; for GPUs. 'hybrid': partition a "
+          "decimated mesh, and carry the regions back.")
+          .shown("Method", "Algorithm of the partition"),
       threads_field(&O::threads),
       field("backend", &O::backend,
             "Where 'naive' and 'queued' run: one of backends(). The labels are the same on all."),

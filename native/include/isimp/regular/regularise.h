@@ -28,22 +28,34 @@ constexpr auto fields(const RegulariseOptions*) {
   return std::tuple{
       field("angle", &O::angle, between(0, 45), Unit::none,
             "Largest angle by which a plane is turned, degrees; three times as much where a region is so small that it "
-            "hardly moves."),
+            "hardly moves.")
+          .shown("Angle", "Largest angle by which a plane is turned, in degrees"),
       field(
           "length", &O::length, above(0), Unit::length,
           "What turning or moving a plane may add to the distance of its region, root mean square. None: 1.2 times "
           "the median of that distance, and more for regions of few faces, so it follows the scan's noise; the planes "
-          "that add most are released until all together add at most 10 % to that distance of the scan."),
+          "that add most are released until all together add at most 10 % to that distance of the scan.")
+          .shown("Allowed",
+                 "What snapping may add to the distance of a region from its plane. 0: it follows from the noise of "
+                 "the scan, and all planes together add a tenth at most",
+                 {.high = 1}),
       choice("up", &O::up, {{"x", Up::x}, {"y", Up::y}, {"z", Up::z}, {"none", Up::none}},
              "The axis that is up, for level and upright planes; none: planes are made parallel only."),
       field("even_spacing", &O::even_spacing,
             "Also make distances of parallel planes equal, as of storeys, stairs and rows of windows, and equal the "
             "sizes that three or more pairs of them have in common, as windows have their widths. No plane moves "
-            "further than the length allows."),
+            "further than the length allows.")
+          .shown("Even Spacing",
+                 "Make distances of parallel planes equal: of storeys, steps and rows of windows, and the widths that "
+                 "three or more windows have in common"),
       field("merge_islands", &O::merge_islands, at_least(0), Unit::length,
             "Largest depth of a rim behind which islands become part of their wall: window panes that are coplanar "
             "with the wall around them, which then is one polygon. No part of an island or its rim may be further from "
-            "the wall's plane. 0: none do."),
+            "the wall's plane. 0: none do.")
+          .shown("Merge Islands",
+                 "Window panes that are coplanar with the wall round them become part of it, with rims up to this "
+                 "depth. 0: none do",
+                 {.high = 1}),
   };
 }
 

@@ -29,14 +29,20 @@ constexpr auto fields(const TextureOptions*) {
   return std::tuple{
       field("size", &O::size, between(16, 16384), Unit::none,
             "Width and height of an image, in pixels. Not given: a power of two that keeps the scan's density, at "
-            "most 8,192."),
+            "most 8,192.")
+          .shown("Size", "Width and height of the image in pixels; 0: as dense as the scan's images"),
       field("tiles", &O::tiles, between(1, 100), Unit::none,
             "How many images of that size the charts are laid out in, as UDIM tiles. Not given: one; without a size as "
-            "many of 8,192 as keep the scan's density."),
+            "many of 8,192 as keep the scan's density.")
+          .shown("Tiles",
+                 "How many images of that size, as UDIM tiles; 0: one, or if Size is 0 as many as the density needs"),
       field(
           "materials", &O::materials,
           "Keeps the scan's materials apart: each gets images of its own, and as many tiles. A polygon belongs to the "
-          "material that most of its region shows."),
+          "material that most of its region shows.")
+          .shown("Keep Materials Apart",
+                 "Make a material with images of its own for each material of the scan. A polygon belongs to the one "
+                 "that most of its region shows"),
       field("unfold", &O::unfold, between(0, 90), Unit::none,
             "Largest angle between neighbouring polygons that share a chart, in degrees. 0: a chart for each polygon."),
       field("gutter", &O::gutter, between(2, 64), Unit::none,
@@ -46,12 +52,21 @@ constexpr auto fields(const TextureOptions*) {
             "points, so that both sides of an edge agree; in pixels of an image of 2,048. 0: none."),
       field("normals", &O::normals, "Makes a tangent-space normal map too."),
       field("height", &O::height,
-            "Makes a height map of 16 bits too: how far the scan lies above or below each polygon's plane."),
+            "Makes a height map of 16 bits too: how far the scan lies above or below each polygon's plane.")
+          .shown("Height Map",
+                 "Make an image of how far the scan lies above or below each polygon, with a Displacement node that is "
+                 "not linked: the normal map shows the same relief"),
       field("occlusion", &O::occlusion,
-            "Makes an image of ambient occlusion too: how much light from all directions reaches the scan."),
+            "Makes an image of ambient occlusion too: how much light from all directions reaches the scan.")
+          .shown("Ambient Occlusion",
+                 "Make an image of how much light from all directions reaches the scan, for glTF and other tools"),
       field("occlusion_distance", &O::occlusion_distance, above(0), Unit::length,
             "How far away faces may lie that keep that light off. Not given: at any distance, which is dark inside a "
-            "closed room."),
+            "closed room.")
+          .shown(
+              "Occlusion Distance",
+              "How far away faces may lie that keep light off; 0: at any distance, which is dark inside a closed room",
+              {.high = 10}),
       field("occlusion_rays", &O::occlusion_rays, between(9, 9216), Unit::none,
             "Directions in which light is looked for, in multiples of 9. More: smoother, and slower."),
       threads_field(&O::threads),
