@@ -28,7 +28,6 @@ from ..clutter import clutter
 from ..drafts import save_array
 from ..guided import Guides, partition_guided
 from ..openings import Lengths
-from ..texturing.writing import KINDS as TEXTURED_KINDS
 from ..texturing.writing import files_of
 from ..within import Made, Within, polygonize_within
 from . import closing, guiding, lods, texturing, words
@@ -37,8 +36,6 @@ from .files import STDOUT, Outputs, check, is_same, show
 from .loading import Cleaned, Input, clean_mesh, close_mesh, facts, labels, load
 from .options import options_of
 from .progress import Steps, wanted
-
-OUTPUT_KINDS = (".ply", ".obj", *exporting.KINDS)
 
 
 @dataclass(frozen=True)
@@ -244,7 +241,7 @@ def refused(arguments: argparse.Namespace) -> Iterator[None]:
 
 def output_kinds(arguments: argparse.Namespace) -> tuple[str, ...]:
     """The allowed endings of OUTPUT, with these options."""
-    return OUTPUT_KINDS if arguments.texture is None else TEXTURED_KINDS
+    return exporting.PLAIN if arguments.texture is None else exporting.TEXTURED
 
 
 def check_places(arguments: argparse.Namespace) -> list[Path]:

@@ -1,6 +1,5 @@
 """Writes files of polygons of all kinds."""
 
-import importlib.util
 from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
@@ -13,39 +12,10 @@ from .. import _core
 from .._core import FileError, InvalidInput, Job, Mesh, Partition, PolygonMesh
 from ..drafts import whole
 from ..reading import reader
-from . import cityjson, dxf, ifc
-from .surfaces import Surfaces, surfaces_of
+from .formats import Content, format_of, require
+from .surfaces import Surfaces
 
-KINDS = (".city.json", ".dxf", ".ifc", ".step", ".stp")
-STEP_KINDS = (".step", ".stp")
 UNITS = ("m", "mm")  #: what a scene unit may be in STEP
-_NEEDS = {".dxf": ("ezdxf", "dxf"), ".ifc": ("ifcopenshell", "ifc")}  # the package, and the extra that installs it
-_NEEDS |= dict.fromkeys(STEP_KINDS, ("OCP", "step"))
-_NAMES = {"OCP": "cadquery-ocp-novtk"}  # of packages that are imported under another name
-
-
-def kind_of(path: str | PathLike[str]) -> str | None:
-    """The one of KINDS that a name ends in; None for others."""
-    name = Path(path).name.lower()
-    return next((kind for kind in KINDS if name.endswith(kind)), None)
-
-
-def missing(path: str | PathLike[str]) -> str:
-    """The package, as pip names it, that a file of this kind needs and that is not installed; empty where none is."""
-    package, _ = _NEEDS.get(kind_of(path) or "", ("", ""))
-    is_there = not package or importlib.util.find_spec(package) is not None
-    return "" if is_there else _NAMES.get(package, package)
-
-
-def require(path: str | PathLike[str]) -> None:
-    """Refuse a file for which a package is missing, or can't be loaded. Raises FileError, which names it."""
-    package, extra = _NEEDS.get(kind_of(path) or "", ("", ""))
-    if not package:
-        return
-    if name := missing(path):
-        raise FileError(f"{path}: to write it the package {name} is needed: pip install 'isimp[{extra}]'")
-    with reader(path, f"the package {_NAMES.get(package, package)}, which is needed to write it, can't be loaded"):
-        importlib.import_module(package)
 
 
 def write(
@@ -87,28 +57,16 @@ def write(
     if unit not in UNITS:
         raise InvalidInput(f"unit must be one of {', '.join(UNITS)}, got {unit!r}")
     named = Path(like if like is not None else path)
-    kind = kind_of(named)
-    if kind is None:
+    found = format_of(named)
+    if found is None or found.writer is None:
         _core.write(path, polygons, job)
         return {}
     require(named)
-    at = Path(path)
-    name = named.name[: -len(kind)] or "building"
-    if kind in STEP_KINDS:
-        from .step.step_file import write as write_step  # needs OpenCASCADE
-
-        told: dict[str, Any] = {}
-        _whole(at, lambda draft: told.update(write_step(draft, polygons, name, partition, mesh, job, unit, place)))
-        return told
-    surfaces = surfaces or surfaces_of(polygons)
-    if kind == ".city.json":
-        text = cityjson.cityjson(polygons, surfaces, name, crs, version)
-        _whole(at, lambda draft: draft.write_text(text, encoding="utf-8"))
-    elif kind == ".dxf":
-        _whole(at, lambda draft: dxf.write(draft, polygons, surfaces))
-    else:
-        _whole(at, lambda draft: ifc.write(draft, polygons, surfaces, name, crs))
-    return {}
+    writer, told = found.writer, dict[str, Any]()
+    name = named.name[: -len(found.suffix)] or "building"
+    content = Content(polygons, name, job, crs, version, surfaces, partition, mesh, unit, place)
+    _whole(Path(path), lambda draft: told.update(writer(draft, content)))
+    return told
 
 
 def _whole(place: Path, put: Callable[[Path], object]) -> None:

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from .._core import FileError, Job, PolygonMesh, triangulate
 from ..drafts import deliver, draft_of
+from ..exporting import TEXTURED
 from . import images, ngons, obj
 from .baking import Texture
 from .glb import glb
 from .gltf_layers import Shown
 from .layers import HEIGHT, NORMAL
 
-KINDS = (".obj", ".glb")
 Put = Callable[[Path, bytes], object]
 
 
@@ -109,8 +109,8 @@ def safe(name: str) -> str:
 def files_of(path: Path, poly: PolygonMesh, made: Texture, job: Job | None = None) -> dict[Path, bytes]:
     """The contents of all files of an output, by name."""
     kind = path.suffix.lower()
-    if kind not in KINDS:
-        raise FileError(f"{path}: a texture can be written to {' or '.join(KINDS)} only")
+    if kind not in TEXTURED:
+        raise FileError(f"{path}: a texture can be written to {' or '.join(TEXTURED)} only")
     if why := refusal(path):
         raise FileError(why)
     tiles = sheets(made, path.stem)

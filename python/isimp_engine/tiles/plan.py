@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .. import FileError, InvalidInput, PartitionOptions, __version__
+from .. import FileError, InvalidInput, PartitionOptions, __version__, exporting
 from ..batch.errors import BatchError
 from ..batch.run import check_ranges
 from ..batch.scans import READABLE, find_scans
@@ -18,7 +18,6 @@ from .errors import TileFailed, TilesError
 from .tileset import Leaf, leaves, tileset_of
 
 DETAIL = 0.005  #: if neither a number nor a tolerance is given; the same as for one piece
-OUTPUTS = (".obj", ".ply")
 PARTITION = ("proxies", "detail", "tolerance", "noise", "snap", "smooth", "leave_out", "seed")
 
 
@@ -49,8 +48,8 @@ def options_of(options: Mapping[str, Any] | None, proxies: int | None, weld: flo
 
 
 def plan_of(source: Path, output: Path, work: Any, options: dict[str, Any], tile_faces: int) -> Plan:
-    if output.suffix.lower() not in OUTPUTS:
-        raise TilesError(f"{output}: OUTPUT must end in one of {', '.join(OUTPUTS)}")
+    if output.suffix.lower() not in exporting.TILES:
+        raise TilesError(f"{output}: OUTPUT must end in one of {', '.join(exporting.TILES)}")
     place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
     if not place.parent.is_dir():
         raise TilesError(f"{output}: there is no folder {output.parent} to write to")

@@ -1,5 +1,6 @@
 """CityJSON, DXF and IFC, read back by libraries that no one here wrote where they are installed."""
 
+import dataclasses
 import json
 import sys
 from pathlib import Path
@@ -11,7 +12,7 @@ import isimp_engine as engine
 from bench.generators import houses
 from isimp_engine.cli import main
 from isimp_engine.cli.lods import named
-from isimp_engine.exporting import require, surfaces_of, validity
+from isimp_engine.exporting import formats, require, surfaces_of, validity
 
 UTM = (450000.25, 5500000.5, 112.0)
 
@@ -166,6 +167,21 @@ def test_ifcopenshell_reads_ifc(tmp_path: Path, crs: int | None) -> None:
         found += [at[np.array(face.CoordIndex) - 1] for face in shape.Faces]
     assert {e.is_a() for e in elements} >= {"IfcWall", "IfcRoof"}
     same_rings(found, poly, within=1e-8)
+
+
+def test_a_row_is_all_that_a_format_needs(tmp_path: Path, monkeypatch) -> None:
+    def count(draft: Path, of: formats.Content) -> dict:
+        draft.write_text(f"{of.name} {len(of.polygons.loop_start)} {of.surfaces.solid}")
+        return {"lines": 1}
+
+    row = formats.Format(".count", count, "json", "json", "count")
+    monkeypatch.setattr(formats, "FORMATS", (*formats.FORMATS, row))
+    assert formats.kind_of("a.COUNT") == ".count"
+    assert engine.exporting.write(tmp_path / "box.count", box()) == {"lines": 1}
+    assert (tmp_path / "box.count").read_text() == "box 6 True"
+    monkeypatch.setattr(formats, "FORMATS", (dataclasses.replace(row, package="no_such_package"),))
+    with pytest.raises(engine.FileError, match=r"pip install 'isimp\[count\]'"):
+        engine.exporting.write(tmp_path / "box.count", box())
 
 
 def test_a_missing_package_is_named_before_the_work(tmp_path: Path, monkeypatch, capsys) -> None:

@@ -69,7 +69,7 @@ def test_info_repairs_once(scan, calls, capsys):
 
 @pytest.mark.parametrize("suffix", [".obj", ".city.json"])
 def test_surfaces_are_classified_once(scan, calls, tmp_path, suffix):
-    found = calls(surfaces, "surfaces_of", exporting, exporting.writing)
+    found = calls(surfaces, "surfaces_of", exporting, exporting.formats)
     assert cli.main(["simplify", str(scan), str(tmp_path / f"o{suffix}"), "--proxies", "6", "--quiet"]) == 0
     assert len(found) == 1
 

@@ -332,7 +332,7 @@ def test_the_command_writes_results_labels_and_a_report(tmp_path, whole):
     [
         (("nowhere", "a.obj", "--proxies", 5), 2, "there is no such folder or scan"),
         (("empty", "a.obj", "--proxies", 5), 2, "there is no scan"),
-        (("in", "a.stl", "--proxies", 5), 2, "OUTPUT must end in one of .obj, .ply"),
+        (("in", "a.stl", "--proxies", 5), 2, "OUTPUT must end in one of .ply, .obj"),
         (("in", "no/a.obj", "--proxies", 5), 2, "there is no folder no to write to"),
         (("in", "a.obj", "--proxies", 0), 2, "--proxies must be at least 1, got 0"),
         (("in", "a.obj", "--proxies", 5, "--smooth", 2), 2, "--smooth must be in [0, 1], got 2"),

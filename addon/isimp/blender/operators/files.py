@@ -18,7 +18,6 @@ from ...language import own, said
 from .. import mesh_io, places, reading, runtime, store, targets
 
 _SCANS = (".ply", ".obj", ".stl", ".off")
-_LOD_KINDS = (".glb", ".obj", ".city.json", ".dxf", ".ifc")
 _UNITS = (("m", "Metre", "A unit is a metre"), ("mm", "Millimetre", "A unit is a millimetre"))
 
 
@@ -100,7 +99,7 @@ class ISIMP_OT_export_building(_Model, bpy.types.Operator):
     def execute(self, context):
         scan, result, _ = targets.find_result(context)
         path = Path(bpy.path.abspath(self.filepath))
-        if engine.exporting.kind_of(path) not in (".city.json", ".dxf", ".ifc"):
+        if engine.exporting.kind_of(path) not in engine.exporting.BUILDING_KINDS:
             self.report({"ERROR"}, said("The name must end in .city.json, .dxf or .ifc."))
             return {"CANCELLED"}
         shown = context.view_layer.objects.active if targets.scan_of(context.view_layer.objects.active) else result
@@ -190,8 +189,8 @@ class ISIMP_OT_export_lods(bpy.types.Operator):
         scan, _ = targets.find(context)
         path = Path(bpy.path.abspath(self.filepath))
         kind = engine.exporting.kind_of(path) or path.suffix.lower()
-        if kind not in _LOD_KINDS:
-            self.report({"ERROR"}, said("The name must end in {kinds}.", kinds=", ".join(_LOD_KINDS)))
+        if kind not in engine.exporting.LODS:
+            self.report({"ERROR"}, said("The name must end in {kinds}.", kinds=", ".join(engine.exporting.LODS)))
             return {"CANCELLED"}
         levels = _levels(context, scan)
         stem = path.name[: len(path.name) - len(kind)]

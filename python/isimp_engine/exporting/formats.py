@@ -1,0 +1,139 @@
+"""The formats of files of polygons: one row each, which the command, tiles, textures and the add-on follow."""
+
+import importlib.util
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._core import FileError, Job, Mesh, Partition, PolygonMesh
+from ..reading import reader
+from . import cityjson, dxf, ifc
+from .surfaces import Surfaces, surfaces_of
+
+
+@dataclass(frozen=True)
+class Content:
+    """What a file is written of; see `write`."""
+
+    polygons: PolygonMesh
+    name: str  #: of the building or solid in the file
+    job: Job | None
+    crs: int | None
+    version: str
+    known: Surfaces | None
+    partition: Partition | None
+    mesh: Mesh | None
+    unit: str
+    place: NDArray[np.float64] | None
+
+    @cached_property
+    def surfaces(self) -> Surfaces:
+        """The polygons by class."""
+        return self.known or surfaces_of(self.polygons)
+
+
+Writer = Callable[[Path, Content], dict[str, Any]]  # returns facts for the report
+
+
+def _cityjson(draft: Path, of: Content) -> dict[str, Any]:
+    text = cityjson.cityjson(of.polygons, of.surfaces, of.name, of.crs, of.version)
+    draft.write_text(text, encoding="utf-8")
+    return {}
+
+
+def _dxf(draft: Path, of: Content) -> dict[str, Any]:
+    dxf.write(draft, of.polygons, of.surfaces)
+    return {}
+
+
+def _ifc(draft: Path, of: Content) -> dict[str, Any]:
+    ifc.write(draft, of.polygons, of.surfaces, of.name, of.crs)
+    return {}
+
+
+def _step(draft: Path, of: Content) -> dict[str, Any]:
+    from .step.step_file import write  # needs OpenCASCADE
+
+    return write(draft, of.polygons, of.name, of.partition, of.mesh, of.job, of.unit, of.place)
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format of files of polygons."""
+
+    suffix: str
+    writer: Writer | None = None  #: None: the engine writes it itself
+    package: str = ""  #: that the writer imports
+    pip: str = ""  #: name of that package for pip
+    extra: str = ""  #: of isimp, which installs it
+    plain: bool = True  #: for polygons without a texture
+    textured: bool = False  #: for polygons with a texture
+    tiles: bool = False  #: for the result of `isimp tiles`
+    lods: bool = False  #: for levels of detail from Blender
+    menu: str = ""  #: in Blender's File > Export: "building" or "solid"
+
+    @property
+    def is_missing(self) -> bool:
+        """Whether its package is not installed."""
+        return bool(self.package) and importlib.util.find_spec(self.package) is None
+
+
+FORMATS = (
+    Format(".ply", tiles=True),
+    Format(".obj", tiles=True, textured=True, lods=True),
+    Format(".glb", plain=False, textured=True, lods=True),
+    Format(".city.json", _cityjson, lods=True, menu="building"),
+    Format(".dxf", _dxf, "ezdxf", "ezdxf", "dxf", lods=True, menu="building"),
+    Format(".ifc", _ifc, "ifcopenshell", "ifcopenshell", "ifc", lods=True, menu="building"),
+    Format(".step", _step, "OCP", "cadquery-ocp-novtk", "step", menu="solid"),
+    Format(".stp", _step, "OCP", "cadquery-ocp-novtk", "step", menu="solid"),
+)
+
+
+def suffixes(wanted: Callable[[Format], object]) -> tuple[str, ...]:
+    """The endings of the formats that a rule accepts."""
+    return tuple(each.suffix for each in FORMATS if wanted(each))
+
+
+PLAIN = suffixes(lambda each: each.plain)
+TEXTURED = suffixes(lambda each: each.textured)
+TILES = suffixes(lambda each: each.tiles)
+LODS = suffixes(lambda each: each.lods)
+BUILDING_KINDS = suffixes(lambda each: each.menu == "building")
+STEP_KINDS = suffixes(lambda each: each.menu == "solid")
+KINDS = suffixes(lambda each: each.writer)  #: those that this package writes
+
+
+def format_of(path: str | PathLike[str]) -> Format | None:
+    """The format that a name ends in; None for others."""
+    name = Path(path).name.lower()
+    return next((each for each in FORMATS if name.endswith(each.suffix)), None)
+
+
+def kind_of(path: str | PathLike[str]) -> str | None:
+    """The one of KINDS that a name ends in; None for others."""
+    found = format_of(path)
+    return found.suffix if found and found.writer else None
+
+
+def missing(path: str | PathLike[str]) -> str:
+    """The package, as pip names it, that a file of this kind needs and that is not installed; empty where none is."""
+    found = format_of(path)
+    return found.pip if found and found.is_missing else ""
+
+
+def require(path: str | PathLike[str]) -> None:
+    """Refuse a file for which a package is missing, or can't be loaded. Raises FileError, which names it."""
+    found = format_of(path)
+    if found is None or not found.package:
+        return
+    if found.is_missing:
+        raise FileError(f"{path}: to write it the package {found.pip} is needed: pip install 'isimp[{found.extra}]'")
+    with reader(path, f"the package {found.pip}, which is needed to write it, can't be loaded"):
+        importlib.import_module(found.package)
