@@ -358,7 +358,7 @@ def add_row(path, row):
 
 def what_came(scan, result):
     """The row of a scan that became polygons."""
-    numbers = of_addon("isimp.blender.store").numbers(scan)
+    numbers = of_addon("isimp.blender.scene.store").numbers(scan)
     return {
         "regions": numbers["regions"],
         "polygons": len(result.data.polygons),

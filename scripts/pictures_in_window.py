@@ -102,7 +102,7 @@ def film(hand):
         space.region_3d.view_rotation = Quaternion((0, 0, 1), np.radians(turn)) @ start
         yield from made.take(90)
     yield from hand.press("isimp.compare")
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     for share in (0.85, 0.78, 0.7, 0.62, 0.54, 0.46, 0.38, 0.3, 0.24, 0.24, 0.3, 0.36, 0.4):
         runtime.get().comparison.share = share

@@ -12,15 +12,7 @@ from . import smoothing, view
 from .engine import engine
 from .language import said
 from .outcome import Outcome
-from .prepared import (
-    Prepared,
-    face_regions,
-    joined_pairs,
-    pair_lengths,
-    triangle_at,
-    triangles_at,
-    with_split_faces,
-)
+from .prepared import Prepared, face_regions, joined_pairs, pair_lengths, triangle_at, triangles_at, with_split_faces
 from .task import Stopped, Watch
 
 ALONG_AN_AXIS = 0.94  #: cosine of the angle from which a plane's normal is not along an axis: 20 degrees

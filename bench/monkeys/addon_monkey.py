@@ -262,7 +262,7 @@ class Monkey:
         return None
 
     def recipe(self) -> str:
-        store = sys.modules["isimp.blender.store"]
+        store = sys.modules["isimp.blender.scene.store"]
         obj = bpy.context.view_layer.objects.active
         found = store.load(obj) if obj is not None and obj.type == "MESH" else None
         return found.to_json() if found else GARBAGE[-1]
@@ -330,7 +330,7 @@ class Monkey:
         if how == "one" and count:
             chosen[self.random.randrange(count)] = True
         if obj.mode in ("OBJECT", "EDIT"):
-            sys.modules["isimp.blender.mesh_io"].select_polygons(obj, chosen)
+            sys.modules["isimp.blender.scene.mesh_io"].select_polygons(obj, chosen)
         bpy.ops.ed.undo_push(message="select")
 
     def turn_to(self) -> None:
@@ -392,9 +392,9 @@ class Monkey:
             self.settle()
 
     def settle(self) -> None:
-        live = sys.modules["isimp.blender.runtime"].get().live
+        live = sys.modules["isimp.blender.scene.runtime"].get().live
         live.pending = True
-        if sys.modules["isimp.blender.live"]._find(bpy.context) is None:
+        if sys.modules["isimp.blender.work.live"]._find(bpy.context) is None:
             live.pending = False
             return
         self.note("settle", None)

@@ -109,7 +109,7 @@ class Monkey:
         """Ends all open tools, and waits for the end of work."""
         import bpy
 
-        from isimp.blender import runtime
+        from isimp.blender.scene import runtime
 
         for window in list(bpy.context.window_manager.windows)[1:]:
             with bpy.context.temp_override(window=window):

@@ -62,7 +62,7 @@ def run(hand):
     import bpy
 
     import isimp
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     def here():
         return bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW"))

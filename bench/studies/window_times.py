@@ -145,7 +145,11 @@ def run(hand):
 
     import isimp
     from isimp import session
-    from isimp.blender import live, modal, overlay, pending, preferences, preview, runtime, shaders
+    from isimp.blender import preferences
+    from isimp.blender.drawing import shaders
+    from isimp.blender.scene import runtime
+    from isimp.blender.view import overlay
+    from isimp.blender.work import live, modal, pending, preview
 
     load(os.environ["ISIMP_SCAN"])
     yield 1

@@ -2,25 +2,11 @@
 
 import bpy
 
-from . import (
-    clipping,
-    command,
-    comparison,
-    display,
-    live,
-    menus,
-    operators,
-    overlay,
-    panel,
-    preferences,
-    presets,
-    runtime,
-    settings,
-    start,
-    store,
-    tools,
-    translations,
-)
+from . import command, menus, operators, panel, preferences, tools, translations
+from .controls import presets, settings
+from .scene import runtime, store
+from .view import clipping, comparison, display, overlay, start
+from .work import live
 
 _CLASSES = (
     *store.CLASSES,

@@ -3,8 +3,9 @@
 import bpy
 
 from .. import recipe as rcp
-from . import pointed, settings
+from .controls import settings
 from .panel.planes import align
+from .scene import pointed
 
 _SELECT = (
     ("SIZE", "Select Small Regions"),

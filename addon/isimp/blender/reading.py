@@ -10,7 +10,8 @@ import time
 import bpy
 import numpy as np
 
-from . import late, marks, mesh_io, runtime, weights
+from .drawing import late
+from .scene import marks, mesh_io, runtime, weights
 
 SPAN = 0.04  #: seconds at once that reading, or writing, may keep the window waiting
 

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import comparison
 from isimp.blender.operators import compare
+from isimp.blender.view import comparison
 
 pytestmark = pytest.mark.usefixtures("scene")
 

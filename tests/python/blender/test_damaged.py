@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import aside, mesh_io, store, targets
+from isimp.blender.scene import aside, mesh_io, store, targets
 from isimp.recipe import AddProxy, Partition, Recipe
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -334,7 +334,7 @@ def test_a_setting_beyond_what_the_panel_can_hold_is_kept_in_the_steps(silent):
     step = Partition(count_by="proxies", proxies=6, seed=2**40, tolerance=1e300, bound=1e-9)
     bpy.ops.isimp.replay(recipe=Recipe((step,)).to_json())
     bpy.context.window_manager.isimp.partition.proxies = 7
-    from isimp.blender import settings
+    from isimp.blender.controls import settings
 
     recipe = settings.from_panel(bpy.context, store.load(scan))
     assert (recipe.steps[0].proxies, recipe.steps[0].seed, recipe.steps[0].tolerance) == (7, 2**40, 1e300)

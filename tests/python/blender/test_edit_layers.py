@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import mesh_io, modal, reading, show, store
+from isimp.blender import reading
+from isimp.blender.scene import mesh_io, store
+from isimp.blender.work import modal, show
 from isimp.recipe import AddProxy
 
 pytestmark = pytest.mark.usefixtures("scene")

@@ -6,7 +6,7 @@ import pytest
 import scans
 
 from isimp import recipe as rcp
-from isimp.blender import pointed, store
+from isimp.blender.scene import pointed, store
 
 pytestmark = pytest.mark.usefixtures("scene")
 

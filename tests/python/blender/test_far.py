@@ -8,7 +8,8 @@ import pytest
 import scans
 from mathutils import Matrix
 
-from isimp.blender import mesh_io, store, text
+from isimp.blender.scene import mesh_io, store
+from isimp.blender.texts import text
 from isimp.session import engine
 
 pytestmark = pytest.mark.usefixtures("scene")

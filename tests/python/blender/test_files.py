@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import menus, places, store, targets
+from isimp.blender import menus
+from isimp.blender.scene import places, store, targets
 from isimp.engine import engine
 
 pytestmark = pytest.mark.usefixtures("scene")

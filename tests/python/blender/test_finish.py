@@ -6,7 +6,8 @@ import pytest
 import scans
 
 from isimp import recipe as rcp
-from isimp.blender import settings, store, targets
+from isimp.blender.controls import settings
+from isimp.blender.scene import store, targets
 
 pytestmark = pytest.mark.usefixtures("scene")
 OPS = bpy.ops.isimp

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import store, targets
+from isimp.blender.scene import store, targets
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -227,7 +227,7 @@ def test_faces_added_later_make_a_partition_necessary():
 
 
 def test_faults_are_told_by_kind_and_unused_vertices_are_none():
-    from isimp.blender import text
+    from isimp.blender.texts import text
 
     scan = scans.cube(cells=4)
     assert text.repair_lines(store.numbers(scan), "NONE", 1.0) == []

@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import late, mesh_io, reading, runtime
+from isimp.blender import reading
+from isimp.blender.drawing import late
+from isimp.blender.scene import mesh_io, runtime
 
 
 @pytest.fixture

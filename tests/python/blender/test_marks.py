@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import weights
+from isimp.blender.scene import weights
 from isimp.recipe import Mesh, PaintFaces, Partition, Recipe
 
 pytestmark = pytest.mark.usefixtures("scene")

@@ -8,7 +8,8 @@ import pytest
 import scans
 from mathutils import Matrix
 
-from isimp.blender import store, text
+from isimp.blender.scene import store
+from isimp.blender.texts import text
 from isimp.session import engine
 
 pytestmark = pytest.mark.usefixtures("scene")

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import store, text
+from isimp.blender.scene import store
+from isimp.blender.texts import text
 
 pytestmark = pytest.mark.usefixtures("scene")
 

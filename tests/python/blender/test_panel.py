@@ -12,23 +12,15 @@ from drawing import Recorder, controls
 
 from isimp import blender
 from isimp import recipe as rcp
-from isimp.blender import (
-    clipping,
-    measure,
-    panel,
-    pending,
-    presets,
-    properties,
-    reading,
-    runtime,
-    settings,
-    store,
-    targets,
-    text,
-)
-from isimp.blender import result as results
-from isimp.blender.modal import RecipeOperator
+from isimp.blender import panel, reading
+from isimp.blender.controls import presets, properties, settings
 from isimp.blender.panel import main
+from isimp.blender.scene import measure, runtime, store, targets
+from isimp.blender.scene import result as results
+from isimp.blender.texts import text
+from isimp.blender.view import clipping
+from isimp.blender.work import pending
+from isimp.blender.work.modal import RecipeOperator
 from test_texture import textured_cube
 
 pytestmark = pytest.mark.usefixtures("scene")

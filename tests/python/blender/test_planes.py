@@ -7,8 +7,11 @@ import scans
 from drawing import controls
 
 from isimp import recipe as rcp
-from isimp.blender import pending, runtime, settings, store, text, upward
+from isimp.blender.controls import settings, upward
 from isimp.blender.panel import planes
+from isimp.blender.scene import runtime, store
+from isimp.blender.texts import text
+from isimp.blender.work import pending
 
 pytestmark = pytest.mark.usefixtures("scene")
 OPS = bpy.ops.isimp

@@ -6,7 +6,8 @@ import pytest
 import scans
 
 from isimp import session
-from isimp.blender import preferences, runtime
+from isimp.blender import preferences
+from isimp.blender.scene import runtime
 
 pytestmark = pytest.mark.usefixtures("scene")
 

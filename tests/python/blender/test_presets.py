@@ -6,7 +6,7 @@ import scans
 
 from isimp import presets as given
 from isimp import recipe as rcp
-from isimp.blender import presets, settings
+from isimp.blender.controls import presets, settings
 
 pytestmark = pytest.mark.usefixtures("scene")
 

@@ -9,8 +9,8 @@ import scans
 from test_panel import tube
 
 from isimp import blender
-from isimp.blender import store, targets
-from isimp.blender.modal import RecipeOperator
+from isimp.blender.scene import store, targets
+from isimp.blender.work.modal import RecipeOperator
 from test_openings import pierced
 from test_texture import textured_cube
 

@@ -6,8 +6,8 @@ import pytest
 import scans
 from mathutils import Matrix
 
-from isimp.blender import result as results
-from isimp.blender import targets
+from isimp.blender.scene import result as results
+from isimp.blender.scene import targets
 
 pytestmark = pytest.mark.usefixtures("scene")
 

@@ -8,7 +8,7 @@ import pytest
 import scans
 from mathutils import Matrix
 
-from isimp.blender import materials
+from isimp.blender.texturing import materials
 from test_texture import simplify, textured_cube
 
 pytestmark = pytest.mark.usefixtures("scene")

@@ -4,7 +4,7 @@ import bpy
 import pytest
 import scans
 
-from isimp.blender import targets
+from isimp.blender.scene import targets
 
 pytestmark = pytest.mark.usefixtures("scene")
 

@@ -6,7 +6,7 @@ import bpy
 import pytest
 import scans
 
-from isimp.blender import store
+from isimp.blender.scene import store
 from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe
 
 pytestmark = pytest.mark.usefixtures("scene")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from isimp.blender import text
+from isimp.blender.texts import text
 
 SAID = "Region 3 · 12.3% of the area · flat to 2 mm"  # 43 letters
 

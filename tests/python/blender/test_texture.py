@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import store, texture
 from isimp.blender.panel import result as result_panel
+from isimp.blender.scene import store
+from isimp.blender.texturing import texture
 from isimp.recipe import Mesh, Partition, Recipe, Texture
 
 pytestmark = pytest.mark.usefixtures("scene")

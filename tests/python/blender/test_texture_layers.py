@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import materials, store
+from isimp.blender.scene import store
+from isimp.blender.texturing import materials
 from test_texture import COLOURS, image_of, shader, simplify, textured_cube
 
 pytestmark = pytest.mark.usefixtures("scene")

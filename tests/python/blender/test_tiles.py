@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import materials, runtime, store
+from isimp.blender.scene import runtime, store
+from isimp.blender.texturing import materials
 from test_texture import COLOURS, image_of, shader, shown, simplify, textured_cube
 
 pytestmark = pytest.mark.usefixtures("scene")

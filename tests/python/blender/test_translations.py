@@ -8,7 +8,9 @@ import scans
 import ui_strings
 
 from isimp import messages
-from isimp.blender import store, text, translations
+from isimp.blender import translations
+from isimp.blender.scene import store
+from isimp.blender.texts import text
 from isimp.language import said
 
 pytestmark = pytest.mark.usefixtures("scene")

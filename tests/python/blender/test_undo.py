@@ -4,7 +4,7 @@ import bpy
 import pytest
 import scans
 
-from isimp.blender import store
+from isimp.blender.scene import store
 from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition
 
 pytestmark = pytest.mark.usefixtures("scene")

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import pending, store
+from isimp.blender.scene import store
+from isimp.blender.work import pending
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -59,7 +60,7 @@ def test_weights_that_are_not_there_are_named(scan):
 
 
 def test_what_is_offered(scan):
-    from isimp.blender import weights
+    from isimp.blender.scene import weights
 
     bpy.ops.isimp.partition(proxies=9)
     assert weights.names(scan)[:4] == ["Other", "Group", "Point", "Face"]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import mesh_io, store
+from isimp.blender.scene import mesh_io, store
 
 pytestmark = pytest.mark.usefixtures("scene")
 OPS = bpy.ops.isimp

@@ -177,6 +177,34 @@ def test_no_file_imports_itself_by_way_of_others(package):
     assert sorted(str(path.relative_to(package)) for path in left) == []
 
 
+#: rooms and files of addon/isimp/blender by floors, lowest first; a file may import its own room and lower floors
+FLOORS = [
+    {"scene", "preferences", "translations", "command"},
+    {"drawing", "texts", "texturing", "controls", "without_numpy"},
+    {"reading"},
+    {"view"},
+    {"work"},
+    {"operators", "panel"},
+    {"tools", "menus"},
+    {"everything"},
+    {"__init__"},
+]
+
+
+@pytest.mark.skipif(not ADDON.is_dir(), reason="the add-on is not here")
+def test_each_room_of_the_add_on_in_blender_stands_on_lower_floors():
+    folder = ADDON / "blender"
+    floor = {name: number for number, names in enumerate(FLOORS) for name in names}
+    rooms = {path.relative_to(folder).parts[0].removesuffix(".py") for path in folder.rglob("*.py")}
+    assert rooms == set(floor)
+    for path in sorted(folder.rglob("*.py")):
+        room = path.relative_to(folder).parts[0].removesuffix(".py")
+        for other in imported_files(path):
+            if other.is_relative_to(folder):
+                its = other.relative_to(folder).parts[0].removesuffix(".py")
+                assert its == room or floor[its] < floor[room], f"{path} imports {other}"
+
+
 @pytest.mark.skipif(not ADDON.is_dir(), reason="the add-on is not here")
 def test_only_engine_imports_the_engine_and_only_blender_bpy():
     for path in sorted(ADDON.rglob("*.py")):

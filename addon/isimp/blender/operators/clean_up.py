@@ -10,10 +10,12 @@ from ... import messages, slivers
 from ... import recipe as rcp
 from ...engine import engine
 from ...language import said
-from .. import mesh_io, pending, reading, runtime, targets
-from ..modal import RecipeOperator
-from ..properties import PartitionSettings
-from ..show import show_regions
+from .. import reading
+from ..controls.properties import PartitionSettings
+from ..scene import mesh_io, runtime, targets
+from ..work import pending
+from ..work.modal import RecipeOperator
+from ..work.show import show_regions
 
 _AXES = PartitionSettings.__annotations__["symmetry"].keywords["items"]
 

@@ -4,7 +4,8 @@ import bpy
 
 from ... import messages
 from ...language import said
-from .. import comparison, overlay, runtime, targets
+from ..scene import runtime, targets
+from ..view import comparison, overlay
 
 _NAVIGATION = ("MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW", "MOUSEROTATE", "MOUSEZOOM")
 

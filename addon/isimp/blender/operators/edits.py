@@ -7,9 +7,10 @@ from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntPrope
 from ... import messages
 from ... import recipe as rcp
 from ...language import own, said
-from .. import mesh_io, pending, targets
-from ..modal import RecipeOperator
-from ..show import show_regions
+from ..scene import mesh_io, targets
+from ..work import pending
+from ..work.modal import RecipeOperator
+from ..work.show import show_regions
 from .proxies import AtFaces
 
 

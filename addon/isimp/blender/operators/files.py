@@ -15,7 +15,8 @@ from ... import handover, messages
 from ... import recipe as rcp
 from ...engine import engine
 from ...language import own, said
-from .. import mesh_io, places, reading, runtime, store, targets
+from .. import reading
+from ..scene import mesh_io, places, runtime, store, targets
 
 _SCANS = (".ply", ".obj", ".stl", ".off")
 _UNITS = (("m", "Metre", "A unit is a metre"), ("mm", "Millimetre", "A unit is a millimetre"))

@@ -10,7 +10,9 @@ from ... import messages
 from ... import recipe as rcp
 from ...engine import engine
 from ...language import own, said
-from .. import mesh_io, runtime, settings, show, store, targets
+from ..controls import settings
+from ..scene import mesh_io, runtime, store, targets
+from ..work import show
 from .clean_up import without_slivers
 from .mesh import Meshing
 

@@ -2,9 +2,12 @@ import bpy
 
 from ... import messages
 from ... import recipe as rcp
-from .. import pending, settings, targets, texture, upward
-from ..modal import RecipeOperator
-from ..show import show_polygons
+from ..controls import settings, upward
+from ..scene import targets
+from ..texturing import texture
+from ..work import pending
+from ..work.modal import RecipeOperator
+from ..work.show import show_polygons
 
 
 class Meshing(RecipeOperator, settings.MeshSettings):

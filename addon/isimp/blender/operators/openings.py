@@ -5,9 +5,10 @@ from bpy.props import BoolProperty, FloatVectorProperty
 
 from ... import messages
 from ...language import said
-from .. import mesh_io, pending, targets
-from ..modal import RecipeOperator
-from ..show import show_regions
+from ..scene import mesh_io, targets
+from ..work import pending
+from ..work.modal import RecipeOperator
+from ..work.show import show_regions
 
 
 class ISIMP_OT_keep_opening(RecipeOperator, bpy.types.Operator):

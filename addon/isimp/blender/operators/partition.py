@@ -7,9 +7,11 @@ from bpy.props import BoolProperty
 from ... import messages
 from ... import recipe as rcp
 from ...language import said
-from .. import mesh_io, pointed, settings, store, targets, text, units
-from ..modal import RecipeOperator
-from ..show import show_regions
+from ..controls import settings, units
+from ..scene import mesh_io, pointed, store, targets
+from ..texts import text
+from ..work.modal import RecipeOperator
+from ..work.show import show_regions
 
 _DETAIL = units.SHOWN[rcp.Partition]["detail_percent"]
 

@@ -8,9 +8,12 @@ from bpy.props import EnumProperty, FloatProperty
 
 from ... import recipe as rcp
 from ...language import own, said
-from .. import mesh_io, pending, settings, targets, text, upward
-from ..properties import AlignSettings
-from ..show import show_regions
+from ..controls import settings, upward
+from ..controls.properties import AlignSettings
+from ..scene import mesh_io, targets
+from ..texts import text
+from ..work import pending
+from ..work.show import show_regions
 from .edits import _Edit
 
 _TO = AlignSettings.__annotations__["to"].keywords

@@ -3,7 +3,10 @@ import numpy as np
 
 from ... import messages
 from ...language import own, said
-from .. import display, mesh_io, overlay, show, store, targets, text
+from ..scene import mesh_io, store, targets
+from ..texts import text
+from ..view import display, overlay
+from ..work import show
 
 
 class ISIMP_OT_show_problems(bpy.types.Operator):

@@ -7,9 +7,10 @@ from bpy.props import IntProperty, StringProperty
 from ... import messages
 from ... import recipe as rcp
 from ...language import own, said
-from .. import mesh_io, pending, pointed, targets
-from ..modal import RecipeOperator
-from ..show import show_regions
+from ..scene import mesh_io, pointed, targets
+from ..work import pending
+from ..work.modal import RecipeOperator
+from ..work.show import show_regions
 
 _MOST_FACES = 100
 _MOST_REGIONS = 20  # that are edited where all faces are selected

@@ -8,8 +8,9 @@ from bpy.props import BoolProperty, StringProperty
 from ... import messages
 from ...language import own, said
 from ...recipe import Recipe
-from .. import show, store, targets
-from ..modal import RecipeOperator
+from ..scene import store, targets
+from ..work import show
+from ..work.modal import RecipeOperator
 
 _FILTER = {"default": "*.json", "options": {"HIDDEN"}}
 

@@ -4,8 +4,10 @@ from bpy.props import BoolProperty, IntProperty
 
 from ... import messages
 from ...language import said
-from .. import display, mesh_io, pointed, runtime, show, targets
-from ..selecting import SelectOperator
+from ..scene import mesh_io, pointed, runtime, targets
+from ..view import display
+from ..work import show
+from ..work.selecting import SelectOperator
 
 
 class ISIMP_OT_show_regions(bpy.types.Operator):

@@ -4,7 +4,7 @@ import bpy
 from bpy.props import EnumProperty, IntProperty
 
 from ... import recipe as rcp
-from .. import pending
+from ..work import pending
 from .edits import _Edit
 
 

@@ -8,8 +8,9 @@ from ... import messages
 from ... import recipe as rcp
 from ...engine import engine
 from ...language import said
-from .. import mesh_io, reading, store, targets
-from ..selecting import SelectOperator
+from .. import reading
+from ..scene import mesh_io, store, targets
+from ..work.selecting import SelectOperator
 
 
 class ISIMP_OT_select_by(SelectOperator, bpy.types.Operator):

@@ -8,8 +8,11 @@ from bpy.props import BoolProperty, IntProperty
 from ... import messages
 from ...language import own, said
 from ...recipe import Recipe
-from .. import display, mesh_io, pending, settings, show, store, targets
-from ..modal import RecipeOperator
+from ..controls import settings
+from ..scene import mesh_io, store, targets
+from ..view import display
+from ..work import pending, show
+from ..work.modal import RecipeOperator
 
 
 class _AtStep(RecipeOperator):

@@ -3,8 +3,11 @@ import bpy
 from ... import messages
 from ... import recipe as rcp
 from ...language import said
-from .. import display, mesh_io, pending, settings, show, store, targets
-from ..modal import RecipeOperator
+from ..controls import settings
+from ..scene import mesh_io, store, targets
+from ..view import display
+from ..work import pending, show
+from ..work.modal import RecipeOperator
 
 
 class ISIMP_OT_texture(RecipeOperator, settings.TextureSettings, bpy.types.Operator):

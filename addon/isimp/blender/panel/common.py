@@ -1,7 +1,8 @@
 """Shared code of the panels."""
 
 from ...language import said
-from .. import targets, text
+from ..scene import targets
+from ..texts import text
 
 _NARROW = 16  # letters in a line
 

@@ -5,7 +5,8 @@ import bpy
 from ... import messages
 from ... import recipe as rcp
 from ...language import said
-from .. import pointed, settings, store, targets
+from ..controls import settings
+from ..scene import pointed, store, targets
 from .common import SubPanel, side_by_side
 
 

@@ -10,7 +10,11 @@ import bpy
 from ... import messages
 from ... import recipe as rcp
 from ...language import said
-from .. import clipping, overlay, presets, result, runtime, settings, store, targets, text, translations
+from .. import translations
+from ..controls import presets, settings
+from ..scene import result, runtime, store, targets
+from ..texts import text
+from ..view import clipping, overlay
 from .common import Panel, draw_lines, is_narrow, letters
 
 

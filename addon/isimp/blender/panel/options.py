@@ -3,7 +3,9 @@
 import bpy
 
 from ... import recipe as rcp
-from .. import preferences, presets, settings, targets
+from .. import preferences
+from ..controls import presets, settings
+from ..scene import targets
 from .common import Panel, Popover
 
 

@@ -3,7 +3,9 @@
 import bpy
 
 from ... import recipe as rcp
-from .. import settings, store, targets, text
+from ..controls import settings
+from ..scene import store, targets
+from ..texts import text
 from .common import Popover, SubPanel, draw_lines, side_by_side
 
 _ROWS = (("level", "upright"), ("parallel", "perpendicular"), ("coplanar", "free"))

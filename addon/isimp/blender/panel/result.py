@@ -5,7 +5,11 @@ import dataclasses
 import bpy
 
 from ... import recipe as rcp
-from .. import display, settings, store, targets, text, texture
+from ..controls import settings
+from ..scene import store, targets
+from ..texts import text
+from ..texturing import texture
+from ..view import display
 from .common import SubPanel, ready
 
 

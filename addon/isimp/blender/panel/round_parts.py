@@ -3,7 +3,8 @@
 import bpy
 
 from ...language import own, said
-from .. import store, targets, text
+from ..scene import store, targets
+from ..texts import text
 from .common import SubPanel
 
 _KINDS = {

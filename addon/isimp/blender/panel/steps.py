@@ -4,7 +4,8 @@ import bpy
 
 from ... import messages
 from ...language import said
-from .. import settings, store, targets
+from ..controls import settings
+from ..scene import store, targets
 from .common import SubPanel, draw_lines
 
 _ROWS = 16  # shown unless all are asked for

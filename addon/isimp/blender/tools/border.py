@@ -6,7 +6,8 @@ import numpy as np
 from ...border_drag import swept
 from ...gestures import is_far
 from ...language import own, said
-from .. import overlay, runtime
+from ..scene import runtime
+from ..view import overlay
 from . import under
 from .point import ModalTool, do, miss
 

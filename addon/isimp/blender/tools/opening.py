@@ -6,7 +6,10 @@ from bpy.props import StringProperty
 
 from ... import openings
 from ...language import said
-from .. import mesh_io, overlay, reading, runtime, store, targets, text
+from .. import reading
+from ..scene import mesh_io, runtime, store, targets
+from ..texts import text
+from ..view import overlay
 from . import point, under
 
 _COVER = 0.45  # how dense the cover is that a click would put on an opening

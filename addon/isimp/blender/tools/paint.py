@@ -6,7 +6,8 @@ from bpy.props import BoolProperty
 
 from ...gestures import Cut, Stroke, painted_over
 from ...language import own, said
-from .. import overlay, pointed, runtime
+from ..scene import pointed, runtime
+from ..view import overlay
 from . import under
 from .point import ModalTool, do, miss
 

@@ -8,7 +8,9 @@ from bpy.props import StringProperty
 from ... import messages
 from ...gestures import Pointing, is_far
 from ...language import own, said
-from .. import overlay, pointed, reading, runtime, store, targets
+from .. import reading
+from ..scene import pointed, runtime, store, targets
+from ..view import overlay
 from . import under
 
 _LIGHT = (1.0, 0.75, 0.4, 0.35)

@@ -8,8 +8,10 @@ from ...gestures import Sizing, rings_in
 from ...language import own, said
 from ...session import StepFailed
 from ...task import Status
-from .. import overlay, pending, preview, runtime, targets
 from ..operators.edits import ISIMP_OT_grow
+from ..scene import runtime, targets
+from ..view import overlay
+from ..work import pending, preview
 from . import under
 from .point import ModalTool, do, miss
 

@@ -12,7 +12,9 @@ from ...gestures import Hit
 from ...language import own, said
 from ...prepared import joined_faces
 from ...task import Status, Task
-from .. import mesh_io, reading, runtime, store, targets, text
+from .. import reading
+from ..scene import mesh_io, runtime, store, targets
+from ..texts import text
 
 _MOST_SHOWN = 200_000  # triangles of a region that are highlighted
 

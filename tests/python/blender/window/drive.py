@@ -152,7 +152,7 @@ class Hand:
 
     def settle(self, seconds=30):
         """Waits until no work is under way."""
-        runtime = module("runtime")
+        runtime = module("scene.runtime")
         yield 0.3
         end = time.time() + seconds
         while runtime.get().running is not None:

@@ -57,7 +57,7 @@ def press(hand, name):
 
 def chosen(hand):
     """The faces that an importer has left selected are none that the buttons act on."""
-    from isimp.blender import pointed
+    from isimp.blender.scene import pointed
 
     yield from tool(hand, "isimp.region_tool.object")
     scan().data.polygons.foreach_set("select", np.ones(len(scan().data.polygons), bool))
@@ -90,7 +90,8 @@ def middle():
 
 def kept(hand):
     """After an edit the old polygons stay, fainter, until the polygons of the new regions are there."""
-    from isimp.blender import overlay, runtime
+    from isimp.blender.scene import runtime
+    from isimp.blender.view import overlay
 
     yield from sketched()
     tick, overlay._tick = overlay._tick, lambda: None
@@ -128,7 +129,7 @@ def on_the_result(hand):
 
 def left(hand):
     """The region under the mouse is highlighted, and nothing while the mouse is in the sidebar."""
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     for _ in range(100):
         yield from hand.move(*place(hand, 0.2, 0.21))

@@ -64,7 +64,7 @@ def run(hand):
     yield from sketched()
     yield from hand.shot("bunny-2-partition")
 
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     yield from tool(hand, "isimp.region_tool.object")
     x, y = place(hand, 0.0, 0.0)

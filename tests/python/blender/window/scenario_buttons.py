@@ -107,7 +107,7 @@ def locks(hand):
 
 
 def locked():
-    from isimp.blender import store
+    from isimp.blender.scene import store
 
     return store.numbers(scan()).get("locked", 0)
 

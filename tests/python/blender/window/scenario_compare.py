@@ -37,7 +37,7 @@ def run(hand):
     yield 0.5
     result = bpy.context.object
     yield from hand.press("isimp.compare")
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     made = runtime.get().comparison
     same("both are hidden", (scan().hide_get(), result.hide_get()), (True, True))
@@ -95,7 +95,7 @@ def textured(hand):
     bpy.ops.isimp.mesh()
     yield 0.5
     yield from hand.press("isimp.compare")
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     made = runtime.get().comparison
     same("look", made.look, "TEXTURE")

@@ -26,7 +26,8 @@ def run(hand):
     yield 0.5
     yield from hand.open_tab()
 
-    from isimp.blender import overlay, runtime
+    from isimp.blender.scene import runtime
+    from isimp.blender.view import overlay
 
     for name, shift in (("near", 0 * FAR), ("far", FAR)):
         make_scan(shift)

@@ -24,7 +24,7 @@ def pressed(hand, x, z, **held):
 
 def chosen(hand):
     """Shift-clicks choose regions; a pie on the right button does something with all of them; Esc chooses none."""
-    from isimp.blender import pointed
+    from isimp.blender.scene import pointed
 
     before, places, seen = regions(), [], set()
     for x, z in [(0.0, 0.0), (-0.6, 0.85), *((x / 4, z / 4) for x in range(-3, 1) for z in range(-3, 4))]:
@@ -114,7 +114,7 @@ def by_the_wheel(hand):
 
 def by_a_drag(hand, mode):
     """Drags the Grow tool; the preview before the mouse is released equals the result."""
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     yield from tool(hand, f"isimp.grow_tool.{mode}")
     live, before, count = runtime.get().live, labels(), len(steps())

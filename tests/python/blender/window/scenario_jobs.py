@@ -82,7 +82,7 @@ def artist(hand):
         yield 0.3
         yield from user.presses("Partition")
         yield from user.presses("Mesh")
-    from isimp.blender import texture
+    from isimp.blender.texturing import texture
 
     levels = [bpy.data.objects[name] for name in ("Scan_LOD0", "Scan_LOD1", "Scan.simplified")]
     counts = [len(level.data.polygons) for level in levels]

@@ -25,7 +25,8 @@ def run(hand):
     yield from hand.open_tab()
     yield from view(hand)
 
-    from isimp.blender import live, runtime
+    from isimp.blender.scene import runtime
+    from isimp.blender.work import live
 
     at_rest = live._SETTLED
     bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=14)

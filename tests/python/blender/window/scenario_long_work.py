@@ -12,7 +12,7 @@ DELAY = [0.0]
 
 def slow_down():
     """Makes every replay wait, polled like the engine, before its work."""
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     session = runtime.get().session
     replay = session.replay
@@ -29,7 +29,7 @@ def slow_down():
 
 
 def running():
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     return runtime.get().running is not None
 

@@ -5,7 +5,7 @@ import numpy as np
 from scenario_main import same, scan
 from scenario_tools import begin, place, tool
 
-from isimp.blender import runtime, store
+from isimp.blender.scene import runtime, store
 
 
 def pierced():

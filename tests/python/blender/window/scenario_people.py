@@ -199,7 +199,8 @@ def modeller(hand):
     same("facades are single polygons", len(made.data.polygons), 15)
     assert polygon_flatness(made.data) < 1e-4
 
-    from isimp.blender import store, text
+    from isimp.blender.scene import store
+    from isimp.blender.texts import text
 
     lines = text.report_lines(store.numbers(scan()), "METRIC", 1.0)
     same("as the scan", [line for line, amiss in lines if "Open" in line and not amiss], ["Open, like the scan"])

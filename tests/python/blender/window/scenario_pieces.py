@@ -10,14 +10,16 @@ import isimp
 
 def slow_down():
     """Makes every piece take a turn of its own, as for a million faces."""
-    from isimp.blender import mesh_io, modal, reading, weights
+    from isimp.blender import reading
+    from isimp.blender.scene import mesh_io, weights
+    from isimp.blender.work import modal
 
     modal._AT_ONCE, reading.SPAN, mesh_io._PIECE, weights._PIECE = 0.0, 0.0, 100, 20
 
 
 def weighed(hand):
     """A vertex group is read in pieces, in Object Mode; Esc drops that too."""
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     upper = [vertex.index for vertex in scan().data.vertices if vertex.co.z > 0]
     scan().vertex_groups.new(name="Upper").add(upper, 1.0, "REPLACE")
@@ -72,7 +74,7 @@ def selected_in_pieces(hand):
 
 
 def running():
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     return runtime.get().running is not None
 

@@ -7,7 +7,7 @@ from scenario_main import same, scan
 from scenario_steps import settings, settled
 from scenario_tools import begin, sketched, tool, undone_and_redone
 
-from isimp.blender import runtime, store
+from isimp.blender.scene import runtime, store
 
 
 def house():

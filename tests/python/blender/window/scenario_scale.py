@@ -19,7 +19,7 @@ def light() -> bool:
 
 def run(hand):
     isimp.register()
-    from isimp.blender import words
+    from isimp.blender.texts import words
 
     drawn, draw = [], words._draw
 

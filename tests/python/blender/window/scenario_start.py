@@ -11,7 +11,8 @@ import isimp
 def run(hand):
     show_edits()
     isimp.register()
-    from isimp.blender import preferences, start
+    from isimp.blender import preferences
+    from isimp.blender.view import start
 
     wish = preferences.get(bpy.context)
     wish.quick_start = True

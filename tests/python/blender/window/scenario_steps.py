@@ -7,7 +7,7 @@ import isimp
 
 
 def recipe():
-    from isimp.blender import store
+    from isimp.blender.scene import store
 
     return store.load(scan()).steps
 
@@ -17,7 +17,7 @@ def settings():
 
 
 def settled():
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     live = runtime.get().live
     for _ in range(200):
@@ -30,7 +30,7 @@ def settled():
 
 def shown():
     """The number of visible regions: of the preview over the scan while a setting is dragged, else of the scan."""
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     drawn = runtime.get().live.shown_of(scan())
     return regions() if drawn is None else drawn.work.task.result.numbers["regions"]

@@ -15,7 +15,7 @@ DELAY = [0.0]
 
 def slow_down():
     """Makes every texture wait, polled like the engine, before it is made."""
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     session = runtime.get().session
     make = session.texture

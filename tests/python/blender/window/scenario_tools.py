@@ -61,7 +61,7 @@ def drag(hand, begin, end, shot=None, **held):
 
 
 def steps():
-    from isimp.blender import store
+    from isimp.blender.scene import store
 
     return store.load(scan()).steps
 
@@ -93,7 +93,8 @@ def last():
 
 def sketched():
     """Waits until the drawing over the scan is there, the polygons too."""
-    from isimp.blender import overlay, runtime
+    from isimp.blender.scene import runtime
+    from isimp.blender.view import overlay
 
     yield 0.3
     for _ in range(400):
@@ -105,7 +106,8 @@ def sketched():
 
 
 def drawn():
-    from isimp.blender import overlay, runtime
+    from isimp.blender.scene import runtime
+    from isimp.blender.view import overlay
 
     key = overlay._key(bpy.context, scan())
     return runtime.get().drawings[key].sketch
@@ -118,7 +120,7 @@ def selected():
 
 
 def hovered(hand):
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     yield from hand.move(*place(hand, 0.2, 0.2))
     for _ in range(100):
@@ -132,7 +134,8 @@ def hovered(hand):
 
 
 def clicked(hand):
-    from isimp.blender import overlay, runtime
+    from isimp.blender.scene import runtime
+    from isimp.blender.view import overlay
 
     before, keep, kept = regions(), overlay._keep, []
 
@@ -176,7 +179,9 @@ def colors(obj):
 
 def at_once(hand):
     """A click shows the region by a redraw before Blender hears of it, and all of it by one more."""
-    from isimp.blender import late, overlay, runtime
+    from isimp.blender.drawing import late
+    from isimp.blender.scene import runtime
+    from isimp.blender.view import overlay
 
     if not late.IS_QUIET:
         return
@@ -245,7 +250,8 @@ def in_edit_mode(hand):
 
 def away(hand):
     """No text concerns a scan that is not shown any more."""
-    from isimp.blender import overlay, runtime
+    from isimp.blender.scene import runtime
+    from isimp.blender.view import overlay
 
     context = bpy.context
     with context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
@@ -268,7 +274,7 @@ def refused(hand, words, **held):
 
 
 def locked():
-    from isimp.blender import store
+    from isimp.blender.scene import store
 
     return store.numbers(scan()).get("locked", 0)
 
@@ -280,7 +286,7 @@ def run(hand):
     assert len(sketch.borders)
     assert len(sketch.outline)
     assert len(sketch.corners)
-    from isimp.blender import overlay
+    from isimp.blender.view import overlay
 
     with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("UI")):
         same("the panel tells what is drawn", overlay.previewed(bpy.context, scan()), sketch.numbers)
@@ -316,7 +322,7 @@ def run(hand):
             yield from sketched()
             yield from hand.shot("tools-6-locked")
 
-    from isimp.blender import runtime
+    from isimp.blender.scene import runtime
 
     yield from tool(hand, "builtin.select_box")
     yield 0.3

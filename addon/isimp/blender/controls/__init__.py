@@ -1,0 +1,1 @@
+"""Settings as Blender's properties."""

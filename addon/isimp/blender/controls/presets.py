@@ -1,0 +1,144 @@
+"""Presets of the add-on, and users' own, which Blender stores as files."""
+
+from pathlib import Path
+
+import bpy
+import bpy.utils.previews
+from bl_operators.presets import AddPresetBase
+from bpy.props import EnumProperty
+
+from ... import presets
+from ... import recipe as rcp
+from ...language import own, said
+from ..scene import runtime
+from . import settings
+
+_FOLDER = "isimp"
+_TITLE, _DEFAULTS = "Presets", own("No preset (defaults)")
+# Titles of the menu that are no preset of the user's.
+_OURS = {_TITLE, _DEFAULTS, *(preset.label for preset in presets.PRESETS)}
+_PICTURES = Path(__file__).parents[2] / "pictures"
+# Settings of one scan, not of a kind of scans: lengths in its units, a count, its weights.
+_LEFT = frozenset({"proxies", "tolerance", "bound", "weights", "influence", "borders", "length"})
+
+
+def _kept(cls) -> list:
+    return [name for name in settings.names(cls) if name not in _LEFT]
+
+
+class ISIMP_OT_preset(bpy.types.Operator):
+    """Use the settings for a kind of scan"""
+
+    bl_idname = "isimp.preset"
+    bl_label = "Preset"
+
+    name: EnumProperty(name="Preset", items=[(preset.name, preset.label, preset.about) for preset in presets.PRESETS])
+
+    @classmethod
+    def description(cls, context, properties):
+        return presets.BY_NAME[properties.name].about
+
+    def execute(self, context):
+        preset = presets.BY_NAME[self.name]
+        for step in (preset.partition, preset.mesh, *([preset.regularise] if preset.regularise else [])):
+            group = settings.group(context, type(step))
+            for name in _kept(type(step)):
+                if getattr(group, name) != getattr(step, name):
+                    setattr(group, name, getattr(step, name))
+        context.window_manager.isimp.regularise_first = preset.regularise is not None
+        ISIMP_MT_presets.bl_label = preset.label
+        return {"FINISHED"}
+
+
+class ISIMP_MT_presets(bpy.types.Menu):
+    """Presets for kinds of scans, and your own presets"""
+
+    bl_label = _TITLE
+    preset_subdir = _FOLDER
+    preset_operator = "script.execute_preset"
+
+    def draw(self, context):
+        for preset in presets.PRESETS:
+            self.layout.operator("isimp.preset", text=preset.label).name = preset.name
+        if bpy.utils.preset_paths(_FOLDER):  # there are none before the user has made one
+            self.layout.separator()
+            self.draw_preset(context)
+
+
+class ISIMP_OT_preset_add(AddPresetBase, bpy.types.Operator):
+    """Store the settings as a preset of your own, or delete it"""
+
+    bl_idname = "isimp.preset_add"
+    bl_label = "Add Preset"
+    preset_menu = "ISIMP_MT_presets"
+    preset_subdir = _FOLDER
+    preset_defines = ("shown = bpy.context.window_manager.isimp",)
+
+    @property
+    def preset_values(self):
+        steps = (rcp.Partition, rcp.Mesh, rcp.Regularise)
+        return [
+            *(f"shown.{rcp.KINDS[cls]}.{name}" for cls in steps for name in _kept(cls)),
+            "shown.regularise_first",
+        ]
+
+
+def title(context) -> str:
+    """The title of the menu: the add-on's preset with these settings, else the preset chosen last."""
+    chosen = ISIMP_MT_presets.bl_label
+    for preset in presets.PRESETS:
+        snaps = context.window_manager.isimp.regularise_first == (preset.regularise is not None)
+        if snaps and all(_is_shown(context, step) for step in (preset.partition, preset.mesh)):
+            are_defaults = (preset.partition, preset.mesh, preset.regularise) == (rcp.Partition(), rcp.Mesh(), None)
+            return _DEFAULTS if are_defaults and chosen != preset.label else preset.label
+    return _TITLE if chosen in _OURS else chosen
+
+
+def _is_shown(context, step) -> bool:
+    shown = settings.to_step(type(step), settings.group(context, type(step)))
+    return all(getattr(shown, name) == getattr(step, name) for name in _kept(type(step)))
+
+
+def draw(context, layout, is_narrow: bool = False) -> None:
+    """Draws the cards of presets; the one with the present settings is lit once it was chosen."""
+    grid = layout.grid_flow(row_major=True, columns=1 if is_narrow else 2, even_columns=True, align=True)
+    chosen = title(context)
+    for preset in filter(lambda each: each.card, presets.PRESETS):
+        card = grid.operator(
+            "isimp.preset", text=preset.label, icon_value=_picture(preset.name), depress=preset.label == chosen
+        )
+        card.name = preset.name
+
+
+def draw_own(context, layout) -> None:
+    """Draws the menu of all presets, and the buttons that store and delete presets of the user."""
+    row = layout.row(align=True)
+    row.use_property_split = False
+    shown = title(context)
+    row.menu("ISIMP_MT_presets", text=said(shown) if shown in _OURS else shown)
+    row.operator("isimp.preset_add", text="", icon="ADD")
+    if shown not in _OURS:
+        row.operator("isimp.preset_add", text="", icon="REMOVE").remove_active = True
+
+
+def _picture(name: str) -> int:
+    """The number of the picture of a preset, for Blender's buttons; 0 where there are no pictures."""
+    found = runtime.get().pictures
+    return found[name].icon_id if found is not None and name in found else 0
+
+
+def register() -> None:
+    if bpy.app.background:
+        return
+    found = runtime.get().pictures = bpy.utils.previews.new()
+    for preset in presets.PRESETS:
+        found.load(preset.name, str(_PICTURES / f"{preset.name}.png"), "IMAGE")
+
+
+def unregister() -> None:
+    if runtime.get().pictures is not None:
+        bpy.utils.previews.remove(runtime.get().pictures)
+        runtime.get().pictures = None
+
+
+CLASSES = (ISIMP_OT_preset, ISIMP_MT_presets, ISIMP_OT_preset_add)

@@ -1,0 +1,35 @@
+"""What points up: the scene's Z, in the space of a scan."""
+
+import dataclasses
+
+import numpy as np
+
+from ... import recipe as rcp
+from ..scene import mesh_io
+from . import settings
+
+
+def direction(scan) -> tuple:
+    """The scene's Z in the space of a scan's arrays; empty where that is z."""
+    up = np.array((0.0, 0.0, 1.0)) @ mesh_io.place_matrix(scan)[:3, :3]  # a rotation, or one with a mirror
+    up = (up / np.linalg.norm(up)).round(6) + 0.0  # a quarter turn as it was meant, without the noise of float32
+    return () if up[2] == 1 else tuple(up.tolist())
+
+
+def of_scan(step, scan):
+    """A step with the direction that points up on a scan."""
+    return dataclasses.replace(step, direction=direction(scan) if step.up == "scene" else ())
+
+
+def as_last(step: rcp.AlignPlanes, shown: rcp.Regularise, recipe: rcp.Recipe) -> rcp.AlignPlanes:
+    """A step with up as in the panel; a region that is up is that of the last Regularise."""
+    found = [old for _, old in recipe.active() if isinstance(old, rcp.Regularise) and old.up == "region"]
+    if shown.up == "region" and found:
+        return dataclasses.replace(step, up="region", face=found[-1].face)
+    return dataclasses.replace(step, up="scene" if shown.up in ("region", "none") else shown.up)
+
+
+def first(context, scan) -> rcp.Regularise:
+    """How the panel says that planes are snapped before Mesh."""
+    step = settings.to_step(rcp.Regularise, settings.group(context, rcp.Regularise))
+    return of_scan(dataclasses.replace(step, up="scene") if step.up == "region" else step, scan)

@@ -1,0 +1,1 @@
+"""Drawing by the graphics card."""

@@ -1,0 +1,1 @@
+"""The scan and its result in Blender: reading, writing and stored data."""

@@ -1,0 +1,57 @@
+"""Where a scan is on the map: what an exact import subtracted from its coordinates, as custom properties."""
+
+import numpy as np
+
+from ... import handover
+from . import mesh_io
+
+ORIGIN, EPSG = "isimp_origin", "isimp_epsg"  #: three doubles; a number of EPSG
+
+
+def keep(obj, origin, epsg: int = 0) -> None:
+    """Notes the place on a scan; nothing where it is zero."""
+    if np.any(origin):
+        obj[ORIGIN] = [float(x) for x in origin]
+    if epsg:
+        obj[EPSG] = int(epsg)
+
+
+def origin(obj) -> np.ndarray:
+    """(3,) what to add to world coordinates; zero where nothing, or nothing usable, is noted."""
+    try:
+        found = np.array(list(obj[ORIGIN]), np.float64)
+    except (KeyError, TypeError, ValueError):
+        return np.zeros(3)
+    return found if found.shape == (3,) and np.isfinite(found).all() else np.zeros(3)
+
+
+def epsg(obj) -> int:
+    found = obj.get(EPSG, 0)
+    return found if isinstance(found, int) and found > 0 else 0
+
+
+def to_world(scan) -> np.ndarray:
+    """(4, 4) from the space of a `Scan` of the object to map coordinates."""
+    place = mesh_io.place_matrix(scan).copy()
+    place[:3, 3] += origin(scan)
+    return place
+
+
+def model_of(context, scan, result) -> handover.Model:
+    """Returns the visible result in map coordinates."""
+    seen = result.evaluated_get(context.evaluated_depsgraph_get())
+    mesh = seen.to_mesh()
+    try:
+        points = mesh_io.points(mesh).reshape(-1, 3).astype(np.float64)
+        loops = np.empty(len(mesh.loops), np.int32)
+        mesh.loops.foreach_get("vertex_index", loops)
+        start = np.empty(len(mesh.polygons), np.int32)
+        mesh.polygons.foreach_get("loop_start", start)
+    finally:
+        seen.to_mesh_clear()
+    matrix = np.array(result.matrix_world, np.float64)
+    if np.linalg.det(matrix[:3, :3]) < 0:
+        totals = np.diff(start, append=len(loops))
+        within = np.arange(len(loops)) - np.repeat(start, totals)
+        loops = loops[np.repeat(start + totals - 1, totals) - within]
+    return handover.Model(points @ matrix[:3, :3].T + matrix[:3, 3] + origin(scan), loops, start)

@@ -1,0 +1,224 @@
+"""The object that Mesh makes beside a scan: where it lies, and whether its user has edited it since."""
+
+import hashlib
+import json
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ...language import own
+from . import mesh_io, raw, targets
+
+_PLACE = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
+COPIED = own("copied")
+_DELTA = ("delta_location", "delta_rotation_euler", "delta_rotation_quaternion", "delta_scale")
+
+
+def digest(obj) -> str:
+    """A hash of all that a user can edit of a result's mesh. Cost: of its size, which is small."""
+    if mesh_io.is_edited(obj):
+        obj.update_from_editmode()
+    mesh, found = obj.data, hashlib.blake2b(digest_size=16)
+    keys = mesh.shape_keys.key_blocks if mesh.shape_keys is not None else ()
+    for items, name, kind, width in (
+        (mesh.vertices, "co", np.float32, 3),
+        (mesh.edges, "vertices", np.int32, 2),
+        (mesh.edges, "use_seam", bool, 1),
+        (mesh.edges, "use_edge_sharp", bool, 1),
+        (mesh.loops, "vertex_index", np.int32, 1),
+        (mesh.polygons, "loop_total", np.int32, 1),
+        (mesh.polygons, "material_index", np.int32, 1),
+        *((layer.data, "uv", np.float32, 2) for layer in mesh.uv_layers),
+        *((layer.data, "color", np.float32, 4) for layer in mesh.color_attributes if layer.name != mesh_io.COLOR),
+        *((key.data, "co", np.float32, 3) for key in keys),
+    ):
+        values = np.empty(width * len(items), kind)
+        items.foreach_get(name, values)
+        found.update(values.tobytes() + b"|")
+    if mesh.shape_keys is not None and mesh.shape_keys.animation_data is not None:
+        found.update(b"animated")
+    named = (obj.vertex_groups, mesh.uv_layers, mesh.color_attributes, keys)
+    names = [[item.name for item in items if item.name != mesh_io.COLOR] for items in named]
+    found.update(repr((names, mesh.shape_keys is not None)).encode())
+    return found.hexdigest()
+
+
+def is_edited(obj) -> bool:
+    """Whether a result is no longer as Mesh made it; also if that is not known."""
+    return raw.text(obj, "made") != digest(obj)
+
+
+def why_kept(obj) -> str:
+    """What its user has done with a result, which Mesh then leaves alone; empty if nothing."""
+    named = raw.text(obj, "named")  # empty in files of earlier versions
+    if is_edited(obj):
+        return own("edited by hand")
+    if obj.data.users - obj.data.use_fake_user > 1:
+        return COPIED
+    if obj.asset_data is not None or obj.data.asset_data is not None:
+        return own("marked as an asset")
+    if named in ("", obj.name):
+        return ""
+    return COPIED if targets.is_copy(obj) else own("renamed")
+
+
+def why_kept_here(context, scan) -> str:
+    """As `why_kept` of the active object, if that is a result of the scan; one in Edit Mode is edited by hand."""
+    active = context.view_layer.objects.active
+    if active is None or active == scan:
+        return ""
+    return own("edited by hand") if active.mode == "EDIT" else why_kept(active)
+
+
+def sign(obj) -> None:
+    """Notes that a result is now as Mesh made it."""
+    obj.isimp.made, obj.isimp.named = digest(obj), obj.name
+
+
+def to_fill(context, scan) -> tuple:
+    """(the object to fill with polygons, [(result that is kept from now on, why)])."""
+    result, kept = None, []
+    for made in targets.results_of(context.scene, scan):
+        why = why_kept(made) if result is None else COPIED
+        if why:
+            kept.append((made, why))
+            raw.make_way(made)
+            made.isimp.made = targets.KEPT
+        else:
+            result = made
+    return result or _new(scan, context), kept
+
+
+def _new(scan, context):
+    name = f"{scan.name.encode()[:52].decode(errors='ignore')}.simplified"  # a name holds 63 bytes
+    result = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    for collection in scan.users_collection or (context.scene.collection,):
+        collection.objects.link(result)
+    result.show_wire = True
+    result.show_all_edges = True
+    return result
+
+
+def fill(result, scan, outcome) -> np.ndarray:
+    """Puts the polygons where the scan is, with the scan's parent and transform if those alone tell its place.
+
+    Those of a scan far from its own zero are put relative to the outcome's origin, and the result's location has the
+    rest. Blender rounds a location to float32; the rounding error of a far one goes to the vertices.
+    Returns the matrix, (3, 3), that takes directions (n, 3) in the scan's mesh to those in the result's.
+    """
+    polygons = outcome.polygons
+    loops, start = np.array(polygons.loops), np.array(polygons.loop_start)
+    unshaped = np.linalg.inv(mesh_io.shape_matrix(scan))
+    vertices, shift = (np.asarray(polygons.vertices) - outcome.origin) @ unshaped, outcome.origin @ unshaped
+    moved, turn = _moved(result), np.eye(3)
+    # Blender multiplies a parent's transform in float32: far from zero, only a result without one is exact.
+    if _is_told_by_transform(scan) and not (scan.parent is not None and shift.any()):
+        vertices += _place_alike(result, scan, shift)
+    else:
+        vertices, loops, turn = _place_in_world(result, scan, vertices, shift, loops, start)
+    result.isimp.placed = json.dumps([list(row) for row in result.matrix_basis])
+    if moved is not None:
+        result.matrix_basis = moved @ result.matrix_basis
+    defective = np.zeros(len(start), np.int32)
+    for found in outcome.numbers["flaws"].values():
+        defective[found] = 1
+    layers = {mesh_io.REGION: np.asarray(polygons.polygon_region), mesh_io.FLAW: defective}
+    if result.data.shape_keys is not None:  # else Blender keeps them, with vertices that there are no more
+        result.shape_key_clear()
+    mesh_io.fill_polygons(result.data, vertices, loops, start, layers)
+    return turn
+
+
+def corner_order(result, outcome):
+    """Which corner of the outcome's polygons each corner of the result is; None if the result has others."""
+    wanted, start = np.array(outcome.polygons.loops), np.array(outcome.polygons.loop_start)
+    loops = np.empty(len(result.data.loops), np.int32)
+    result.data.loops.foreach_get("vertex_index", loops)
+    each = np.arange(len(wanted))
+    for order in (each, turned(each, start)):
+        if np.array_equal(wanted[order], loops):
+            return order
+    return None
+
+
+def take_materials(result, scan, outcome) -> None:
+    """Gives each polygon the material that most faces of its region have on the scan."""
+    materials = [slot.material for slot in scan.material_slots]
+    if not any(materials):
+        return
+    of_face = np.empty(len(scan.data.polygons), np.int32)
+    scan.data.polygons.foreach_get("material_index", of_face)
+    inside, count = outcome.face_region >= 0, len(materials)
+    keys = outcome.face_region[inside].astype(np.int64) * count + np.clip(of_face[inside], 0, count - 1)
+    votes = np.bincount(keys, minlength=count * len(outcome.region_color)).reshape(-1, count)
+    result.data.materials.clear()
+    for material in materials:
+        result.data.materials.append(material)
+    chosen = votes.argmax(axis=1).astype(np.int32)[np.asarray(outcome.polygons.polygon_region)]
+    result.data.polygons.foreach_set("material_index", chosen)
+    result.data.update()
+
+
+def _moved(result):
+    """How a user has moved a result since Mesh put it in its place; None if not at all."""
+    try:
+        placed = Matrix(json.loads(raw.text(result, "placed")))
+    except (ValueError, TypeError):  # none, or of another version
+        return None
+    if placed == result.matrix_basis or abs(placed.determinant()) < 1e-30:
+        return None
+    return result.matrix_basis @ placed.inverted()
+
+
+def _is_told_by_transform(scan) -> bool:
+    """Whether the scan's parent and its own transform alone lead to its place: no constraint, no parent of a bone."""
+    matrix = scan.matrix_basis
+    if scan.parent is not None:
+        if scan.parent_type != "OBJECT":
+            return False
+        matrix = scan.parent.matrix_world @ scan.matrix_parent_inverse @ matrix
+    place = np.array(scan.matrix_world)
+    return np.allclose(np.array(matrix), place, rtol=1e-6, atol=1e-6 * np.abs(place[:3, :3]).max())
+
+
+def _place_alike(result, scan, shift) -> np.ndarray:
+    """Gives the result the scan's parent and transform, moved by `shift`. Returns the rounding error of the location.
+
+    Both in the space of the scan's mesh.
+    """
+    result.parent, result.matrix_parent_inverse = scan.parent, scan.matrix_parent_inverse
+    result.rotation_mode = scan.rotation_mode
+    for name in (*_PLACE, *_DELTA):
+        setattr(result, name, getattr(scan, name))
+    if not shift.any():
+        return np.zeros(3)
+    matrix = np.array(scan.matrix_basis, np.float64)[:3, :3]
+    wanted = np.array(scan.location, np.float64) + matrix @ shift
+    result.location = wanted
+    return np.linalg.solve(matrix, wanted - np.array(result.location, np.float64))
+
+
+def _place_in_world(result, scan, vertices, shift, loops, start):
+    """Puts the result where the scan is seen. (vertices, loops), in the world's axes if the scan is sheared."""
+    place = np.array(scan.matrix_world, np.float64)
+    matrix = place[:3, :3].copy()
+    place[:3, 3] += matrix @ shift
+    turn = np.eye(3)
+    unsheared = np.array(Matrix.LocRotScale(*scan.matrix_world.decompose()), np.float64)[:3, :3]
+    if not np.allclose(unsheared, matrix, rtol=0, atol=1e-5 * np.abs(matrix).max()):
+        place[:3, :3] = np.eye(3)
+        vertices, turn = vertices @ matrix.T, matrix.T
+        if np.linalg.det(matrix) < 0:
+            loops = turned(loops, start)
+    result.parent = None
+    result.matrix_world = Matrix(place.tolist())
+    rounded = place[:3, 3] - place[:3, 3].astype(np.float32)
+    return vertices + np.linalg.solve(place[:3, :3], rounded), loops, turn
+
+
+def turned(loops: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Every polygon the other way round."""
+    totals = np.diff(start, append=len(loops))
+    within = np.arange(len(loops)) - np.repeat(start, totals)
+    return loops[np.repeat(start + totals - 1, totals) - within]

@@ -1,0 +1,201 @@
+"""The object that a button works on, or the reason why it cannot, for all operators and the panel."""
+
+import bpy
+
+from ... import messages, session
+from ...language import own, said
+from . import aside, mesh_io, raw, runtime, store
+
+NO_RESULT = own("There is no result yet: press Mesh first")
+KEPT = "kept"  #: `isimp.made` of a result that was edited and that Mesh leaves alone; a digest on other results
+_OTHER = {
+    "CURVE": own("a curve"),
+    "EMPTY": own("an empty"),
+    "SURFACE": own("a surface"),
+    "META": own("a metaball"),
+    "FONT": own("a text"),
+    "CAMERA": own("a camera"),
+    "LIGHT": own("a light"),
+    "ARMATURE": own("an armature"),
+    "POINTCLOUD": own("a point cloud"),
+    "CURVES": own("hair curves"),
+    "VOLUME": own("a volume"),
+    "LATTICE": own("a lattice"),
+}
+_MAKES_MESH = {"CURVE", "SURFACE", "META", "FONT"}
+
+
+def scan_of(obj):
+    """The scan a result was made from, if it is still there; else None. A scan of a result of its own is no result."""
+    wanted = raw.text(obj, "scan_key") if obj is not None else ""
+    if not wanted or raw.text(obj, "key"):
+        return None
+    named = bpy.data.objects.get(raw.text(obj, "scan_name"))
+    if named is not None and raw.text(named, "key") == wanted:
+        return named
+    return next((other for other in bpy.data.objects if raw.text(other, "key") == wanted), None)
+
+
+def result_of(scene, scan):
+    """The result made from a scan, if it is still in the scene; else None."""
+    return next(iter(results_of(scene, scan)), None)
+
+
+def results_of(scene, scan) -> list:
+    """The results made from a scan: first the result of Mesh, then the user's copies of it.
+
+    Excludes objects that share the scan's mesh, and results that were edited by hand and kept.
+    """
+    key = raw.text(scan, "key")
+    if not key:
+        return []
+    made = (obj for obj in scene.objects if raw.text(obj, "scan_key") == key and obj.type == "MESH")
+    made = (obj for obj in made if raw.text(obj, "made") != KEPT)
+    made = [obj for obj in made if obj.data != scan.data and scan_of(obj) == scan]
+    return sorted(made, key=is_copy)
+
+
+def is_copy(result) -> bool:
+    """Whether a result is the copy of another one, as its name tells."""
+    named = raw.text(result, "named")
+    return named not in ("", result.name) and named in bpy.data.objects
+
+
+def find(context):
+    """(scan, "") or (None, why not). The scan is the active object, or the one the active result was made from."""
+    problem = _not_now()
+    return (None, problem) if problem else seen(context)
+
+
+def selected(context) -> list:
+    """The selected scans that can be used, those of selected results among them, each once."""
+    scans = [scan_of(obj) or obj for obj in context.selected_objects if obj.type == "MESH"]
+    return list(dict.fromkeys(scan for scan in scans if not _unusable(scan)))
+
+
+def allows(operator, context, needs=lambda scan: "") -> bool:
+    """The poll of an operator that works on a scan; if it can't run, its tooltip gives the reason.
+
+    needs: function of the scan that returns why the operator can't run on it, or an empty text.
+    """
+    scan, problem = find(context)
+    problem = problem or needs(scan)
+    if problem:
+        operator.poll_message_set(said(problem))
+    return not problem
+
+
+def allows_with_result(operator, context) -> bool:
+    """The same for an operator that works on a scan and its result, in Object Mode."""
+    _, _, problem = find_result(context)
+    if not problem and context.mode != "OBJECT":
+        problem = own("Leave Edit Mode first (Tab)")
+    if problem:
+        operator.poll_message_set(said(problem))
+    return not problem
+
+
+def find_result(context):
+    """(scan, result, "") or (None, None, why not)."""
+    scan, problem = find(context)
+    result = None if problem else result_of(context.scene, scan)
+    if not problem and result is None:
+        problem = NO_RESULT
+    return (None, None, problem) if problem else (scan, result, "")
+
+
+def seen(context):
+    """As `find`, but while something is under way too: to look at, and not to change."""
+    active = context.view_layer.objects.active
+    scan = scan_of(active) or active
+    problem = _no_engine() or _unusable(scan)
+    return (None, problem) if problem else (scan, "")
+
+
+def _no_engine() -> str:
+    if session.ENGINE_PROBLEM:
+        text = own("The iSimp engine does not load: install the zip for this system ({why})")
+        return said(text, why=said(session.ENGINE_PROBLEM))
+    return ""
+
+
+def _not_now() -> str:
+    running = runtime.get().running
+    if running is not None:
+        return said("Work on '{name}' is not finished: wait, or press Esc", name=running.name)
+    return ""
+
+
+def _unusable(obj) -> str:
+    if obj is None:
+        return said("No object is active: click the scan first")
+    if obj.type != "MESH":
+        kind = said(_OTHER[obj.type]) if obj.type in _OTHER else obj.type.capitalize()
+        if obj.type in _MAKES_MESH:
+            text = own("'{name}' is {kind}, not a mesh: convert it first (Object > Convert > Mesh)")
+        else:
+            text = own("'{name}' is {kind}, not a mesh: click the scan first")
+        return said(text, name=obj.name, kind=kind)
+    for block in (obj, obj.data):
+        if block.library is not None:
+            return said(
+                "'{name}' is linked from {file} and can't be changed: "
+                "make it local first (Object > Relations > Make Local)",
+                name=block.name,
+                file=block.library.filepath,
+            )
+    if obj.mode not in {"OBJECT", "EDIT"}:
+        return said("Leave this mode first: iSimp works in Object and Edit Mode")
+    points, faces = mesh_io.counts(obj)
+    if faces == 0:
+        if points:
+            return said("'{name}' has points but no faces: reconstruct a surface first", name=obj.name)
+        return said("'{name}' is empty: import a scan first", name=obj.name)
+    return ""
+
+
+def has_regions(scan) -> bool:
+    recipe = store.load(scan)
+    return recipe is None or bool(recipe.steps)
+
+
+def needs_steps(scan) -> str:
+    """Why the recipe of a scan cannot be edited; empty if it can."""
+    stored = store.read(scan)
+    if stored.recipe is None:
+        return said("{problem}: press Partition to start again", problem=stored.problem)
+    return "" if stored.recipe.steps else said("There are no regions yet: press Partition first")
+
+
+def notes(scan) -> list:
+    """Messages about unreadable data on a scan, and where they are kept."""
+    problem, end = store.read(scan).problem, aside.suffix(scan.data)
+    lines = []
+    if problem:
+        text = own("{problem}. Nothing is lost: Partition starts again and keeps this as '{name}'.")
+        lines.append(said(text, problem=problem, name=f"{mesh_io.REGION}{end}"))
+    twins = [obj.name for obj in bpy.data.objects if obj.data == scan.data and obj != scan]
+    if twins:
+        lines.append(messages.shared(twins))
+    for name, kind in aside.foreign_layers(scan.data):
+        text = own("'{name}' is no layer of iSimp's ({kind}): Partition keeps it as '{kept}'.")
+        lines.append(said(text, name=name, kind=kind, kept=f"{name}{end}"))
+    kept = aside.layers(scan.data) + raw.kept(scan.data) + raw.kept(scan)
+    shown = ", ".join(f"'{name}'" for name in kept if not name.startswith(".")) or ", ".join(kept)
+    return [*lines, said("Kept, as it could not be read: {names}", names=shown)] if kept else lines
+
+
+def needs_regions(scan) -> str:
+    """Why the regions of a scan cannot be edited; empty if they can."""
+    missing = needs_steps(scan)
+    if missing:
+        return missing
+    known, now = store.numbers(scan).get("faces"), len(scan.data.polygons)
+    if scan.mode == "OBJECT" and known is not None and known != now:
+        return said(
+            "'{name}' has changed since ({before} -> {now} faces): press Partition to start again",
+            name=scan.name,
+            before=f"{known:,}",
+            now=f"{now:,}",
+        )
+    return ""

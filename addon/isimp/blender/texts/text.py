@@ -1,0 +1,299 @@
+"""Texts of the panel: numbers, warnings, reports."""
+
+import re
+import textwrap
+
+import bpy
+
+from ... import afar, messages
+from ...language import count as _count
+from ...language import noun, own, said
+from ..scene import mesh_io
+
+_STAY = "\N{NO-BREAK SPACE}"
+_ROWS = 3  # of a report without warnings
+
+
+def wrapped(message: str, width: int) -> list:
+    """Lines of at most `width` letters; words joined by no-break spaces are split only if they are longer."""
+    message = re.sub(r"(?<=\d) (?=(?:[a-zµ]{1,2}|[%'\"])(?: |$))", _STAY, message)  # a number keeps its unit
+    parts = (part if len(part) <= width else part.replace(_STAY, " ") for part in message.split(" "))
+    return textwrap.wrap(" ".join(parts), width)
+
+
+def fitted(told: str, measure, room: float) -> list:
+    """Lines of some words, none wider than `room` but for a single word. measure: how wide some words are."""
+    lines: list = []
+    for word in told.split(" "):
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and measure(longer) <= room:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
+def beside(told: str, measure, wanted: float, right: float, left: float) -> tuple[list, float]:
+    """(lines, where they begin) of words that should begin at `wanted` and must lie between `left` and `right`.
+
+    measure: how wide some words are. Lines break between statements, at " · ", and only where one line has no room.
+    """
+    lines, room = [], right - left
+    for part in told.split(" · "):
+        if lines and measure(f"{lines[-1]} · {part}") <= room:
+            lines[-1] += f" · {part}"
+        else:
+            lines.append(part)
+    return lines, max(left, min(wanted, right - max(map(measure, lines))))
+
+
+def scan_lines(mesh, numbers: dict) -> tuple:
+    """(size, shape) of a scan, always two lines. Parts and holes are known after Partition."""
+    triangles = len(mesh.loops) - 2 * len(mesh.polygons)
+    if not describes(mesh, numbers):
+        return _count(triangles, "triangle"), said("Not partitioned yet")
+    holes = said("closed") if numbers["closed"] else _count(numbers["border_loops"], "hole")
+    return _count(numbers["triangles"], "triangle"), f"{_count(numbers['components'], 'part')} · {holes}"
+
+
+_FAULTS = {
+    "non_finite_faces": noun("invalid face"),
+    "repeated_index_faces": noun("invalid face"),
+    "duplicate_faces": noun("duplicate face"),
+    "welded_vertices": noun("unwelded vertex"),
+    "flipped_faces": noun("reversed face"),
+    "cut_edges": noun("unorientable edge"),
+    "split_edges": noun("non-manifold edge"),
+    "split_vertices": noun("non-manifold vertex"),
+    "subdivided_edges": noun("double edge"),
+    "turned_edges": noun("zero-area face"),
+    "stitched_vertices": noun("stitched vertex"),
+    "smoothed_vertices": noun("smoothed vertex"),
+}  # vertices that no face uses are none
+_OPENINGS = {"filled_holes": noun("hole"), "cut_handles": noun("tunnel")}
+
+
+def lost_detail(scan, unit) -> list:
+    """A warning if float32 is too coarse at the scan's place. unit: the scene's settings."""
+    lost = mesh_io.lost_detail(scan)
+    return [] if lost is None else [afar.told(lost, unit.system, unit.scale_length)]
+
+
+def repair_lines(numbers: dict, system: str, scale: float) -> list:
+    """The repairs of the mesh that the regions were made of, as lines. The scan itself is unchanged."""
+    repairs, lines = numbers.get("repairs", {}), []
+    closed = [_count(repairs[name], one) for name, one in _OPENINGS.items() if repairs.get(name)]
+    if closed:
+        told = said("{holes} and {tunnels}", holes=closed[0], tunnels=closed[-1]) if len(closed) > 1 else closed[0]
+        below = length(numbers["closed_below"], system, scale) if numbers.get("closed_below") else ""
+        text = own("Closed: {openings}, up to {length} around") if below else own("Closed: {openings}")
+        lines.append(said(text, openings=told, length=below))
+    if numbers.get("kept_open"):
+        lines.append(said("Kept open: {openings}", openings=_count(numbers["kept_open"], "opening")))
+    faults = [_count(number, _FAULTS[name]) for name, number in repairs.items() if number and name in _FAULTS]
+    if faults:
+        lines.append(said("Mended: {faults}", faults=", ".join(faults)))
+    return lines
+
+
+def has_openings(numbers: dict) -> bool:
+    """Whether openings were closed, or kept open one by one."""
+    return any(numbers.get("repairs", {}).get(name) for name in _OPENINGS) or bool(numbers.get("kept_open"))
+
+
+def short_progress(told: str) -> str:
+    """How far some work is, without its stage: the sidebar has no room for that, and the status bar tells it."""
+    found = re.search(r"\d+%.*", told)
+    return found[0] if found else told
+
+
+def left_out(numbers: dict) -> str:
+    """Which faces are in no region; empty if all are in one."""
+    faces = numbers.get("left_out", 0)
+    text = own("{faces} ignored (grey): tiny parts or damaged faces")
+    return said(text, faces=_count(faces, "face")) if faces else ""
+
+
+def describes(mesh, numbers: dict) -> bool:
+    """Whether the numbers belong to the mesh in its present state, judged by its number of faces."""
+    return "components" in numbers and numbers.get("faces") == len(mesh.polygons)
+
+
+def report_rows(
+    numbers: dict, system: str, scale: float, previewed: dict | None, width: int, snaps: bool = False
+) -> list:
+    """(row, icon, whether it is a warning) of the report in the panel, in rows of `width` letters.
+
+    The first row has the number of polygons, present or expected, the next two the distance from the scan. Warnings
+    follow. The number of rows without warnings is fixed, so that the buttons below do not move. `report_lines` has
+    the whole report.
+    """
+    lines = report_lines(numbers, system, scale, previewed, snaps=snaps)
+    short = _short(numbers, system, scale, previewed, snaps)
+    rows: list = [(short[0] if short else "", "CHECKMARK" if short else "BLANK1", False)]
+    for line in short[1:]:
+        rows += [(part, "BLANK1", False) for part in wrapped(line, width)]
+    rows += [("", "BLANK1", False)] * (_ROWS - len(rows))
+    for line, alert in lines:
+        if alert:
+            icons = ["ERROR"]
+            rows += [(part, icons.pop() if icons else "BLANK1", True) for part in wrapped(line, width)]
+    return rows
+
+
+def _short(numbers: dict, system: str, scale: float, previewed: dict | None, snaps: bool) -> list:
+    """The report in a few words: polygons, and how far they are from the scan."""
+    made = numbers if "polygons" in numbers else previewed or {}
+    if "polygons" not in made:
+        counts = numbers.get("expected", {})
+        if "polygons" not in counts:
+            return []
+        about = own("About {polygons}, or more") if snaps else own("About {polygons}")
+        return [said(about, polygons=_count(counts["polygons"], "polygon"))]
+    shape = "" if made is not numbers else said("closed") if made["closed"] and made["manifold"] else said("open")
+    told = _count(made["polygons"], "polygon")
+    lines = [f"{told} · {shape}" if shape else told]
+    if "away_max" in made:
+        mean, most = (amount(made, name, system, scale) for name in ("away_mean", "away_max"))
+        lines.append(said("{mean} off, {most} at most", mean=mean, most=most))
+    return lines
+
+
+def report_lines(
+    numbers: dict,
+    system: str,
+    scale: float,
+    previewed: dict | None = None,
+    snaps: bool = False,
+) -> list:
+    """(line, whether it is a warning) for the report of Mesh; before it, how many polygons it will make.
+
+    snaps: see `messages.expected`.
+    """
+    if "polygons" not in numbers:
+        return [(line, False) for line in [messages.expected(numbers, previewed, snaps)] if line]
+    made = _count(numbers["polygons"], "polygon")
+    lines = [(f"{made} · {said('closed')}" if numbers["closed"] and numbers["manifold"] else made, False)]
+    lines += [(line, False) for line in [messages.why_more(numbers)] if line]
+    if numbers.get("cluttered"):
+        regions, taken = _count(numbers["cluttered"], "region"), _count(numbers.get("clutter_polygons", 0), "polygon")
+        lines.append((said("Clutter: {regions} with {polygons}", regions=regions, polygons=taken), False))
+    if "away_max" in numbers:
+        mean, most = (amount(numbers, name, system, scale) for name in ("away_mean", "away_max"))
+        lines.append((said("{mean} from the scan on average, {most} at most", mean=mean, most=most), False))
+    lines.append((_flatness(numbers, system, scale), False))
+    if numbers.get("let_go"):
+        gone = _count(numbers["let_go"], "plane")
+        lines.append((said("{gone} not held, for better polygons", gone=gone), True))
+    if "cut_if_planar" in numbers:
+        share = f"{100 * numbers['cut_if_planar']:.0f} %"
+        lines.append((said("Exactly Flat Faces left off: it would cut {share} of the polygons", share=share), False))
+    if not numbers["manifold"]:
+        lines.append((said("Non-manifold: polygons share an edge or vertex that they should not"), True))
+    elif not numbers["closed"]:
+        lines.append((said("Open, like the scan"), False))
+    if "scan_distance" in numbers:
+        away, allowed = (amount(numbers, name, system, scale) for name in ("scan_distance", "scan_distance_allowed"))
+        too_far = numbers["scan_distance"] > numbers["scan_distance_allowed"]
+        text = own("Scan within {away}, above the allowed {allowed}") if too_far else own("Scan within {away}")
+        lines.append((said(text, away=away, allowed=allowed), too_far))
+    added = numbers["regions"] - numbers.get("regions_before", numbers["regions"])
+    if added > 0:
+        lines.append((said("{regions} added to keep the bound", regions=_count(added, "region")), False))
+    return lines
+
+
+def _flatness(numbers: dict, system: str, scale: float) -> str:
+    """How flat the polygons are: exactly up to a millionth of the diagonal."""
+    if numbers["planarity_max"] <= 1e-6 * numbers.get("diagonal", 0.0):
+        return said("Exactly flat")
+    flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
+    return said("Flat within {flat} on average, {worst} at most", flat=flat, worst=worst)
+
+
+def planes_line(numbers: dict, system: str, scale: float) -> str:
+    """What has become of the planes of regions."""
+    if "planes" not in numbers:
+        held = numbers.get("held", 0)
+        text = own("{held} of {regions} keep their planes: press Regularise again") if held else own("As scanned")
+        return said(text, held=f"{held:,}", regions=_count(numbers.get("regions", 0), "region"))
+    gone = numbers.get("let_go", 0)
+    text = own("{regions} -> {planes} in {directions}, adds {length}")
+    if gone:
+        text = own("{regions} -> {planes} in {directions}, adds {length}; {gone} not held, for better polygons")
+    return said(
+        text,
+        gone=_count(gone, "plane"),
+        regions=_count(numbers["regions"], "region"),
+        planes=_count(numbers["planes"], "plane"),
+        directions=_count(numbers["directions"], "direction"),
+        length=amount(numbers, "planes_add", system, scale),
+    )
+
+
+def problems(numbers: dict) -> str:
+    """The text of the button that selects defective polygons; empty if there are none."""
+    defective = {polygon for found in numbers.get("flaws", {}).values() for polygon in found}
+    return said("Select {polygons}", polygons=_count(len(defective), "defective polygon")) if defective else ""
+
+
+def amount(numbers: dict, name: str, system: str, scale: float) -> str:
+    """A length of the numbers in the scene's units, or in percent of the diagonal where it has none."""
+    if system == "NONE" and numbers.get("diagonal"):
+        return f"{100 * numbers[name] / numbers['diagonal']:.2g} %"
+    return length(numbers[name], system, scale)
+
+
+def length(value: float, system: str, scale: float) -> str:
+    """A length with its unit. Blender's own texts have "um" and "mil", which are unusual for a length."""
+    if system == "NONE":
+        return f"{value:.3g}"
+    if system == "METRIC" and 0 < abs(value * scale) < 1e-3:
+        return f"{1e6 * value * scale:.3g} \N{MICRO SIGN}m"
+    if system == "IMPERIAL" and 0 < abs(value * scale) < 0.0254:
+        return said("{number} in", number=f"{value * scale / 0.0254:.2g}")
+    return bpy.utils.units.to_string(system, "LENGTH", value * scale, precision=2, compatible_unit=True)
+
+
+def in_scene(value: float) -> str:
+    """A length in the units of the scene that is shown."""
+    unit = bpy.context.scene.unit_settings
+    return length(value, unit.system, unit.scale_length)
+
+
+_PLANES = {"none": own("None found"), "oblique": own("Oblique plane")}
+
+
+def _mirrored(numbers: dict) -> str:
+    """Across which axis the regions mirror, and how much does: corners after Mesh, regions before."""
+    plane = said(_PLANES.get(numbers["symmetry"], numbers["symmetry"]))
+    if "vertices" in numbers and "mirrored_corners" in numbers:
+        some, all_ = numbers["mirrored_corners"], _count(numbers["vertices"], "corner")
+    elif "mirrored_regions" in numbers:
+        some, all_ = numbers["mirrored_regions"], _count(numbers["regions"], "region")
+    else:
+        return plane
+    return said("{plane}: {some} of {all}", plane=plane, some=f"{some:,}", all=all_)
+
+
+def number_rows(numbers: dict, system: str, scale: float) -> list:
+    """(name, value) of the last step's numbers, the most important first."""
+    rows = [(said("Regions"), f"{numbers['regions']:,}")] if "regions" in numbers else []
+    if "polygons" in numbers:
+        each = f"{numbers['corners'] / max(1, numbers['polygons']):.1f}"
+        corners = said("{number} ({each} each)", number=f"{numbers['corners']:,}", each=each)
+        rows += [(said("Polygons"), f"{numbers['polygons']:,}"), (said("Corners"), corners)]
+        rows += [(said("Vertices"), f"{numbers['vertices']:,}")]
+    if "symmetry" in numbers:
+        rows.append((said("Symmetry"), _mirrored(numbers)))
+    if "error" in numbers:
+        rows.append((said("Error"), f"{numbers['error']:.4g}"))
+    if numbers.get("barriers"):
+        kept = f"{numbers['barriers'] - numbers.get('barriers_inside', 0):,}"
+        edges = _count(numbers["barriers"], "edge")
+        rows.append((said("Barriers kept"), said("{number} of {edges}", number=kept, edges=edges)))
+    if numbers.get("left_out"):
+        rows.append((said("Left out"), _count(numbers["left_out"], "face")))
+    if "seconds" in numbers:
+        rows.append((said("Seconds"), f"{numbers['seconds']:.2f}"))
+    return rows

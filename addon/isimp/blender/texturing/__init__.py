@@ -1,0 +1,1 @@
+"""Images, materials and UV maps of scans and results."""

@@ -1,0 +1,187 @@
+"""What materials show, as arrays: the images and numbers at the inputs of their Principled BSDF."""
+
+import bpy
+import numpy as np
+
+from ...engine import engine
+from ...language import own, said
+from ..scene import mesh_io
+from . import tiles
+
+_GREY = (0.8, 0.8, 0.8, 1.0)
+_NUMBERS = {"roughness": "Roughness", "metallic": "Metallic"}  # layers and inputs
+_CHANNELS = {"Red": 0, "Green": 1, "Blue": 2, "R": 0, "G": 1, "B": 2}
+_BAKE = own("Bake it to an image first: Render Properties > Bake, type Diffuse, in Cycles.")
+
+
+def nodes_of(material):
+    """The node tree a material is shown by, None if by its plain settings."""
+    if bpy.app.version < (5, 0, 0) and not material.use_nodes:  # from then on each has nodes
+        return None
+    return material.node_tree
+
+
+def shader_of(material):
+    """The Principled BSDF that a material is shown by, or None."""
+    tree = None if material is None else nodes_of(material)
+    output = None if tree is None else tree.get_output_node("ALL")
+    if output is None or not output.inputs["Surface"].is_linked:
+        return None
+    node = output.inputs["Surface"].links[0].from_node
+    return node if node.type == "BSDF_PRINCIPLED" else None
+
+
+def emission_of(shader):
+    """The input of the emission's colour, which has another name in Blender 4."""
+    return shader.inputs.get("Emission Color") or shader.inputs["Emission"]
+
+
+def image_name(material) -> str:
+    """The name of the image at a material's Base Color; empty if there is none."""
+    shader = shader_of(material)
+    image = None if shader is None else _linked_image(shader.inputs["Base Color"])
+    return "" if image is None else image.name
+
+
+def color(material):
+    """(H, W, 4) uint8 of the image at a material's Base Color, row 0 at the top; its colour as one pixel without.
+
+    Of an image with UDIM tiles a dict of such arrays by their numbers. Raises Unusable.
+    """
+    if material is None or nodes_of(material) is None:
+        return pixel(_GREY if material is None else material.diffuse_color)
+    shader = shader_of(material)
+    if shader is None:
+        raise mesh_io.Unusable(_advice(own("The material '{name}' has no Principled BSDF."), material))
+    place = shader.inputs["Base Color"]
+    if not place.is_linked:
+        return pixel(place.default_value)
+    image = _linked_image(place)
+    if image is None:
+        raise mesh_io.Unusable(_advice(own("The Base Color of the material '{name}' comes from no image."), material))
+    return pixels(image)
+
+
+def _advice(text: str, material) -> str:
+    return f"{said(text, name=material.name)} {said(_BAKE)}"
+
+
+class Layers:
+    """What materials have beside their colour: images or numbers, by layer and material."""
+
+    def __init__(self, materials):
+        """Raises Unusable where an image can't be read."""
+        self.images = {}  #: by layer one of each material: (H, W, channels) from 0 to 1, a number, or None
+        self.strength = 1.0  #: of the brightest emission
+        self.notes = []  #: what comes from no image and is left out
+        shaders = [(shader, m.name) if (shader := shader_of(m)) is not None else None for m in materials]
+        for layer, place in _NUMBERS.items():
+            self._put(layer, [None if pair is None else self._number(pair, place) for pair in shaders])
+        emissions = [None if pair is None else self._emission(pair) for pair in shaders]
+        to_srgb = engine.texturing.layers.to_srgb
+        self.strength = max([1.0, *(e[1] for e in emissions if e is not None)])
+
+        def stored(emission):
+            return each(emission[0], lambda linear: to_srgb(linear * (emission[1] / self.strength)))
+
+        self._put("emission", [None if e is None else stored(e) for e in emissions])
+        self._put("normal", [None if pair is None else self._normals(pair) for pair in shaders])
+
+    def _put(self, layer: str, images: list) -> None:
+        if any(image is not None for image in images):
+            self.images[layer] = images
+
+    def _left_out(self, pair, place: str) -> None:
+        place = bpy.app.translations.pgettext_iface(place)  # as Blender calls it
+        text = said(
+            "'{input}' of the material '{name}' comes from no image, and is left out.", input=place, name=pair[1]
+        )
+        self.notes.append(text)
+
+    def _number(self, pair, place: str):
+        socket = pair[0].inputs[place]
+        if not socket.is_linked:
+            return float(np.clip(socket.default_value, 0, 1))
+        link = socket.links[0]
+        image, channel = _linked_image(socket), None
+        if image is None and link.from_node.type in {"SEPARATE_COLOR", "SEPRGB"}:
+            image, channel = _linked_image(link.from_node.inputs[0]), _CHANNELS.get(link.from_socket.name)
+            image = image if channel is not None else None
+        if image is None:
+            return self._left_out(pair, place)
+        weights = np.array([0.2126, 0.7152, 0.0722])  # a colour becomes a number by its luminance
+        return each(linear_pixels(image), lambda v: v @ weights if channel is None else v[:, :, channel])
+
+    def _emission(self, pair):
+        """(linear colours (H, W, 3), strength), or None."""
+        socket, strength = emission_of(pair[0]), pair[0].inputs["Emission Strength"]
+        if strength.is_linked:
+            return self._left_out(pair, "Emission Strength")
+        if not strength.default_value > 0:
+            return None
+        if not socket.is_linked:
+            values = np.array(socket.default_value[:3], np.float64).reshape(1, 1, 3)
+            if not values.any():
+                return None
+            most = max(1.0, values.max())
+            return values / most, float(strength.default_value * most)
+        image = _linked_image(socket)
+        if image is None:
+            return self._left_out(pair, "Emission")
+        return linear_pixels(image), float(strength.default_value)
+
+    def _normals(self, pair):
+        socket = pair[0].inputs["Normal"]
+        if not socket.is_linked:
+            return None
+        node = socket.links[0].from_node
+        image = _linked_image(node.inputs["Color"]) if node.type == "NORMAL_MAP" and node.space == "TANGENT" else None
+        if image is None or node.inputs["Strength"].is_linked:
+            return self._left_out(pair, "Normal")
+        strength = node.inputs["Strength"].default_value
+        return each(linear_pixels(image), lambda values: _strengthened(values * 2 - 1, strength) / 2 + 0.5)
+
+
+def _strengthened(normals: np.ndarray, strength: float) -> np.ndarray:
+    """As the node does."""
+    if strength == 1:
+        return normals
+    normals[:, :, :2] *= strength
+    normals[:, :, 2] = 1 + (normals[:, :, 2] - 1) * min(strength, 1)
+    return normals / np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
+
+
+def each(image, change):
+    """An image, or each of its tiles, changed."""
+    return engine.texturing.udim.each(image, change)
+
+
+def _linked_image(socket):
+    """The image whose colours an input gets, or None."""
+    node = socket.links[0].from_node if socket.is_linked else None
+    return node.image if node is not None and node.type == "TEX_IMAGE" else None
+
+
+def pixel(linear) -> np.ndarray:
+    """One pixel of a linear colour, as images store it."""
+    stored = engine.texturing.layers.to_srgb(np.clip(np.array(linear[:3], np.float64), 0, 1))
+    return np.append(np.round(255 * stored), 255).astype(np.uint8).reshape(1, 1, 4)
+
+
+def linear_pixels(image):
+    """(H, W, 3) from 0 to 1 as shaders see them: numbers as they are, colours without sRGB's curve. Also of tiles."""
+    to_linear = engine.texturing.layers.to_linear if image.colorspace_settings.name == "sRGB" else lambda values: values
+    return each(pixels(image), lambda values: to_linear(values[:, :, :3] / 255))
+
+
+def pixels(image):
+    """(H, W, 4) uint8 as stored, row 0 at the top; a dict of them for UDIM tiles. Raises Unusable."""
+    if image.source == "TILED":
+        return tiles.read(image, pixels)
+    width, height = image.size
+    if not width or not height or image.channels != 4:
+        file = image.filepath or said("no file")
+        raise mesh_io.Unusable(said("The image '{name}' can't be read ({file}).", name=image.name, file=file))
+    values = np.empty(4 * width * height, np.float32)
+    image.pixels.foreach_get(values)
+    return np.round(np.clip(values, 0, 1) * 255).astype(np.uint8).reshape(height, width, 4)[::-1]

@@ -1,0 +1,66 @@
+"""Images with UDIM tiles: Blender gives the pixels of the first tile only, so the others go through files."""
+
+import tempfile
+from pathlib import Path
+
+import bpy
+
+from ...language import said
+from ..scene import mesh_io
+
+
+def read(image, pixels) -> dict:
+    """What `pixels` reads of each tile of an image, by the tile's number. Raises Unusable."""
+    if image.is_dirty:
+        raise mesh_io.Unusable(
+            said("The image '{name}' has tiles that are not saved: save or pack it first.", name=image.name)
+        )
+    found = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for tile in image.tiles:
+            path = _file_of(image, tile.number, Path(folder))
+            if not path.is_file():
+                facts = {"tile": tile.number, "name": image.name, "file": path}
+                raise mesh_io.Unusable(said("The tile {tile} of the image '{name}' can't be read ({file}).", **facts))
+            single = bpy.data.images.load(str(path))
+            try:
+                single.colorspace_settings.name = image.colorspace_settings.name
+                found[tile.number] = pixels(single)
+            finally:
+                bpy.data.images.remove(single)
+    return found
+
+
+def _file_of(image, number: int, folder: Path):
+    """The file of a tile; a packed one is written to the folder."""
+    for packed in image.packed_files:
+        if packed.tile_number == number:
+            path = folder / f"{number}{Path(packed.filepath).suffix}"
+            path.write_bytes(packed.packed_file.data)
+            return path
+    name = bpy.path.abspath(image.filepath, library=image.library)
+    column, row = (number - 1001) % 10, (number - 1001) // 10
+    return Path(name.replace("<UDIM>", str(number)).replace("<UVTILE>", f"u{column + 1}_v{row + 1}"))
+
+
+def make(name: str, tiles: dict, single):
+    """A packed image of tiles. tiles: what `single(name, stored)` makes an image of, by the tile's number."""
+    with tempfile.TemporaryDirectory() as folder:
+        for number, stored in tiles.items():
+            one = single(name, stored)
+            deep = one.is_float
+            one.filepath_raw = str(Path(folder) / f"tile.{number}.{'exr' if deep else 'png'}")
+            one.file_format = "OPEN_EXR" if deep else "PNG"
+            space = one.colorspace_settings.name
+            one.save()
+            bpy.data.images.remove(one)
+        suffix = "exr" if deep else "png"
+        image = bpy.data.images.load(str(Path(folder) / f"tile.{min(tiles)}.{suffix}"))
+        image.name, image.source = name, "TILED"
+        image.filepath_raw = str(Path(folder) / f"tile.<UDIM>.{suffix}")
+        image.colorspace_settings.name = space
+        there = {tile.number for tile in image.tiles}
+        for number in sorted(tiles.keys() - there):
+            image.tiles.new(number)
+        image.pack()
+    return image

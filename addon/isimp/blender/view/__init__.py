@@ -1,0 +1,1 @@
+"""What the 3D view shows over and beside a scan."""

@@ -1,0 +1,58 @@
+"""The nearest and the farthest distance that a view shows, where a scan is too large or too small for them."""
+
+import bpy
+
+from ...language import own, said
+from ..scene import targets
+from ..texts.text import in_scene
+
+_ROOM = 2.5  # depth of a view of the whole scan, in sizes of the scan
+_NEAR = 0.002  # of the size: the nearest that a view of it needs to show
+
+
+_TEXTS = {"clip_end": own("Clips at {length}: show all"), "clip_start": own("Clips below {length}: show all")}
+
+
+def hides(space, scan) -> str:
+    """The limit of a 3D view that clips a whole scan: "clip_end" or "clip_start"; empty if none does."""
+    size = scan.dimensions.length
+    if space is None or size <= 0:
+        return ""
+    if _ROOM * size > space.clip_end:
+        return "clip_end"
+    return "clip_start" if size < space.clip_start else ""
+
+
+def told(space, scan) -> str:
+    """The text of the button that widens the limit, with the limit in the scene's units."""
+    limit = hides(space, scan)
+    return said(_TEXTS[limit], length=in_scene(getattr(space, limit)))
+
+
+class ISIMP_OT_show_all(bpy.types.Operator):
+    """Let the view show all of the scan, and look at it"""
+
+    bl_idname = "isimp.show_all"
+    bl_label = "Show All of the Scan"
+
+    @classmethod
+    def poll(cls, context):
+        return targets.allows(cls, context) and context.area is not None and context.area.type == "VIEW_3D"
+
+    def execute(self, context):
+        scan, _ = targets.find(context)
+        space, size = context.space_data, scan.dimensions.length
+        limit = hides(space, scan)
+        if limit == "clip_end":
+            space.clip_end = 4 * _ROOM * size
+            space.clip_start = max(space.clip_start, _NEAR * size)
+        elif limit == "clip_start":
+            space.clip_start = _NEAR * size
+        region = next((region for region in context.area.regions if region.type == "WINDOW"), None)
+        if region is not None and not bpy.app.background and scan.visible_get():
+            with context.temp_override(region=region):
+                bpy.ops.view3d.view_selected()
+        return {"FINISHED"}
+
+
+CLASSES = (ISIMP_OT_show_all,)

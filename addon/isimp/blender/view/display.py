@@ -1,0 +1,111 @@
+"""The viewports' shading while regions are shown: set, remembered, and given back."""
+
+from contextlib import suppress
+
+import bpy
+from idprop.types import IDPropertyGroup
+
+from ..scene import mesh_io, runtime, targets
+from ..texturing import texture
+
+_KEPT = "isimp_color_type"  # on the screen, so that a file saved meanwhile can restore it
+
+
+def _viewports(context):
+    for window in context.window_manager.windows:
+        for index, area in enumerate(window.screen.areas):
+            if area.type == "VIEW_3D":
+                for space in area.spaces:
+                    if space.type == "VIEW_3D":
+                        yield window.screen, f"{index}", space
+
+
+def _is_ours(screen) -> bool:
+    """Whether the property on a screen is the add-on's, or free; a foreign one may have its name."""
+    return isinstance(screen.get(_KEPT, None), IDPropertyGroup | None)
+
+
+def _kept(screen) -> dict:
+    """The former colour type of each viewport of a screen; under its place and ".set", the type that the add-on set."""
+    kept = screen.get(_KEPT)
+    return kept.to_dict() if isinstance(kept, IDPropertyGroup) else {}
+
+
+def show(context, kind: str = "VERTEX") -> None:
+    """Lets Solid shading show the regions' colours in all viewports, or "TEXTURE": the images of materials."""
+    for screen, place, space in _viewports(context):
+        if space.shading.color_type != kind:
+            if _is_ours(screen):
+                kept = _kept(screen)
+                before = kept[place] if _is_set(kept, place, space) else space.shading.color_type
+                screen[_KEPT] = kept | {place: before, f"{place}.set": kind}
+            space.shading.color_type = kind
+
+
+def _is_set(kept: dict, place: str, space) -> bool:
+    """Whether a viewport has the colour type that the add-on gave it, and not one that its user chose since."""
+    return place in kept and space.shading.color_type == kept.get(f"{place}.set", "VERTEX")
+
+
+def show_result(context, result) -> None:
+    """Shows the texture of a result that has one; otherwise restores the colour type of each viewport."""
+    give_back(context)
+    if texture.image_width(result):
+        show(context, "TEXTURE")
+
+
+def give_back(context) -> None:
+    """Gives each viewport the colour type that it had before, unless its user chose another one meanwhile."""
+    for screen, place, space in _viewports(context):
+        kept = _kept(screen)
+        if _is_set(kept, place, space):
+            with suppress(TypeError):  # no colour type of this version
+                space.shading.color_type = kept[place]
+    for window in context.window_manager.windows:
+        if _KEPT in window.screen and _is_ours(window.screen):
+            del window.screen[_KEPT]
+
+
+def is_shown(context) -> bool:
+    """Whether the regions' colours are seen in a viewport; other kinds of shading than Solid show none."""
+    shadings = (space.shading for _, _, space in _viewports(context))
+    return any(shading.type == "SOLID" and shading.color_type == "VERTEX" for shading in shadings)
+
+
+def follow_undo(context) -> None:
+    """After undo and redo: colours are shown while the active object is a visible scan with regions.
+
+    Viewports are no part of what undo takes back, so they have to be brought in line with what it did.
+    """
+    obj = context.view_layer.objects.active
+    if obj is None or obj.type != "MESH" or runtime.get() is None:
+        return
+    if mesh_io.state_of(obj) and not obj.hide_get():
+        show(context)
+    elif targets.scan_of(obj) is not None:
+        show_result(context, obj)
+    else:
+        give_back(context)
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+@bpy.app.handlers.persistent
+def _after_undo(*_):
+    follow_undo(bpy.context)
+
+
+_HANDLERS = (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post)
+
+
+def register() -> None:
+    for handlers in _HANDLERS:
+        handlers.append(_after_undo)
+
+
+def unregister() -> None:
+    give_back(bpy.context)
+    for handlers in _HANDLERS:
+        handlers.remove(_after_undo)

@@ -1,0 +1,523 @@
+"""The overlay of the scan in the viewports: region borders, outline of the polygons, highlights of the tools.
+
+What to draw is computed on a thread (see sketch.py) once for each state of a scan, and kept; drawing itself only hands
+arrays to the graphics card, and never changes anything of the file.
+"""
+
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import bpy
+import gpu
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+from mathutils import Matrix, Vector
+
+from ... import messages, sketch
+from ... import recipe as rcp
+from ...language import said
+from ...task import Status, Task
+from .. import preferences, reading
+from ..controls import settings, upward
+from ..drawing import late, shaders
+from ..scene import mesh_io, pointed, runtime, store, targets
+from ..texts import text, words
+
+_KEPT = 8  # sketches
+_GROUPS = 8  # of lines of similar length
+_LEAST_DOT = 0.5  # strength below which corners are not drawn
+_OLD = 0.4  # strength of the polygons of before, until the new ones are there
+_MARK = (1.0, 0.55, 0.05, 0.8)
+_TICK = 0.1
+# How much nearer to the eye than they are lines are drawn, of the scan's size, so that the faces they lie on don't hide
+# them; those of the polygons more, as the scan bulges over them.
+_LATE, _UNDER, ON, _OVER = 0.0003, 0.0015, 0.003, 0.03
+
+
+@dataclass
+class Drawing:
+    """A sketch as batches of the graphics card, each made when it is drawn first."""
+
+    sketch: sketch.Sketch
+    batches: dict = field(default_factory=dict)
+
+
+def scan_shown(context):
+    """The scan whose regions are seen, or None."""
+    scan, problem = targets.seen(context)
+    seen = not problem and context.view_layer.objects.active == scan and scan.visible_get()
+    return scan if seen and mesh_io.state_of(scan) and not targets.needs_regions(scan) else None
+
+
+def hover_shown(context):
+    """The highlight under the mouse, or None: also if another object than its scan is shown."""
+    hover = runtime.get().hover
+    if hover is None or not context.space_data.overlay.show_overlays:
+        return None
+    scan = scan_shown(context) if hover.scan else None
+    return hover if not hover.scan or (scan is not None and scan.name == hover.scan) else None
+
+
+def _key(context, scan):
+    """The key of a sketch: scan, state, shape and box, and how its polygons are made (None without polygons).
+
+    The box tells of a scan that was moved in its data, or exchanged for another one, and got the same recipe.
+    """
+    panel, shown = context.window_manager.isimp, runtime.get().live.shown_of(scan)
+    wants = panel.outline or panel.heat or panel.away or panel.directions or panel.summary
+    first = upward.first(context, scan) if wants and panel.regularise_first else None
+    meshing = (settings.to_step(rcp.Mesh, panel.mesh), first) if wants else None
+    state = mesh_io.state_of(scan) if shown is None else shown.work.recipe
+    shape = mesh_io.shape_matrix(scan).tobytes() + np.array(scan.bound_box).tobytes()
+    return scan.name, state, shape, meshing
+
+
+def _drawing(context, scan):
+    """The drawing, as far as it is ready; requests what is missing."""
+    drawings, key = runtime.get().drawings, _key(context, scan)
+    if key in drawings:
+        drawings.move_to_end(key)
+        return drawings[key]
+    if not bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.register(_tick, first_interval=_TICK)
+    same = next((drawings[other] for other in reversed(drawings) if other[:3] == key[:3]), None)
+    if same is None and runtime.get().live.shown_of(scan) is None:
+        made = _at_once(scan)
+        same = None if made is None else _store(_without_polygons(key), made)
+    return same
+
+
+def _at_once(scan):
+    """A sketch without polygons, where everything for it is in memory; else None."""
+    known, recipe = runtime.get().scans.get(scan.name), store.load(scan)
+    if known is None or recipe.layers():
+        return None
+    return sketch.at_once(runtime.get().session, known.scan, recipe)
+
+
+def _former(context, scan):
+    """The drawing with the polygons of before, while there are none of the regions seen; else None."""
+    drawings, key = runtime.get().drawings, _key(context, scan)
+    if key[3] is None or any(other[:3] == key[:3] and other[3] is not None for other in drawings):
+        return None
+    same = (drawings[other] for other in reversed(drawings) if (other[0], other[2]) == (key[0], key[2]))
+    return next((drawing for drawing in same if len(drawing.sketch.outline)), None)
+
+
+def _missing(context, scan):
+    """The key of the next sketch to make; None if all are ready. Borders come first, as they need no polygons."""
+    drawings, key = runtime.get().drawings, _key(context, scan)
+    if key in drawings:
+        return None
+    plain = _without_polygons(key)
+    return key if plain in drawings else plain
+
+
+def _without_polygons(key):
+    return (*key[:3], None)
+
+
+def _tick():
+    """Makes the sketch that is missing, unless others work."""
+    current, context = runtime.get(), bpy.context
+    if current is None or not context.window_manager.isimp.overlay:
+        return None
+    if current.running is not None or current.live.work is not None or current.live.held:
+        return _TICK
+    scan = scan_shown(context)
+    key = _missing(context, scan) if scan is not None else None
+    if current.sketching is not None:
+        wanted, task = current.sketching
+        if task.status is Status.RUNNING and wanted == key:
+            return _TICK
+        current.stop_sketching()
+        if task.status is not Status.STOPPED:
+            _keep(wanted, task.result or sketch.Sketch(reason=str(task.error)))
+            key = _missing(context, scan) if scan is not None else None
+    if key is None:
+        return None
+    if current.live.shown_of(scan) is None:
+        layers = store.load(scan).layers()
+        if not reading.ready(context, scan, layers, reading.SPAN):
+            return _TICK
+    try:
+        recipe, arrays, regions = _seen(context, scan)
+    except mesh_io.Unusable as problem:
+        _keep(_key(context, scan), sketch.Sketch(reason=str(problem)))
+        return None
+    session = current.session
+    meshing, first = key[3] or (None, None)
+    task = Task(lambda watch: sketch.draw(session, arrays, regions, recipe, meshing, watch, first))
+    current.sketching = (key, task)
+    return _TICK
+
+
+def tell_late() -> None:
+    """Starts a timer that reports delayed colours to Blender (late.py) when no other work is running."""
+    if not bpy.app.background and not bpy.app.timers.is_registered(_rest):
+        bpy.app.timers.register(_rest, first_interval=_TICK)
+
+
+def _rest():
+    current = runtime.get()
+    is_due = None if current is None else late.is_due()
+    if is_due is None:
+        return None
+    others = current.running or current.live.work or current.sketching or bpy.app.timers.is_registered(_tick)
+    if others or not is_due:
+        return _TICK
+    late.settle()
+    return None
+
+
+def _seen(context, scan):
+    """Recipe, arrays and regions of a visible scan. Raises Unusable."""
+    shown = runtime.get().live.shown_of(scan)
+    if shown is not None:
+        return shown.work.recipe, shown.work.scan, shown.work.task.result.face_region
+    recipe = store.load(scan)
+    arrays = reading.read(context, scan, recipe.layers())
+    return recipe, arrays, reading.regions(scan, arrays, recipe)
+
+
+def _keep(key, made) -> None:
+    _store(key, made)
+    late.settle()  # so that the view is drawn once for both
+    redraw()
+
+
+def _store(key, made):
+    drawings = runtime.get().drawings
+    drawings.pop(_without_polygons(key), None)
+    drawings[key] = Drawing(made)
+    while len(drawings) > _KEPT:
+        drawings.popitem(last=False)
+    return drawings[key]
+
+
+def redraw() -> None:
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+def tell(context, keys: str) -> None:
+    """Shows the keys in the status bar until another tool is chosen; an empty text clears it."""
+    current = runtime.get()
+    if current.status != keys:
+        current.status = keys
+        context.workspace.status_text_set(said(keys) if keys else None)
+
+
+def _tool_is_ours(context) -> bool:
+    tool = context.workspace.tools.from_space_view3d_mode(context.mode, create=False)
+    return tool is not None and tool.idname.startswith("isimp.")
+
+
+def _leave():
+    """Another tool was chosen: nothing is shown for ours any more."""
+    if runtime.get() is not None and runtime.get().status:
+        runtime.get().hover = None
+        tell(bpy.context, "")
+        redraw()
+
+
+def _draw():
+    current, context = runtime.get(), bpy.context
+    if current is None:
+        return
+    if current.status and not _tool_is_ours(context) and not bpy.app.timers.is_registered(_leave):
+        bpy.app.timers.register(_leave, first_interval=0.0)  # nothing may be changed while drawing
+    scan = scan_shown(context)
+    if scan is None:
+        return
+    shown, lines_too = current.live.shown_of(scan), context.space_data.overlay.show_overlays
+    with Over(context.region_data, scan) as space:
+        if context.space_data.shading.type == "SOLID":
+            space.nearer(_LATE if shown is None else _UNDER)
+            if shown is not None:
+                shown.draw()
+            elif context.space_data.shading.color_type == "VERTEX":
+                late.draw(scan)
+            space.nearer(ON)
+        if lines_too and context.window_manager.isimp.overlay:
+            _draw_lines_over(context, space, scan, shown)
+        if (hover := hover_shown(context)) is not None:
+            _draw_hover(hover)
+        if lines_too and shown is None and _is_chosen_shown(context, scan):
+            lines(pointed.outline(scan), _MARK, 2.5)
+
+
+def _is_chosen_shown(context, scan) -> bool:
+    """Whether the regions that were clicked last are outlined: several always, one where the mouse is at no region."""
+    count = len(pointed.faces(scan))
+    return count > 1 or (count == 1 and context.mode == "OBJECT" and hover_shown(context) is None)
+
+
+def _draw_lines_over(context, space, scan, shown) -> None:
+    wish, drawing, former = preferences.get(context), _drawing(context, scan), _former(context, scan)
+    if drawing is not None:
+        with space.at(drawing.sketch.origin):
+            _draw_sketch(context, space, drawing)
+    if former is not None and context.window_manager.isimp.outline:
+        with space.at(former.sketch.origin):
+            space.nearer(_OVER)
+            _draw_outline(former, space.pixels(context), wish, _OLD)
+            space.nearer(ON)
+    if drawing is not None:
+        return
+    if shown is not None and len(shown.work.borders):
+        shown.draw_borders(_line_shader(wish.border_color, wish.line_width))
+
+
+def reported(context, scan) -> tuple:
+    """(numbers of the polygons that are drawn over a scan, whether they are of its regions and not of those before)."""
+    made, current = previewed(context, scan), runtime.get()
+    if made:
+        current.report = scan.name, made
+        return made, True
+    name, former = current.report
+    return (former if name == scan.name else {}), False
+
+
+def previewed(context, scan) -> dict:
+    """The numbers of the polygons that are drawn over a scan, if they are of its regions; else none."""
+    if scan_shown(context) is None:
+        return {}
+    try:
+        drawing = runtime.get().drawings.get(_key(context, scan))
+    except (ValueError, mesh_io.Unusable):  # settings or a transform that nothing can be made with
+        return {}
+    made = drawing.sketch.numbers if drawing is not None else {}
+    return made if made.get("regions_before") == store.numbers(scan).get("regions") else {}
+
+
+def _draw_summary(context) -> None:
+    """How many regions and polygons there are, in the corner of the view."""
+    if not (context.window_manager.isimp.summary and context.space_data.overlay.show_overlays):
+        return
+    scan, problem = targets.seen(context)
+    if problem or not targets.has_regions(scan):
+        return
+    numbers = store.numbers(scan)
+    if scan_shown(context) is not None:
+        shown, drawing = runtime.get().live.shown_of(scan), _drawing(context, scan)
+        made = drawing.sketch.numbers if drawing is not None else {}
+        numbers = shown.work.task.result.numbers if shown is not None else numbers
+        numbers = made if made.get("regions_before") == numbers.get("regions") else {"regions": numbers.get("regions")}
+    if numbers.get("regions") is None:
+        return
+    unit = context.scene.unit_settings
+    away = text.amount(numbers, "away_mean", unit.system, unit.scale_length) if "away_mean" in numbers else ""
+    words.draw_corner(context, messages.summary(numbers["regions"], numbers.get("polygons"), away))
+
+
+def _draw_text():
+    """The few words beside the mouse, and the brush's circle."""
+    context = bpy.context
+    if runtime.get() is None:
+        return
+    _draw_summary(context)
+    hover = hover_shown(context)
+    if hover is None:
+        return
+    if hover.ring:
+        angle = np.linspace(0, 2 * np.pi, 49)
+        circle = np.stack([np.cos(angle), np.sin(angle)], axis=1) * hover.ring + hover.at
+        points = np.repeat(np.column_stack([circle, np.zeros(49)]), 2, axis=0)[1:-1].astype(np.float32)
+        gpu.state.blend_set("ALPHA")
+        lines(points, (1.0, 1.0, 1.0, 0.9), 1.5)
+        gpu.state.blend_set("NONE")
+    if hover.stretch:
+        gpu.state.blend_set("ALPHA")
+        lines(np.array([(*at, 0.0) for at in hover.stretch], np.float32), (1.0, 0.85, 0.2, 1.0), 2.0)
+        gpu.state.blend_set("NONE")
+    if hover.text:
+        words.draw_hover(context, hover)
+
+
+class Over:
+    """The scan's own space, a little nearer to the eye than it is; the state of the graphics card is given back."""
+
+    def __init__(self, view, scan):
+        self.place = Matrix(mesh_io.place_matrix(scan).tolist())
+        middle = sum((Vector(corner) for corner in scan.bound_box), Vector()) / 8
+        self.away = max(1e-6, -(view.view_matrix @ scan.matrix_world @ middle).z)
+        self.size = scan.dimensions.length
+        self.is_perspective = view.is_perspective
+
+    def pixels(self, context) -> float:
+        """How many pixels long one unit of the scan's space is, at the scan's middle."""
+        high = 0.5 * context.region.height * self.projection[1][1]
+        return high / self.away if self.is_perspective else high
+
+    def nearer(self, share: float) -> None:
+        """Draws the following nearer to the eye by this share of the scan's size."""
+        projection = self.projection.copy()
+        depth = projection[2][3] / self.away**2 if self.is_perspective else projection[2][2]
+        projection[2] = projection[2] - abs(depth) * share * self.size * projection[3]
+        gpu.matrix.load_projection_matrix(projection)
+
+    @contextmanager
+    def at(self, origin):
+        """Draws relative to a place in the scan's space."""
+        gpu.matrix.push()
+        gpu.matrix.translate(origin)
+        try:
+            yield
+        finally:
+            gpu.matrix.pop()
+
+    def __enter__(self):
+        gpu.state.depth_test_set("LESS_EQUAL")
+        gpu.state.depth_mask_set(False)
+        gpu.state.blend_set("ALPHA")
+        gpu.matrix.push()
+        gpu.matrix.multiply_matrix(self.place)
+        gpu.matrix.push_projection()
+        self.projection = gpu.matrix.get_projection_matrix()
+        self.nearer(ON)
+        return self
+
+    def __exit__(self, *_):
+        gpu.matrix.pop_projection()
+        gpu.matrix.pop()
+        gpu.state.blend_set("NONE")
+        gpu.state.depth_mask_set(True)
+        gpu.state.depth_test_set("NONE")
+        gpu.state.point_size_set(1.0)
+
+
+def _draw_sketch(context, space, drawing) -> None:
+    panel, wish, made = context.window_manager.isimp, preferences.get(context), drawing.sketch
+    if len(made.locked):
+        shader = shaders.hatched()
+        shader.bind()
+        shaders.draw(_batch(drawing, "locked", "TRIS", shader), shader)
+    pixels = space.pixels(context)
+    usual = sketch.strength(pixels * float(np.median(made.reach))) if len(made.reach) else 1.0
+    _draw_lines(drawing, "borders", _faded(wish.border_color, max(0.4, usual)), wish.line_width * max(0.6, usual))
+    space.nearer(_OVER)
+    if panel.away and len(made.surface):
+        _draw_heat(drawing, "away")
+    elif panel.heat and len(made.surface):
+        _draw_heat(drawing, "heat")
+    elif panel.directions and len(made.surface):
+        _draw_heat(drawing, "directions")
+    if panel.outline:
+        _draw_outline(drawing, pixels, wish)
+    _draw_lines(drawing, "problems", wish.problem_color, 2 * wish.line_width)
+    space.nearer(ON)
+
+
+def _faded(color, share: float) -> tuple:
+    return (*color[:3], color[3] * share)
+
+
+def _draw_outline(drawing, pixels: float, wish, most: float = 1.0) -> None:
+    """Lines and corners in groups of similar length: the shorter they are on the screen, the fainter and thinner.
+
+    most: the strength of the longest.
+    """
+    made = drawing.sketch
+    edges = np.linalg.norm(made.outline[::2] - made.outline[1::2], axis=1)
+    for name, points, length, each in (
+        ("outline", made.outline, edges, 2),
+        ("corners", made.corners, made.reach, 1),
+    ):
+        ends = np.linspace(0, len(length), min(_GROUPS, len(length)) + 1).astype(int)
+        for group, (begin, end) in enumerate(pairwise(ends.tolist())):
+            share = most * sketch.strength(pixels * float(length[(begin + end) // 2]))
+            color, part = _faded(wish.outline_color, share), slice(each * begin, each * end)
+            if each == 2:
+                shader = _line_shader(color, wish.line_width * (0.5 + 0.5 * share))
+                shaders.draw(_part(drawing, f"{name} {group}", points[part], "LINES", shader), shader)
+            elif share > _LEAST_DOT:
+                _draw_points(drawing, f"{name} {group}", points[part], color, 3 * wish.line_width * share)
+
+
+def _part(drawing, name, points, kind, shader):
+    if name not in drawing.batches:
+        drawing.batches[name] = batch_for_shader(shader, kind, {"pos": points})
+    return drawing.batches[name]
+
+
+def _batch(drawing, name, kind, shader, **more):
+    if name not in drawing.batches:
+        drawing.batches[name] = batch_for_shader(shader, kind, {"pos": getattr(drawing.sketch, name), **more})
+    return drawing.batches[name]
+
+
+def lines(points, color, width) -> None:
+    """Draws pairs of points as lines; nothing is kept."""
+    if len(points):
+        shader = _line_shader(color, width)
+        shaders.draw(batch_for_shader(shader, "LINES", {"pos": points}), shader)
+
+
+def _line_shader(color, width):
+    shader = gpu.shader.from_builtin(_named("POLYLINE_UNIFORM_COLOR"))
+    shader.bind()
+    view = gpu.state.viewport_get()
+    shader.uniform_float("viewportSize", (view[2], view[3]))
+    shader.uniform_float("lineWidth", width)
+    shader.uniform_float("color", color)
+    return shader
+
+
+def _named(name):
+    return f"3D_{name}" if bpy.app.version < (4, 0, 0) else name
+
+
+def _draw_lines(drawing, name, color, width) -> None:
+    if len(getattr(drawing.sketch, name)):
+        shader = _line_shader(color, width)
+        shaders.draw(_batch(drawing, name, "LINES", shader), shader)
+
+
+def _draw_points(drawing, name, points, color, size) -> None:
+    shader = gpu.shader.from_builtin(_named("UNIFORM_COLOR"))
+    gpu.state.point_size_set(size)
+    shader.bind()
+    shader.uniform_float("color", color)
+    shaders.draw(_part(drawing, name, points, "POINTS", shader), shader)
+
+
+def _draw_heat(drawing, by: str) -> None:
+    shader = gpu.shader.from_builtin(_named("SMOOTH_COLOR"))
+    shader.bind()
+    if by not in drawing.batches:
+        values = {"pos": drawing.sketch.surface, "color": getattr(drawing.sketch, by)}
+        drawing.batches[by] = batch_for_shader(shader, "TRIS", values)
+    shaders.draw(drawing.batches[by], shader)
+
+
+def _draw_hover(hover) -> None:
+    shader = gpu.shader.from_builtin(_named("UNIFORM_COLOR"))
+    shader.bind()
+    for points, color in hover.fills:
+        if len(points):
+            shader.uniform_float("color", color)
+            shaders.draw(batch_for_shader(shader, "TRIS", {"pos": points}), shader)
+    if hover.through:
+        gpu.state.depth_test_set("NONE")
+    for points, color, width in hover.lines:
+        lines(points, color, width)
+    gpu.state.depth_test_set("LESS_EQUAL")
+
+
+def register() -> None:
+    if not bpy.app.background:
+        add = bpy.types.SpaceView3D.draw_handler_add
+        handles = (add(_draw, (), "WINDOW", "POST_VIEW"), add(_draw_text, (), "WINDOW", "POST_PIXEL"))
+        runtime.get().handles = handles
+
+
+def unregister() -> None:
+    for handle in runtime.get().handles:
+        bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+    for tick in (_tick, _rest):
+        if bpy.app.timers.is_registered(tick):
+            bpy.app.timers.unregister(tick)

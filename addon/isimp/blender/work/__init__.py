@@ -1,0 +1,1 @@
+"""Steps on a worker thread: start, progress, preview and end."""

@@ -1,0 +1,232 @@
+"""Settings whose result is visible while they are dragged, like those of a modifier.
+
+The settings live on the window manager, which undo leaves alone. When one is changed, a timer has the recipe with the
+new value replayed on a thread and draws the outcome over the scan (preview.py); once the settings have rested for a
+moment, one operator writes it on the scan and makes a step to undo of it. An undo in between does the same first, and
+so undoes just that. After undo and redo the settings follow the recipe.
+"""
+
+import logging
+import time
+
+import bpy
+
+from ... import messages
+from ...session import StepFailed
+from ...task import Status
+from .. import reading
+from ..drawing import late
+from ..scene import result, runtime, store, targets
+from ..view import overlay
+from . import modal, pending, preview, show
+
+log = logging.getLogger("isimp")
+_SETTLED = 0.3  # seconds without a change
+_TICK = 0.02
+
+
+def _find(context):
+    """The scan whose settings are shown, if they can be changed live; else None."""
+    live = runtime.get().live
+    if not (context.window_manager.isimp.live and live.pending) or runtime.get().running is not None:
+        return None
+    scan, problem = targets.find(context)
+    if problem or scan.name != live.scan or targets.needs_regions(scan) or result.why_kept_here(context, scan):
+        return None
+    return scan
+
+
+def _tick():
+    """Called by a timer while settings change."""
+    if runtime.get() is None:
+        return None
+    live, context = runtime.get().live, bpy.context
+    if live.held:
+        return _TICK
+    scan = _find(context)
+    if scan is None:
+        pending.interrupt(context)
+        return None
+    if live.work is not None:
+        if live.work.task.status is Status.RUNNING:
+            live.work.read_on(context, _TICK)
+            return _TICK
+        work, live.work = live.work, None
+        if not _take_up(context, work) or runtime.get().running is not None:  # a texture is on its way
+            return None
+    try:
+        kept, changed = store.load(scan), pending.recipe_of(context, scan)
+    except ValueError as error:  # settings that do not go together
+        log.info("%s", error)
+        live.pending = False
+        return None
+    if changed == kept and live.shown is not None:  # back where it was
+        live.shown = None
+        overlay.redraw()
+    wanted = visible(context, scan, changed)
+    rested = time.monotonic() - live.touched > _SETTLED
+    if changed == kept or (live.shown is not None and live.shown.work.recipe == wanted):
+        if rested and live.shown is not None and not live.shown.work.is_ready():
+            return _TICK
+        if rested:
+            live.pending = False
+            if live.shown is not None:
+                settle()
+        return None if rested else _TICK
+    if rested or not wanted.ends_in_mesh():
+        runtime.get().stop_sketching()
+        live.work = preview.Work(context, scan, wanted, live.shown, again=live.shown is not None)
+        live.work.start()
+    return _TICK
+
+
+def visible(context, scan, recipe):
+    """The recipe without its polygons where the scan is looked at, not they."""
+    return recipe.without_mesh() if context.view_layer.objects.active == scan else recipe
+
+
+def _take_up(context, work) -> bool:
+    """Shows the result; False if there is none."""
+    live, scan, error = runtime.get().live, work.target(), work.task.error
+    if scan is None or (error is not None and not isinstance(error, StepFailed)):
+        live.pending = False
+        return False
+    if work.recipe.ends_in_mesh():
+        settle()
+    else:
+        live.shown = preview.Preview(work)
+        overlay.redraw()
+    return True
+
+
+def settle() -> None:
+    """Makes an undo step of the changes."""
+    window = bpy.context.window_manager.windows[0]  # a timer has none
+    with bpy.context.temp_override(window=window):
+        bpy.ops.isimp.settle("INVOKE_DEFAULT", True)
+
+
+class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
+    """Make one step to undo of settings that were changed"""
+
+    bl_idname = "isimp.settle"
+    bl_label = pending.LABEL
+    bl_options = {"UNDO", "INTERNAL"}
+
+    keeps_failed = names_steps = True
+
+    def wanted(self, context, scan):
+        return visible(context, scan, pending.recipe_of(context, scan))
+
+    show = staticmethod(show.show_outcome)
+
+    def told(self, before, numbers):
+        return messages.changed(before, numbers)
+
+    def invoke(self, context, event):
+        if runtime.get().live.shown is None:
+            scan, problem = targets.find(context)
+            recipe = None if problem else self.wanted(context, scan)
+            has_texture = recipe is not None and recipe.texture() is not None
+            return super().invoke(context, event) if has_texture else self.execute(context)
+        self._work = runtime.get().live.shown.work
+        runtime.get().live.held = True
+        return self.go_on(context)
+
+    def cancel(self, context):
+        super().cancel(context)
+        runtime.get().live.held = False
+
+    def execute(self, context):
+        if runtime.get().live.shown is None:
+            return super().execute(context)
+        return self._settle(context)
+
+    def _settle(self, context):
+        """Writes the preview on the scan; in Edit Mode it is written already. A result with a texture has none."""
+        runtime.get().live.held = False
+        if runtime.get().live.shown is None:
+            return super()._settle(context)
+        return {"FINISHED"} if pending.write_shown(context) else {"CANCELLED"}
+
+    def _refuse(self, context, work, error):
+        """Restores the settings of the recipe, because the timer would repeat the refused ones."""
+        if not isinstance(error, StepFailed):
+            pending.follow(context)
+        return super()._refuse(context, work, error)
+
+
+@bpy.app.handlers.persistent
+def _before_undo(*_):
+    """Makes an undo step of the changes, so that the undo reverts them and nothing before them."""
+    if _find(bpy.context) is not None:
+        pending.push(bpy.context)
+    runtime.get().live.pending = False
+
+
+@bpy.app.handlers.persistent
+def _drop_changes(*_):
+    """Before a file is loaded or a step is redone."""
+    live = runtime.get().live
+    if live.work is not None:
+        live.work.abandon()
+    live.work = live.shown = live.tried = None
+    live.pending = False
+
+
+@bpy.app.handlers.persistent
+def _before_load(*_):
+    _drop_changes()
+    late.forget()
+    store.forget_file()
+
+
+@bpy.app.handlers.persistent
+def _after_undo(*_):
+    late.settle()  # an undo that did not change the mesh leaves it as Blender shows it
+    late.forget()
+    store.forget()
+    reading.forget()
+    pending.follow(bpy.context)
+
+
+@bpy.app.handlers.persistent
+def _after_update(scene, depsgraph):
+    """Geometry may have changed, or another object have become active."""
+    reading.forget_changed(depsgraph)
+    active = bpy.context.view_layer.objects.active if bpy.context.view_layer else None
+    scan = targets.scan_of(active) or active
+    live = runtime.get().live
+    if live.work is None and not live.pending and (scan.name if scan else "") != live.scan:
+        pending.follow(bpy.context)
+
+
+_HANDLERS = (
+    ("undo_pre", _before_undo),
+    ("redo_pre", _drop_changes),
+    ("undo_post", _after_undo),
+    ("redo_post", _after_undo),
+    ("load_pre", _before_load),
+    ("load_post", _after_undo),
+    ("depsgraph_update_post", _after_update),
+)
+CLASSES = (ISIMP_OT_settle,)
+
+
+def _wake() -> None:
+    if not bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.register(_tick, first_interval=0.0)
+
+
+def register() -> None:
+    if not bpy.app.background:  # where timers never fire
+        runtime.get().live.wake = _wake
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister() -> None:
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).remove(handler)
+    if bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.unregister(_tick)

@@ -1,0 +1,420 @@
+"""Long work without a frozen window: once, for every operator that replays a recipe.
+
+`execute` does the whole job at once, for scripts and `blender -b`. `invoke` does it on a thread, with a timer that
+shows how far it is and applies the result once it is there; Esc leaves everything as it was.
+"""
+
+import logging
+import math
+import threading
+import time
+from contextlib import suppress
+
+import bpy
+
+from ... import messages, view
+from ...language import own, said
+from ...session import StepFailed
+from ...task import Status, Stopped, Task, Watch
+from .. import preferences, reading
+from ..drawing import late
+from ..scene import mesh_io, runtime, store, targets
+from ..texts import text
+from ..texturing import texture
+from ..view import overlay
+from . import pending, show
+
+log = logging.getLogger("isimp")
+_AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
+_TICK = 0.05
+_BEFORE = 0.6  # of the progress: the steps, where a texture follows them
+#: Beginnings of events that are allowed while a mesh in Edit Mode is written, as it must not change meanwhile
+NAVIGATION = ("MOUSE", "MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW")
+
+
+class Work:
+    """A recipe under way on an object: read here, replayed on a thread, then taken up again by the operator."""
+
+    def __init__(self, context, obj, recipe, again=False):
+        """again: the scan has not changed since it was read last."""
+        preferences.obey(context, runtime.get().session)
+        self.name, self.recipe = obj.name, recipe
+        self.states = {mesh_io.state_of(obj)}  #: those that are no change from elsewhere
+        self._layers, self._is_read, self._problem = recipe.layers(), threading.Event(), None
+        if reading.ready(context, obj, self._layers, 0.0):
+            self.scan = reading.read(context, obj, self._layers, again)
+            self._is_read.set()
+        else:
+            self.scan = reading.read(context, obj, again=again)
+        self.corners = mesh_io.corner_totals(obj.data)
+        self.face_color = self.corner_color = None
+        self._shown_color = late.shown(obj)
+        self.patch = None  #: the faces that get other colours than Blender shows, if these are few; see late.py
+        self.task = None
+        self.baking = None  #: the texture that the recipe ends in, on its way: see texture.Baking
+        self.untextured = ""  #: why there is none
+        self.shown = None  #: the share of the outcome that is written, once writing has begun; see show.writing
+
+    def progress(self) -> tuple:
+        """(share, words) of how far it is."""
+        if self.shown is not None:
+            return self.shown, said("Showing {share}", share=f"{self.shown:.0%}")
+        return self.task.watch.progress, self.task.describe()
+
+    def read_on(self, context, seconds: float = math.inf) -> None:
+        """Continues reading the weights for `seconds`. Called by the main thread while the work waits for it."""
+        obj = self.target()
+        if self._is_read.is_set() or (obj is not None and not reading.ready(context, obj, self._layers, seconds)):
+            return
+        try:
+            if obj is not None:  # else the work goes on in vain
+                self.scan = reading.read(context, obj, self._layers, again=True)
+        except mesh_io.Unusable as problem:
+            self._problem = ValueError(str(problem))
+        self._is_read.set()
+
+    def read_texture(self, obj) -> None:
+        """Reads the images of the scan's materials, if the recipe ends in a texture."""
+        step = self.recipe.texture()
+        if step is None:
+            return
+        try:
+            self.baking = texture.Baking(obj, step)
+        except mesh_io.Unusable as problem:
+            self.untextured = str(problem)
+
+    def run(self, watch=None):
+        """The outcome with its texture, and its colours as the mesh takes them; on any thread."""
+        watch = watch or Watch()
+        with watch.share(0.0, 1.0 if self.baking is None else _BEFORE):
+            outcome = self.replay(watch)
+        self.paint(outcome)
+        if self.baking is not None:
+            with watch.share(_BEFORE, 1.0):
+                self._bake(outcome, watch)
+        return outcome
+
+    def _bake(self, outcome, watch) -> None:
+        """Without a texture the polygons are of use still."""
+        try:
+            self.baking.make(self.scan, outcome, watch)
+        except ValueError as problem:
+            self.baking, self.untextured = None, str(problem)
+
+    def replay(self, watch):
+        """The outcome, once all is read."""
+        while not self._is_read.wait(_TICK):
+            watch.poll()
+        if self._problem is not None:
+            raise self._problem
+        return runtime.get().session.replay(self.scan, self.recipe, watch)
+
+    def paint(self, outcome) -> None:
+        """Makes the outcome's colours as the mesh takes them; on any thread."""
+        self.face_color = outcome.face_color
+        self.patch = late.patch_of(self.scan, self._shown_color, self.face_color)
+        self.corner_color = view.corner_colors(view.COLORS, self.face_color, self.corners, runtime.get().spare)
+
+    def start(self) -> None:
+        self.task = Task(self.run)
+
+    def abandon(self) -> None:
+        """Stops the thread and waits for it: it ends within a moment."""
+        if self.task is not None:
+            self.task.watch.cancel()
+            self.task.wait()
+
+    def target(self):
+        """The object, if it is still there and as it was when the work began; else None."""
+        obj = bpy.data.objects.get(self.name)
+        if obj is None or obj.type != "MESH" or obj.mode not in {"OBJECT", "EDIT"}:
+            return None
+        same = mesh_io.counts(obj)[1] == self.scan.face_count and mesh_io.state_of(obj) in self.states
+        return obj if same else None
+
+
+class RecipeOperator:
+    """Mixin of operators that change the recipe of a scan and show its outcome.
+
+    A subclass says what recipe it wants (`wanted`), how to show the outcome (`show`) and what to tell (`told`).
+    """
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    #: Whether the recipe is kept if one of its steps fails: the step is marked, and the previous result stays visible
+    keeps_failed = False
+
+    #: Whether messages name the step that failed, as its user looks at the list of steps
+    names_steps = False
+
+    #: Whether all selected scans are done, one after the other
+    does_all = False
+
+    _waiting = ()  #: names of the selected scans that are still to be done
+    _skipped = ()  #: names of those that this can't be done for
+    _done = ()  #: names of the objects that were shown for those that are done
+    _writing = None  #: the write in progress in Edit Mode: see show.writing
+    _before = None  #: the numbers of the regions before
+    _is_modal = False
+
+    #: The most important settings, in the panel of the last operation (F9)
+    adjusted: tuple = ()
+
+    @classmethod
+    def poll(cls, context):
+        return targets.allows(cls, context, lambda scan: cls.problem(context, scan))
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        for name in self.adjusted:
+            self.layout.prop(self, name)
+
+    @classmethod
+    def problem(cls, context, scan) -> str:
+        """Why this operator cannot run; empty if it can."""
+        return ""
+
+    def warnings(self, context, scan, before: dict) -> list:
+        """Warnings about the scan for its user. before: the numbers of the regions before."""
+        return []
+
+    def execute(self, context):
+        self._gather(context)
+        state = self._execute_one(context)
+        while self._turn_to_next(context):
+            state |= self._execute_one(context)
+        return self._conclude(context, state)
+
+    def _execute_one(self, context):
+        work = self._begin(context)
+        if work is None:
+            return {"CANCELLED"}
+        work.read_on(context)
+        try:
+            outcome = work.run()
+        except Exception as error:  # noqa: BLE001  (no step may show its user a traceback)
+            return self._refuse(context, work, error)
+        return self._finish(context, work, outcome)
+
+    def invoke(self, context, event):
+        if bpy.app.background:
+            return self.execute(context)
+        self._gather(context)
+        self._state = set()
+        return self._invoke_one(context)
+
+    def _invoke_one(self, context):
+        self._work, self._writing, self._before = self._begin(context), None, None
+        if self._work is None:
+            return self._next(context, {"CANCELLED"})
+        self._work.start()
+        return self.go_on(context)
+
+    def _next(self, context, state):
+        """Goes on with the next scan after one has ended, or ends."""
+        self._state = getattr(self, "_state", set()) | state
+        task = self._work.task if self._work is not None else None
+        stopped = task is not None and isinstance(task.error, Stopped)
+        if not stopped and self._turn_to_next(context):
+            return self._invoke_one(context)
+        return self._conclude(context, self._state)
+
+    def _gather(self, context) -> None:
+        """The scans to be done after the active one."""
+        first, _ = targets.find(context)
+        others = targets.selected(context) if self.does_all and context.mode == "OBJECT" else []
+        others = [obj for obj in others if obj != first and first is not None]
+        self._waiting = [obj.name for obj in others if not self.problem(context, obj)]
+        self._skipped = [obj.name for obj in others if obj.name not in self._waiting]
+        self._done = []
+
+    def _turn_to_next(self, context) -> bool:
+        """Makes the next waiting scan the active object; False if none is left."""
+        while self._waiting:
+            scan = bpy.data.objects.get(self._waiting.pop(0))
+            if scan is not None and scan.name in context.view_layer.objects:
+                show.bring_to_front(context, scan, None)
+                return True
+        return False
+
+    def _conclude(self, context, state):
+        """Selects all that was made, if that is more than one."""
+        shown = [bpy.data.objects[name] for name in self._done if name in context.view_layer.objects]
+        if len(shown) > 1:
+            for obj in shown:
+                obj.select_set(True)
+            self.report({"INFO"}, messages.several(len(shown)))
+        if self._skipped and shown:
+            self.report({"WARNING"}, messages.skipped(self._skipped))
+        return {"FINISHED"} if "FINISHED" in state else {"CANCELLED"}
+
+    def go_on(self, context):
+        """Takes the result of the work, or waits for it, without a frozen window."""
+        end = time.monotonic() + _AT_ONCE
+        self._work.read_on(context, 0.5 * _AT_ONCE)
+        status = self._work.task.wait(max(0.0, end - time.monotonic()))
+        if status is not Status.RUNNING and self._written(end - time.monotonic()):
+            return self._next(context, self._settle(context))
+        runtime.get().running = self._work
+        self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
+        if not self._is_modal:
+            context.window_manager.modal_handler_add(self)
+            self._is_modal = True
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        task = self._work.task
+        if event.type == "ESC" and event.value == "PRESS" and self._writing is None:
+            task.watch.cancel()
+            return {"RUNNING_MODAL"}
+        if event.type != "TIMER":
+            free = self._writing is None or event.type.startswith(NAVIGATION)
+            return {"PASS_THROUGH" if free else "RUNNING_MODAL"}
+        if task.status is Status.RUNNING:
+            self._work.read_on(context, reading.SPAN)
+            _show_progress(
+                context,
+                said("{name}: {progress} - Esc stops it", name=self._work.name, progress=self._work.progress()[1]),
+            )
+            return {"PASS_THROUGH"}
+        if not self._written(reading.SPAN):
+            _show_progress(context, f"{self._work.name}: {self._work.progress()[1]}")
+            return {"PASS_THROUGH"}
+        self._end_modal(context)
+        return self._next(context, self._settle(context))
+
+    def _written(self, seconds: float) -> bool:
+        """Continues writing face by face for `seconds`; whether it is complete."""
+        work, end = self._work, time.monotonic() + seconds
+        scan = work.target()
+        if scan is None or work.task.error is not None:
+            return True
+        if self._writing is None:
+            self._before = store.numbers(scan)
+            self._writing = show.writing(scan, work, work.task.result)
+        with suppress(ReferenceError):  # Edit Mode was left meanwhile, by a script
+            for work.shown in self._writing:
+                if time.monotonic() > end:
+                    return False
+        return True
+
+    def cancel(self, context):
+        """Blender calls this when the window or the file is closed meanwhile."""
+        self._work.abandon()
+        with suppress(ReferenceError):
+            for _ in self._writing or ():  # half of it would be of neither state
+                pass
+        self._end_modal(context)
+
+    def _end_modal(self, context) -> None:
+        context.window_manager.event_timer_remove(self._timer)
+        if runtime.get() is not None:
+            runtime.get().running = None
+        _show_progress(context, None)
+
+    def _begin(self, context):
+        scan, problem = targets.find(context)
+        if problem:
+            self.report({"ERROR"}, problem)
+            return None
+        pending.interrupt(context)
+        try:
+            work = Work(context, scan, self.wanted(context, scan))
+            work.read_texture(scan)
+        except (mesh_io.Unusable, ValueError) as problem:
+            self.report({"ERROR"}, str(problem))
+            return None
+        return work
+
+    def _settle(self, context):
+        """The thread has ended: takes its result or its error."""
+        task = self._work.task
+        if task.error is not None:
+            return self._refuse(context, self._work, task.error)
+        return self._finish(context, self._work, task.result)
+
+    def _refuse(self, context, work, error: Exception):
+        pending.go_on()
+        overlay.redraw()  # a tool may have left its highlight
+        if isinstance(error, StepFailed) and self.keeps_failed:
+            return self._keep(context, work, error)
+        if isinstance(error, Stopped):
+            self.report({"INFO"}, messages.unchanged(said("Stopped")))
+        elif isinstance(error, (StepFailed, ValueError)):
+            why = (
+                self._reason(work, error)
+                if isinstance(error, StepFailed)
+                else messages.reason(str(error), text.in_scene)
+            )
+            self.report({"ERROR"}, messages.unchanged(why))
+        else:
+            log.debug("unexpected", exc_info=error)
+            internal = said("Internal error in iSimp: {error}", error=f"{type(error).__name__}: {error}")
+            self.report({"ERROR"}, messages.unchanged(internal))
+        return {"CANCELLED"}
+
+    def _keep(self, context, work, error: StepFailed):
+        obj = self._target(work)
+        if obj is None:
+            return {"CANCELLED"}
+        show.show_failed(context, obj, work, error)
+        pending.follow(context)
+        self.report(
+            {"WARNING"},
+            said("{why}. The previous result stays.", why=messages.failed(error, self.names_steps, text.in_scene)),
+        )
+        return {"FINISHED"}
+
+    def _reason(self, work, error: StepFailed) -> str:
+        """Names the step only if its user has not just done it."""
+        scan = work.target()
+        before = store.load(scan) if scan is not None else None
+        known = before.steps if before is not None else ()
+        old = error.index < len(known) and work.recipe.steps[: error.index + 1] == known[: error.index + 1]
+        return messages.failed(error, self.names_steps or old, text.in_scene)
+
+    def _finish(self, context, work, outcome):
+        obj = self._target(work)
+        if obj is None:
+            return {"CANCELLED"}
+        before = store.numbers(obj) if self._before is None else self._before
+        kept = self.show(context, obj, work, outcome) or []
+        pending.follow(context)
+        self._done = [*self._done, context.view_layer.objects.active.name]
+        self.report({"INFO"}, self.told(before, outcome.numbers))
+        if not context.view_layer.objects.active.visible_get():
+            self.report({"WARNING"}, messages.hidden(context.view_layer.objects.active.name))
+        if _was_edited(before, work, outcome):
+            self.report({"WARNING"}, said(messages.SCAN_EDITED))
+        if work.untextured:
+            self.report({"WARNING"}, said("The result has no texture: {why}", why=work.untextured))
+        for name, why in kept:
+            hidden = bpy.data.objects[name].hide_get()
+            self.report({"WARNING"}, messages.kept(name, why, hidden, context.view_layer.objects.active.name))
+        for warning in self.warnings(context, obj, before):
+            self.report({"WARNING"}, warning)
+        return {"FINISHED"}
+
+    def _target(self, work):
+        obj = work.target()
+        if obj is None:
+            text = own("'{name}' was changed or removed meanwhile: the result was discarded.")
+            self.report({"WARNING"}, said(text, name=work.name))
+        return obj
+
+
+def _was_edited(before: dict, work, outcome) -> bool:
+    """Whether the scan has changed since its regions were found, and steps before the last were done again on it."""
+    changed = before.get("scan", "") not in {"", outcome.numbers["scan"]}
+    return changed and len(work.recipe.steps) > 1
+
+
+def _show_progress(context, text) -> None:
+    if context.workspace is not None:
+        context.workspace.status_text_set(text)
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                for region in area.regions:
+                    if region.type == "UI" or text is None:  # the progress bar needs no redraw of the scan
+                        region.tag_redraw()

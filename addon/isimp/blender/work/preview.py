@@ -1,0 +1,70 @@
+"""Regions shown before they are written on the scan, as a setting is dragged: drawn over it by the graphics card.
+
+Writing the layers of a million faces, and all that Blender does when a mesh has changed, takes longer than a hand
+waits for; handing one colour a corner to the graphics card does not. It works in Edit Mode just as well, where layers
+can only be written face by face.
+"""
+
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+
+from ... import sketch, view
+from ...spare import taken
+from ...task import Task
+from ..drawing import shaders
+from ..scene import runtime
+from . import modal
+
+
+class Work(modal.Work):
+    """A recipe replayed to be seen, and written only if it settles."""
+
+    color = points = None  #: of the corners. Both None after a failed step; points None if the previous ones are valid
+    _painting = None  #: the Task that colours the corners as the mesh takes them
+
+    def __init__(self, context, obj, recipe, before=None, again=False):
+        """before: the Preview seen before, if there is one. again: as that of a Work."""
+        super().__init__(context, obj, recipe, again)
+        self.before = before
+
+    def run(self, watch=None):
+        session = runtime.get().session
+        outcome = self.replay(watch)
+        face_color = taken(outcome.face_color, self.scan.triangle_face)
+        self.color = view.corner_colors(view.PACKED, face_color, 3, runtime.get().spare)
+        self.borders = sketch.borders(session.prepare(self.scan).scan, outcome.border)
+        if self.before is None or self.before.lit is None or self.before.work.scan.digest != self.scan.digest:
+            self.points = self.scan.vertices[self.scan.triangles.ravel()].astype(np.float32, copy=False)
+        return outcome
+
+    def is_ready(self) -> bool:
+        """Whether everything is ready to be written; requests what is missing."""
+        if self.task.error is not None or self.corner_color is not None:
+            return True
+        if self._painting is None:
+            self._painting = Task(lambda watch: self.paint(self.task.result))
+        return False
+
+
+class Preview:
+    """The picture of a finished `Work`. The corners of a scan are handed to the graphics card only once."""
+
+    def __init__(self, work):
+        self.work = work
+        self.name = work.name
+        self.lit = self._lines = None
+        if work.color is not None:
+            corners = work.before.lit.corners if work.points is None else shaders.Corners(work.points)
+            self.lit = shaders.Lit(corners, work.color)
+        work.points = work.before = work.color = None
+
+    def draw_borders(self, shader) -> None:
+        if self._lines is None:
+            self._lines = batch_for_shader(shader, "LINES", {"pos": self.work.borders})
+        shaders.draw(self._lines, shader)
+
+    def draw(self) -> None:
+        color = self.lit.color
+        self.lit.draw()
+        if color is not None:
+            runtime.get().spare.give(color)

@@ -1,0 +1,79 @@
+"""Operators that select many faces: in pieces in Edit Mode, where each has to be selected by itself."""
+
+import time
+from contextlib import suppress
+
+import bpy
+
+from .. import reading
+from ..scene import mesh_io
+from . import modal
+
+_TICK = 0.01
+
+
+class SelectOperator:
+    """Mixin. A subclass says what to select (`wanted`) and what to do at the end (`conclude`)."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    def wanted(self, context):
+        """(object, (faces,) bool) to be selected; None, with a report, where there is nothing to do."""
+        raise NotImplementedError
+
+    def conclude(self, context, obj) -> None:
+        """Called when all are selected."""
+
+    def execute(self, context):
+        if not self._begin(context):
+            return {"CANCELLED"}
+        for _ in self._steps:
+            pass
+        return self._end(context)
+
+    def invoke(self, context, event):
+        if bpy.app.background:
+            return self.execute(context)
+        if not self._begin(context):
+            return {"CANCELLED"}
+        if self._is_done():
+            return self._end(context)
+        self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type != "TIMER":  # the mesh must not change half way
+            return {"PASS_THROUGH" if event.type.startswith(modal.NAVIGATION) else "RUNNING_MODAL"}
+        if not self._is_done():
+            return {"RUNNING_MODAL"}
+        context.window_manager.event_timer_remove(self._timer)
+        return self._end(context)
+
+    def cancel(self, context):
+        """Blender calls this when the window or the file is closed meanwhile."""
+        context.window_manager.event_timer_remove(self._timer)
+
+    def _begin(self, context) -> bool:
+        wanted = self.wanted(context)
+        if wanted is None:
+            return False
+        obj, faces = wanted
+        self._name, self._steps = obj.name, mesh_io.selecting(obj, faces, reading.known_corners(obj))
+        return True
+
+    def _is_done(self) -> bool:
+        """Goes on for a moment; whether all are selected."""
+        end = time.monotonic() + reading.SPAN
+        with suppress(ReferenceError):  # Edit Mode was left meanwhile, by a script
+            for _ in self._steps:
+                if time.monotonic() > end:
+                    return False
+        return True
+
+    def _end(self, context):
+        obj = bpy.data.objects.get(self._name)
+        if obj is None:
+            return {"CANCELLED"}
+        self.conclude(context, obj)
+        return {"FINISHED"}

@@ -1,0 +1,142 @@
+"""How an outcome comes to the screen: regions on the scan, or polygons as an object beside it."""
+
+import uuid
+from dataclasses import replace
+
+import bpy
+
+from ... import messages, stored
+from ..drawing import late
+from ..scene import aside, carry, mesh_io, raw, result, store, targets
+from ..texts import text
+from ..texturing import texture
+from ..view import display, overlay, start
+
+
+def _save(scan, work, numbers: dict) -> int:
+    """Stores the recipe and returns its state. Unreadable data are moved aside first, and stay in the file."""
+    unknown = not mesh_io.state_of(scan) and aside.has_regions(scan.data)
+    aside.set_aside(scan, regions_too=bool(store.read(scan).problem) or unknown)
+    state = store.save(scan, work.recipe, numbers)
+    work.states |= {mesh_io.state_of(scan), state}
+    return state
+
+
+def show_texture(scan, work, outcome, made) -> dict:
+    """Puts the texture on an existing result, whose polygons do not change; returns the engine's report.
+
+    Raises Unusable if the result was changed since Mesh; then nothing changes.
+    """
+    was_edited = result.is_edited(made)
+    report = work.baking.put(made, outcome)
+    if not was_edited:
+        result.sign(made)
+    mesh_io.write_state(scan, _save(scan, work, outcome.numbers))
+    return report
+
+
+def show_regions(context, scan, work, outcome) -> None:
+    """Writes regions and colours on the scan and brings it to the front."""
+    state = _save(scan, work, outcome.numbers)
+    _write(scan, work, outcome, state)
+    if context.view_layer.objects.active != scan or not scan.visible_get():
+        bring_to_front(context, scan, targets.result_of(context.scene, scan))
+    display.show(context)
+    start.end(context)
+
+
+def show_polygons(context, scan, work, outcome):
+    """Makes or refreshes the result beside the scan, which is hidden, and brings it to the front.
+
+    Returns [(name, why)] of results that their user has edited or copied, and that are kept.
+    """
+    if context.mode != "OBJECT":  # the scan's, or that of its result
+        bpy.ops.object.mode_set(mode="OBJECT")
+    state = _save(scan, work, outcome.numbers)
+    _write(scan, work, outcome, state)
+    made, kept = result.to_fill(context, scan)
+    for obj in (scan, made):
+        raw.make_way(obj)
+    scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
+    made.isimp.scan_key, made.isimp.scan_name = scan.isimp.key, scan.name
+    slid = carry.values_of_keys(made)
+    turn = result.fill(made, scan, outcome)
+    carry.bones(made, scan, work.scan, outcome)
+    carry.layers(made, scan, work.scan, outcome, turn, slid)
+    if work.baking is None and not texture.is_textured(scan):  # else it becomes one material
+        result.take_materials(made, scan, outcome)
+    if work.baking is not None:
+        work.baking.put(made, outcome)
+    result.sign(made)
+    mesh_io.give_color_back(scan.data)
+    for old, why in kept:
+        if why != result.COPIED or old.matrix_world == made.matrix_world:  # a copy may stand beside it
+            hide(context, old)
+    bring_to_front(context, made, scan)
+    display.show_result(context, made)
+    return [(old.name, why) for old, why in kept]
+
+
+def _color(work, outcome):
+    return work.face_color if work.face_color is not None else outcome.face_color
+
+
+def _write(scan, work, outcome, state) -> None:
+    color, patch = _color(work, outcome), work.patch if late.fits(scan, work.patch) else None
+    mesh_io.write_regions(scan, outcome.face_region, color, state, work.corner_color, tells=patch is None)
+    work.corner_color = work.patch = None
+    if scan.mode == "OBJECT":
+        late.note(scan, state, color, patch)
+        overlay.redraw()
+        overlay.tell_late()
+
+
+def writing(scan, work, outcome):
+    """Writes face by face what `show_outcome` shows, in pieces, so that the window stays responsive.
+
+    Yields what share is done. Nothing is left for later in Edit Mode; nothing is done in Object Mode.
+    """
+    if scan.mode != "EDIT" or outcome.polygons is not None:
+        return
+    state = _save(scan, work, outcome.numbers)
+    yield from mesh_io.writing(scan, outcome.face_region, _color(work, outcome), state)
+
+
+def show_outcome(context, scan, work, outcome):
+    """Shows the outcome of a recipe: polygons if it ends in Mesh, else regions. Returns what `show_polygons` does."""
+    return (show_regions if outcome.polygons is None else show_polygons)(context, scan, work, outcome)
+
+
+def show_failed(context, scan, work, error) -> None:
+    """Stores a recipe with a failed step, and the reason; the previous result stays visible."""
+    failed = {"failed": error.index, "reason": stored.line(messages.reason(error.reason, text.in_scene))}
+    outcome = error.outcome
+    if outcome is None or (mesh_io.state_of(scan) and not store.read(scan).problem):
+        state = _save(scan, work, store.numbers(scan) | failed)
+        mesh_io.write_state(scan, state)
+    else:  # nothing was seen before
+        show_regions(context, scan, work, replace(outcome, numbers=outcome.numbers | failed))
+
+
+def bring_to_front(context, shown, hidden) -> None:
+    """Shows and selects one object, alone and active, and hides another (which may be None)."""
+    for other in context.selected_objects:
+        other.select_set(False)
+    if hidden is not None:
+        hide(context, hidden)
+    if raw.text(shown, "unrendered"):
+        shown.hide_render, shown.isimp.unrendered = False, ""
+    if shown.name in context.view_layer.objects:
+        shown.hide_viewport = False
+        shown.hide_set(False)
+        shown.select_set(True)
+        context.view_layer.objects.active = shown
+
+
+def hide(context, obj) -> None:
+    """Hides an object in viewports and renders; `bring_to_front` shows it again where `hide` hid it."""
+    if not obj.hide_render:
+        raw.make_way(obj)
+        obj.hide_render, obj.isimp.unrendered = True, "yes"
+    if obj.name in context.view_layer.objects:
+        obj.hide_set(True)
