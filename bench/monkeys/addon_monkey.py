@@ -330,7 +330,7 @@ class Monkey:
         if how == "one" and count:
             chosen[self.random.randrange(count)] = True
         if obj.mode in ("OBJECT", "EDIT"):
-            sys.modules["isimp.blender.scene.mesh_io"].select_polygons(obj, chosen)
+            sys.modules["isimp.blender.scene.selection"].select_polygons(obj, chosen)
         bpy.ops.ed.undo_push(message="select")
 
     def turn_to(self) -> None:

@@ -8,7 +8,7 @@ from ... import messages
 from ... import recipe as rcp
 from ...language import said
 from ..controls import settings, units
-from ..scene import mesh_io, pointed, store, targets
+from ..scene import mesh_io, pointed, selection, store, targets
 from ..texts import text
 from ..work.modal import RecipeOperator
 from ..work.show import show_regions
@@ -76,7 +76,7 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
     def _faces(self, scan) -> np.ndarray:
         """The selected faces; by a button in Object Mode, where these are not seen, the regions clicked last."""
         if not self._is_pressed:
-            return mesh_io.selected_faces(scan)
+            return selection.selected_faces(scan)
         regions, faces = mesh_io.read_regions(scan), list(pointed.faces(scan))
         if not faces:
             raise mesh_io.Unusable(f"{said(pointed.NONE)}.")

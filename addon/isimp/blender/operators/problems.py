@@ -3,7 +3,7 @@ import numpy as np
 
 from ... import messages
 from ...language import own, said
-from ..scene import mesh_io, store, targets
+from ..scene import mesh_io, selection, store, targets
 from ..texts import text
 from ..view import display, overlay
 from ..work import show
@@ -45,7 +45,7 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
         chosen = _chosen(result.data, self.kind)
         show.bring_to_front(context, result, scan)
         display.show_result(context, result)
-        mesh_io.select_polygons(result, chosen)
+        selection.select_polygons(result, chosen)
         if not chosen.any():
             none = own("No polygon has a defect.") if self.kind == "DEFECTIVE" else own("Each region is one polygon.")
             self.report({"INFO"}, said(none))

@@ -7,7 +7,7 @@ from bpy.props import IntProperty, StringProperty
 from ... import messages
 from ... import recipe as rcp
 from ...language import own, said
-from ..scene import mesh_io, pointed, targets
+from ..scene import mesh_io, pointed, selection, targets
 from ..work import pending
 from ..work.modal import RecipeOperator
 from ..work.show import show_regions
@@ -66,7 +66,7 @@ class AtFaces(RecipeOperator):
             raise mesh_io.Unusable(f"{said(pointed.NONE)}.")
         if self.face >= 0:
             return [self.face]
-        faces = mesh_io.selected_faces(scan).tolist()
+        faces = selection.selected_faces(scan).tolist()
         if not faces:
             raise mesh_io.Unusable(said(messages.NO_FACE))
         is_all = len(faces) == len(scan.data.polygons) and not self.may_be_all  # as importers leave them

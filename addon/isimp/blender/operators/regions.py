@@ -4,7 +4,7 @@ from bpy.props import BoolProperty, IntProperty
 
 from ... import messages
 from ...language import said
-from ..scene import mesh_io, pointed, runtime, targets
+from ..scene import mesh_io, pointed, runtime, selection, targets
 from ..view import display
 from ..work import show
 from ..work.selecting import SelectOperator
@@ -81,7 +81,7 @@ class ISIMP_OT_select_region(SelectOperator, bpy.types.Operator):
 
     def wanted(self, context):
         scan, _ = targets.find(context)
-        selected, regions = mesh_io.selected_faces(scan), mesh_io.read_regions(scan)
+        selected, regions = selection.selected_faces(scan), mesh_io.read_regions(scan)
         faces = selected if self.face < 0 else np.array(self._chosen or [self.face])
         if len(faces) == 0 or faces.max() >= len(regions):
             self.report({"ERROR"}, said(messages.NO_FACE))

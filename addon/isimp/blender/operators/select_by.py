@@ -9,7 +9,7 @@ from ... import recipe as rcp
 from ...engine import engine
 from ...language import said
 from .. import reading
-from ..scene import mesh_io, store, targets
+from ..scene import mesh_io, selection, store, targets
 from ..work.selecting import SelectOperator
 
 
@@ -64,7 +64,7 @@ class ISIMP_OT_select_by(SelectOperator, bpy.types.Operator):
         chosen = self.chosen(scan, arrays, regions)
         faces = np.append(chosen, False)[regions]
         if self.extend:
-            faces[mesh_io.selected_faces(scan)] = True
+            faces[selection.selected_faces(scan)] = True
         self._count = int(chosen.sum())
         return scan, faces  # selected as arrays, if not in Edit Mode yet
 

@@ -150,63 +150,6 @@ def _evaluated_arrays(context, obj):
     return vertices, triangles, traced[faces]
 
 
-def selected_faces(obj) -> np.ndarray:
-    """Indices of the faces that are selected, in either mode."""
-    if is_edited(obj):
-        obj.update_from_editmode()
-    selected = np.empty(len(obj.data.polygons), bool)
-    obj.data.polygons.foreach_get("select", selected)
-    return np.flatnonzero(selected)
-
-
-def select_polygons(obj, chosen: np.ndarray, corners: np.ndarray | None = None) -> None:
-    """Selects polygons and their corners, and no others, in either mode.
-
-    chosen: (polygons,) bool. corners: the vertex of each corner, if that is known.
-    """
-    for _ in selecting(obj, chosen, corners):
-        pass
-
-
-def selecting(obj, chosen: np.ndarray, corners: np.ndarray | None = None):
-    """As `select_polygons`, in Edit Mode in pieces: yields before each. Nothing else may change the mesh meanwhile."""
-    mesh = obj.data
-    if is_edited(obj):
-        edit = edit_mesh(mesh)
-        if bpy.ops.mesh.select_all.poll():  # seconds faster than one by one
-            bpy.ops.mesh.select_all(action="DESELECT")
-        else:
-            for part in (edit.verts, edit.edges, edit.faces):
-                for item in part:
-                    item.select = False
-        faces = np.flatnonzero(chosen)
-        for begin in range(0, len(faces), _PIECE):
-            yield
-            edit.faces.ensure_lookup_table()
-            for face in faces[begin : begin + _PIECE].tolist():
-                edit.faces[face].select_set(True)
-        bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
-        return
-    edges = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("edge_index", edges)
-    if corners is None:
-        corners = np.empty(len(mesh.loops), np.int32)
-        mesh.loops.foreach_get("vertex_index", corners)
-    inside = np.repeat(chosen, corner_totals(mesh))  # polygons lie in the order of their corners
-    for name, domain, items, which in (
-        (".select_vert", "POINT", mesh.vertices, corners[inside]),
-        (".select_edge", "EDGE", mesh.edges, edges[inside]),
-        (".select_poly", "FACE", mesh.polygons, chosen),
-    ):
-        flags = np.zeros(len(items), bool)
-        flags[which] = True
-        # Made again: 5.0 may keep one value for all, and crashes where an array is written over that.
-        if (old := mesh.attributes.get(name)) is not None:
-            mesh.attributes.remove(old)
-        mesh.attributes.new(name, "BOOLEAN", domain).data.foreach_set("value", flags)
-    tell(mesh)
-
-
 def edit_mesh(mesh):
     """The BMesh of a mesh in edit mode.
 

@@ -15,7 +15,8 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from ... import messages
-from ..drawing import shaders
+from ..drawing import shaders, sketches
+from ..drawing.space import ON, Over
 from ..scene import mesh_io, runtime
 from ..texts import words
 from ..texturing import materials, texture
@@ -199,7 +200,7 @@ def _draw() -> None:
     edge = made.share * context.region.width
     for number, side in enumerate(made.sides()):
         obj = bpy.data.objects[made.names[number]]
-        with overlay.Over(context.region_data, obj) as space, space.at(side.origin):
+        with Over(context.region_data, obj) as space, space.at(side.origin):
             space.nearer(0.0)
             gpu.state.depth_mask_set(True)
             light = _light(context.region_data, side.place)
@@ -210,7 +211,7 @@ def _draw() -> None:
                 shaders.draw(side.batches[name], shader)
             gpu.state.depth_mask_set(False)
             if len(side.lines):
-                space.nearer(overlay.ON)
+                space.nearer(ON)
                 _draw_lines(side, edge, 1.0 if number else -1.0)
 
 
@@ -276,8 +277,8 @@ def _draw_line() -> None:
     corners = [(x - grip, middle), (x, middle + grip), (x + grip, middle), (x, middle - grip)]
     ring = [(*at, 0.0) for pair in zip(corners, corners[1:] + corners[:1], strict=True) for at in pair]
     gpu.state.blend_set("ALPHA")
-    overlay.lines(np.array([(x, 0, 0), (x, high, 0)], np.float32), _DARK, 5.0 * scale)
-    overlay.lines(np.array([(x, 0, 0), (x, high, 0)], np.float32), _WHITE, 2.0 * scale)
-    overlay.lines(np.array(ring, np.float32), _WHITE, 2.5 * scale)
+    sketches.lines(np.array([(x, 0, 0), (x, high, 0)], np.float32), _DARK, 5.0 * scale)
+    sketches.lines(np.array([(x, 0, 0), (x, high, 0)], np.float32), _WHITE, 2.0 * scale)
+    sketches.lines(np.array(ring, np.float32), _WHITE, 2.5 * scale)
     gpu.state.blend_set("NONE")
     words.draw_beside(context, [side.label for side in made.sides()], x)

@@ -4,15 +4,9 @@ What to draw is computed on a thread (see sketch.py) once for each state of a sc
 arrays to the graphics card, and never changes anything of the file.
 """
 
-from contextlib import contextmanager
-from dataclasses import dataclass, field
-from itertools import pairwise
-
 import bpy
 import gpu
 import numpy as np
-from gpu_extras.batch import batch_for_shader
-from mathutils import Matrix, Vector
 
 from ... import messages, sketch
 from ... import recipe as rcp
@@ -20,27 +14,16 @@ from ...language import said
 from ...task import Status, Task
 from .. import preferences, reading
 from ..controls import settings, upward
-from ..drawing import late, shaders
+from ..drawing import late, sketches
+from ..drawing.space import ON, Over
 from ..scene import mesh_io, pointed, runtime, store, targets
 from ..texts import text, words
 
 _KEPT = 8  # sketches
-_GROUPS = 8  # of lines of similar length
-_LEAST_DOT = 0.5  # strength below which corners are not drawn
 _OLD = 0.4  # strength of the polygons of before, until the new ones are there
 _MARK = (1.0, 0.55, 0.05, 0.8)
 _TICK = 0.1
-# How much nearer to the eye than they are lines are drawn, of the scan's size, so that the faces they lie on don't hide
-# them; those of the polygons more, as the scan bulges over them.
-_LATE, _UNDER, ON, _OVER = 0.0003, 0.0015, 0.003, 0.03
-
-
-@dataclass
-class Drawing:
-    """A sketch as batches of the graphics card, each made when it is drawn first."""
-
-    sketch: sketch.Sketch
-    batches: dict = field(default_factory=dict)
+_LATE, _UNDER = 0.0003, 0.0015  # as sketches.ON, for what lies under the lines
 
 
 def scan_shown(context):
@@ -190,7 +173,7 @@ def _keep(key, made) -> None:
 def _store(key, made):
     drawings = runtime.get().drawings
     drawings.pop(_without_polygons(key), None)
-    drawings[key] = Drawing(made)
+    drawings[key] = sketches.Drawing(made)
     while len(drawings) > _KEPT:
         drawings.popitem(last=False)
     return drawings[key]
@@ -245,9 +228,9 @@ def _draw():
         if lines_too and context.window_manager.isimp.overlay:
             _draw_lines_over(context, space, scan, shown)
         if (hover := hover_shown(context)) is not None:
-            _draw_hover(hover)
+            sketches.draw_hover(hover)
         if lines_too and shown is None and _is_chosen_shown(context, scan):
-            lines(pointed.outline(scan), _MARK, 2.5)
+            sketches.lines(pointed.outline(scan), _MARK, 2.5)
 
 
 def _is_chosen_shown(context, scan) -> bool:
@@ -260,16 +243,16 @@ def _draw_lines_over(context, space, scan, shown) -> None:
     wish, drawing, former = preferences.get(context), _drawing(context, scan), _former(context, scan)
     if drawing is not None:
         with space.at(drawing.sketch.origin):
-            _draw_sketch(context, space, drawing)
+            sketches.draw_sketch(context, space, drawing)
     if former is not None and context.window_manager.isimp.outline:
         with space.at(former.sketch.origin):
-            space.nearer(_OVER)
-            _draw_outline(former, space.pixels(context), wish, _OLD)
+            space.nearer(sketches.OVER)
+            sketches.draw_outline(former, space.pixels(context), wish, _OLD)
             space.nearer(ON)
     if drawing is not None:
         return
     if shown is not None and len(shown.work.borders):
-        shown.draw_borders(_line_shader(wish.border_color, wish.line_width))
+        shown.draw_borders(sketches.line_shader(wish.border_color, wish.line_width))
 
 
 def reported(context, scan) -> tuple:
@@ -328,184 +311,14 @@ def _draw_text():
         circle = np.stack([np.cos(angle), np.sin(angle)], axis=1) * hover.ring + hover.at
         points = np.repeat(np.column_stack([circle, np.zeros(49)]), 2, axis=0)[1:-1].astype(np.float32)
         gpu.state.blend_set("ALPHA")
-        lines(points, (1.0, 1.0, 1.0, 0.9), 1.5)
+        sketches.lines(points, (1.0, 1.0, 1.0, 0.9), 1.5)
         gpu.state.blend_set("NONE")
     if hover.stretch:
         gpu.state.blend_set("ALPHA")
-        lines(np.array([(*at, 0.0) for at in hover.stretch], np.float32), (1.0, 0.85, 0.2, 1.0), 2.0)
+        sketches.lines(np.array([(*at, 0.0) for at in hover.stretch], np.float32), (1.0, 0.85, 0.2, 1.0), 2.0)
         gpu.state.blend_set("NONE")
     if hover.text:
         words.draw_hover(context, hover)
-
-
-class Over:
-    """The scan's own space, a little nearer to the eye than it is; the state of the graphics card is given back."""
-
-    def __init__(self, view, scan):
-        self.place = Matrix(mesh_io.place_matrix(scan).tolist())
-        middle = sum((Vector(corner) for corner in scan.bound_box), Vector()) / 8
-        self.away = max(1e-6, -(view.view_matrix @ scan.matrix_world @ middle).z)
-        self.size = scan.dimensions.length
-        self.is_perspective = view.is_perspective
-
-    def pixels(self, context) -> float:
-        """How many pixels long one unit of the scan's space is, at the scan's middle."""
-        high = 0.5 * context.region.height * self.projection[1][1]
-        return high / self.away if self.is_perspective else high
-
-    def nearer(self, share: float) -> None:
-        """Draws the following nearer to the eye by this share of the scan's size."""
-        projection = self.projection.copy()
-        depth = projection[2][3] / self.away**2 if self.is_perspective else projection[2][2]
-        projection[2] = projection[2] - abs(depth) * share * self.size * projection[3]
-        gpu.matrix.load_projection_matrix(projection)
-
-    @contextmanager
-    def at(self, origin):
-        """Draws relative to a place in the scan's space."""
-        gpu.matrix.push()
-        gpu.matrix.translate(origin)
-        try:
-            yield
-        finally:
-            gpu.matrix.pop()
-
-    def __enter__(self):
-        gpu.state.depth_test_set("LESS_EQUAL")
-        gpu.state.depth_mask_set(False)
-        gpu.state.blend_set("ALPHA")
-        gpu.matrix.push()
-        gpu.matrix.multiply_matrix(self.place)
-        gpu.matrix.push_projection()
-        self.projection = gpu.matrix.get_projection_matrix()
-        self.nearer(ON)
-        return self
-
-    def __exit__(self, *_):
-        gpu.matrix.pop_projection()
-        gpu.matrix.pop()
-        gpu.state.blend_set("NONE")
-        gpu.state.depth_mask_set(True)
-        gpu.state.depth_test_set("NONE")
-        gpu.state.point_size_set(1.0)
-
-
-def _draw_sketch(context, space, drawing) -> None:
-    panel, wish, made = context.window_manager.isimp, preferences.get(context), drawing.sketch
-    if len(made.locked):
-        shader = shaders.hatched()
-        shader.bind()
-        shaders.draw(_batch(drawing, "locked", "TRIS", shader), shader)
-    pixels = space.pixels(context)
-    usual = sketch.strength(pixels * float(np.median(made.reach))) if len(made.reach) else 1.0
-    _draw_lines(drawing, "borders", _faded(wish.border_color, max(0.4, usual)), wish.line_width * max(0.6, usual))
-    space.nearer(_OVER)
-    if panel.away and len(made.surface):
-        _draw_heat(drawing, "away")
-    elif panel.heat and len(made.surface):
-        _draw_heat(drawing, "heat")
-    elif panel.directions and len(made.surface):
-        _draw_heat(drawing, "directions")
-    if panel.outline:
-        _draw_outline(drawing, pixels, wish)
-    _draw_lines(drawing, "problems", wish.problem_color, 2 * wish.line_width)
-    space.nearer(ON)
-
-
-def _faded(color, share: float) -> tuple:
-    return (*color[:3], color[3] * share)
-
-
-def _draw_outline(drawing, pixels: float, wish, most: float = 1.0) -> None:
-    """Lines and corners in groups of similar length: the shorter they are on the screen, the fainter and thinner.
-
-    most: the strength of the longest.
-    """
-    made = drawing.sketch
-    edges = np.linalg.norm(made.outline[::2] - made.outline[1::2], axis=1)
-    for name, points, length, each in (
-        ("outline", made.outline, edges, 2),
-        ("corners", made.corners, made.reach, 1),
-    ):
-        ends = np.linspace(0, len(length), min(_GROUPS, len(length)) + 1).astype(int)
-        for group, (begin, end) in enumerate(pairwise(ends.tolist())):
-            share = most * sketch.strength(pixels * float(length[(begin + end) // 2]))
-            color, part = _faded(wish.outline_color, share), slice(each * begin, each * end)
-            if each == 2:
-                shader = _line_shader(color, wish.line_width * (0.5 + 0.5 * share))
-                shaders.draw(_part(drawing, f"{name} {group}", points[part], "LINES", shader), shader)
-            elif share > _LEAST_DOT:
-                _draw_points(drawing, f"{name} {group}", points[part], color, 3 * wish.line_width * share)
-
-
-def _part(drawing, name, points, kind, shader):
-    if name not in drawing.batches:
-        drawing.batches[name] = batch_for_shader(shader, kind, {"pos": points})
-    return drawing.batches[name]
-
-
-def _batch(drawing, name, kind, shader, **more):
-    if name not in drawing.batches:
-        drawing.batches[name] = batch_for_shader(shader, kind, {"pos": getattr(drawing.sketch, name), **more})
-    return drawing.batches[name]
-
-
-def lines(points, color, width) -> None:
-    """Draws pairs of points as lines; nothing is kept."""
-    if len(points):
-        shader = _line_shader(color, width)
-        shaders.draw(batch_for_shader(shader, "LINES", {"pos": points}), shader)
-
-
-def _line_shader(color, width):
-    shader = gpu.shader.from_builtin(_named("POLYLINE_UNIFORM_COLOR"))
-    shader.bind()
-    view = gpu.state.viewport_get()
-    shader.uniform_float("viewportSize", (view[2], view[3]))
-    shader.uniform_float("lineWidth", width)
-    shader.uniform_float("color", color)
-    return shader
-
-
-def _named(name):
-    return f"3D_{name}" if bpy.app.version < (4, 0, 0) else name
-
-
-def _draw_lines(drawing, name, color, width) -> None:
-    if len(getattr(drawing.sketch, name)):
-        shader = _line_shader(color, width)
-        shaders.draw(_batch(drawing, name, "LINES", shader), shader)
-
-
-def _draw_points(drawing, name, points, color, size) -> None:
-    shader = gpu.shader.from_builtin(_named("UNIFORM_COLOR"))
-    gpu.state.point_size_set(size)
-    shader.bind()
-    shader.uniform_float("color", color)
-    shaders.draw(_part(drawing, name, points, "POINTS", shader), shader)
-
-
-def _draw_heat(drawing, by: str) -> None:
-    shader = gpu.shader.from_builtin(_named("SMOOTH_COLOR"))
-    shader.bind()
-    if by not in drawing.batches:
-        values = {"pos": drawing.sketch.surface, "color": getattr(drawing.sketch, by)}
-        drawing.batches[by] = batch_for_shader(shader, "TRIS", values)
-    shaders.draw(drawing.batches[by], shader)
-
-
-def _draw_hover(hover) -> None:
-    shader = gpu.shader.from_builtin(_named("UNIFORM_COLOR"))
-    shader.bind()
-    for points, color in hover.fills:
-        if len(points):
-            shader.uniform_float("color", color)
-            shaders.draw(batch_for_shader(shader, "TRIS", {"pos": points}), shader)
-    if hover.through:
-        gpu.state.depth_test_set("NONE")
-    for points, color, width in hover.lines:
-        lines(points, color, width)
-    gpu.state.depth_test_set("LESS_EQUAL")
 
 
 def register() -> None:

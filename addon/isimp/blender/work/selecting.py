@@ -6,7 +6,7 @@ from contextlib import suppress
 import bpy
 
 from .. import reading
-from ..scene import mesh_io
+from ..scene import selection
 from . import modal
 
 _TICK = 0.01
@@ -59,7 +59,7 @@ class SelectOperator:
         if wanted is None:
             return False
         obj, faces = wanted
-        self._name, self._steps = obj.name, mesh_io.selecting(obj, faces, reading.known_corners(obj))
+        self._name, self._steps = obj.name, selection.selecting(obj, faces, reading.known_corners(obj))
         return True
 
     def _is_done(self) -> bool:
