@@ -209,7 +209,8 @@ def test_a_signal_in_a_destructor_is_not_lost(number, kind, capfd):
     def work():
         with terminable():
             Last()
-            time.sleep(10)
+            for _ in range(1000):  # the thread of the second signal does not end a sleep of this one
+                time.sleep(0.01)
 
     with pytest.raises(kind):
         work()
