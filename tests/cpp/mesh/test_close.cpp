@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "close.h"
+#include "cleaning/close.h"
 #include "isimp/core/errors.h"
 #include "isimp/mesh/clean.h"
 #include "shapes.h"

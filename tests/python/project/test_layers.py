@@ -30,7 +30,10 @@ ORDER = [
 #: each may use the modules before it
 UNRELATED = {("interact", "meshing"), ("meshing", "interact")}
 #: folders of a module, lowest first; a file may include files of its own and of lower folders
-ROOMS = {"meshing": ["discs", "complex", "judge", "place", "planar", "repair", "flat", ""]}
+ROOMS = {
+    "mesh": ["surface", "files", "cleaning", ""],
+    "meshing": ["discs", "complex", "judge", "place", "planar", "repair", "flat", ""],
+}
 PRIVATE = {"CGAL": {"mesh", "meshing"}, "OpenMesh": {"thesis"}, "thrust": {"parallel"}}
 
 

@@ -1,0 +1,194 @@
+#include "cleaning/grid.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "isimp/core/to_integer.h"
+#include "isimp/mesh/mesh.h"
+
+namespace isimp::detail {
+namespace {
+
+constexpr double kSame = 1e-4;        // share of the extent: values at a smaller distance are equal
+constexpr std::size_t kLeast = 8;     // values along an axis, with fewer there is no grid to be found
+constexpr double kOffLattice = 0.02;  // share of half a cell
+constexpr double kShare = 0.98;       // least share of the vertices at places of a grid of occupancy
+constexpr int kRounds = 100;
+
+/// The distance that most of the different values of an axis are apart; 0 where few vertices share a value.
+double common_step(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const double same = kSame * (values.back() - values.front());
+  std::vector<double> distinct;
+  for (const double v : values)
+    if (distinct.empty() || v - distinct.back() > same) distinct.push_back(v);
+  if (distinct.size() < kLeast || distinct.size() * 2 > values.size()) return 0;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < distinct.size(); ++i) steps.push_back(distinct[i] - distinct[i - 1]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+/// Whether the vertices are where marching cubes of occupied and empty cells has them, in the middles of the edges of a
+/// grid: of their three places on a lattice of half a cell one is odd, and two are even.
+bool is_of_grid(const std::vector<Vec3>& vertices, double half) {
+  const Eigen::AlignedBox3d box = std::accumulate(vertices.begin(), vertices.end(), Eigen::AlignedBox3d(),
+                                                  [](Eigen::AlignedBox3d b, const Vec3& v) { return b.extend(v); });
+  // The rounding of the file is in one step, but hardly in the whole extent.
+  const Vec3 counts = (box.sizes() / half).array().round(), step = box.sizes().cwiseQuotient(counts.cwiseMax(1.0));
+  if ((step / half - Vec3::Ones()).cwiseAbs().maxCoeff() > kOffLattice) return false;
+  // Which places are odd along an axis is not known: all eight ways are counted.
+  std::array<std::array<std::size_t, 3>, 8> odd_along{};
+  for (const Vec3& v : vertices) {
+    const Vec3 place = (v - box.min()).cwiseQuotient(step), whole = place.array().round();
+    if ((place - whole).cwiseAbs().maxCoeff() > kOffLattice) continue;
+    int odd = 0;
+    for (int k = 0; k < 3; ++k) odd |= (to_integer(whole[k], 0, std::numeric_limits<int>::max()) & 1) << k;
+    for (int way = 0; way < 8; ++way) {
+      const int parity = odd ^ way;
+      if (parity == 1 || parity == 2 || parity == 4) ++odd_along[way][parity / 2];
+    }
+  }
+  // A mesh of blocks has its vertices at the corners of cells: then all would be odd along one axis.
+  return std::any_of(odd_along.begin(), odd_along.end(), [&](const std::array<std::size_t, 3>& n) {
+    const auto all = static_cast<double>(vertices.size());
+    return static_cast<double>(n[0] + n[1] + n[2]) >= kShare * all &&
+           static_cast<double>(std::min({n[0], n[1], n[2]})) > (1 - kShare) * all;
+  });
+}
+
+/// The cell of the grid; 0 where the mesh is of none.
+double find_cell(const std::vector<Vec3>& vertices) {
+  double step = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> values;
+    values.reserve(vertices.size());
+    for (const Vec3& v : vertices) values.push_back(v[k]);
+    const double own = common_step(std::move(values));
+    if (!(own > 0)) return 0;
+    step = std::min(step, own);
+  }
+  // Along a wall that lies in the grid the vertices are a cell apart, else half of one.
+  for (const double half : {step, step / 2})
+    if (is_of_grid(vertices, half)) return 2 * half;
+  return 0;
+}
+
+/// The directions of a grid that a mesh was cut on and turned with, as columns; nothing where it was not. An edge of
+/// such a mesh joins middles of edges of one cell, so it has one of four lengths, and the second of them along an axis.
+std::optional<Eigen::Matrix3d> find_axes(const MeshArrays& arrays) {
+  constexpr double kSameLength = 2e-3;  // share of a cell
+  const std::array lengths{std::sqrt(0.5), 1.0, std::sqrt(1.5), std::sqrt(2.0)};
+  std::vector<Vec3> edges;
+  edges.reserve(3 * arrays.triangles.size());
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const Triangle& t : arrays.triangles)
+    for (int k = 0; k < 3; ++k) {
+      edges.emplace_back(arrays.vertices[t[(k + 1) % 3]] - arrays.vertices[t[k]]);
+      shortest = std::min(shortest, edges.back().norm());
+    }
+  const double cell = shortest / lengths[0];
+  std::size_t fitting = 0;
+  std::array<Vec3, 3> sum{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  int known = 0;
+  for (const Vec3& e : edges) {
+    const double length = e.norm() / cell;
+    const auto is = [&](double l) { return std::abs(length - l) < kSameLength; };
+    if (!std::any_of(lengths.begin(), lengths.end(), is)) continue;
+    ++fitting;
+    if (!is(lengths[1])) continue;
+    int axis = 0;  // the known one along which it is, else a new one at right angles to all
+    while (axis < known && std::abs(e.dot(sum[axis])) < 0.5 * e.norm() * sum[axis].norm()) ++axis;
+    if (axis == 3) return std::nullopt;
+    if (axis == known) ++known;
+    sum[axis] += e.dot(sum[axis]) < 0 ? Vec3(-e) : e;
+  }
+  if (static_cast<double>(fitting) < kShare * static_cast<double>(edges.size()) || known < 3) return std::nullopt;
+  Eigen::Matrix3d axes;
+  axes.col(0) = sum[0].normalized();
+  axes.col(2) = axes.col(0).cross(sum[1]).normalized();
+  axes.col(1) = axes.col(2).cross(axes.col(0));
+  if (std::abs(axes.col(2).dot(sum[2].normalized())) < 1 - kSameLength) return std::nullopt;
+  return axes;
+}
+
+/// A grid, with its axes as columns.
+struct Grid {
+  double cell = 0;
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+};
+
+Grid find_grid(const MeshArrays& arrays) {
+  Grid grid{.cell = find_cell(arrays.vertices)};
+  if (grid.cell > 0) return grid;
+  const std::optional<Eigen::Matrix3d> axes = find_axes(arrays);
+  if (!axes) return grid;
+  std::vector<Vec3> along;
+  along.reserve(arrays.vertices.size());
+  for (const Vec3& v : arrays.vertices) along.emplace_back(axes->transpose() * v);
+  return {.cell = find_cell(along), .axes = *axes};
+}
+
+/// The neighbours of each vertex, each once for each common face.
+struct Beside {
+  std::vector<std::int32_t> start, vertex;
+
+  Beside(std::size_t count, std::span<const Triangle> triangles) : start(count + 1, 0) {
+    for (const Triangle& t : triangles)
+      for (const std::int32_t v : t) start[v + 1] += 2;
+    for (std::size_t v = 0; v < count; ++v) start[v + 1] += start[v];
+    vertex.resize(static_cast<std::size_t>(start.back()));
+    std::vector<std::int32_t> next(start.begin(), start.end() - 1);
+    for (const Triangle& t : triangles)
+      for (int k = 0; k < 3; ++k) {
+        vertex[next[t[k]]++] = t[(k + 1) % 3];
+        vertex[next[t[k]]++] = t[(k + 2) % 3];
+      }
+  }
+};
+
+}  // namespace
+
+bool smooth_steps(MeshArrays& arrays, const Topology& topology, std::optional<double> cell, RepairLog& log,
+                  const Threads& threads, Job& job) {
+  if (cell == 0.0 || arrays.vertices.size() < kLeast) return false;
+  const Grid grid = cell ? Grid{.cell = *cell} : find_grid(arrays);
+  const double half = grid.cell / 2;
+  if (!(half > 0)) return false;
+  const Beside beside(arrays.vertices.size(), arrays.triangles);
+  std::vector<char> fixed(arrays.vertices.size(), 0);
+  for (const std::int32_t h : topology.border) fixed[arrays.triangles[h / 3][h % 3]] = 1;
+  const std::vector<Vec3> home = arrays.vertices;
+  std::vector<Vec3> before;
+  for (int round = 0; round < kRounds; ++round) {
+    job.poll();
+    before = arrays.vertices;
+    threads.blocks(static_cast<std::int32_t>(home.size()), 4096,
+                   [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+                     for (std::int32_t v = begin; v < end; ++v) {
+                       const std::int32_t count = beside.start[v + 1] - beside.start[v];
+                       if (fixed[v] || count == 0) continue;
+                       Vec3 sum = Vec3::Zero();
+                       for (std::int32_t i = beside.start[v]; i < beside.start[v + 1]; ++i)
+                         sum += before[beside.vertex[i]] - home[v];
+                       const Vec3 step = (grid.axes.transpose() * (sum / count)).cwiseMax(-half).cwiseMin(half);
+                       arrays.vertices[v] = home[v] + grid.axes * step;
+                     }
+                   });
+  }
+  for (std::size_t v = 0; v < home.size(); ++v)
+    if (home[v] != arrays.vertices[v])
+      log.add(RepairKind::smoothed_vertices,
+              arrays.source_vertex.empty() ? static_cast<std::int32_t>(v) : arrays.source_vertex[v]);
+  return true;
+}
+
+}  // namespace isimp::detail

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "files/file_parts.h"
+#include "files/file_text.h"
+#include "isimp/core/job.h"
+#include "isimp/core/threads.h"
+#include "isimp/mesh/io.h"
+
+/// The file formats, each read by a few plain functions of our own.
+///
+/// OpenMesh 9 has readers and writers for all four, and its importer interface would take polygon soup, but they break
+/// the promises of `isimp/mesh/io.h`, and no check before them could prevent it:
+///  - places pass through float, so that a scan in map coordinates moves by up to half a metre; text with NaN ends the
+///    reading without an error, and the rest of the file reads as zeros;
+///  - OBJ and STL faces that name a vertex twice vanish, so that labels no longer fit the file's faces, and an STL
+///    vertex with NaN becomes an arbitrary other one;
+///  - damaged bytes end the process (a PLY property before any element: a wild write; an OBJ face "f /1": an
+///    assertion that Debian's build keeps), hang it (a PLY header without its end), exhaust the memory (an OFF file
+///    cut short) or give made-up faces (a comment in an OFF file: 32,573 of them);
+///  - readers and writers are global objects with state, so that two threads can't read at once, and some messages
+///    reach the process's error stream in spite of all settings;
+///  - the PLY writer cuts the number of a polygon's corners to eight bits and places to float, the OBJ writer to float.
+/// The tests read the files of this writer with OpenMesh and the other way round.
+namespace isimp::detail {
+
+/// Collects vertices and polygons, one by one or many at once, and refuses more than indices can count.
+class SoupBuilder {
+ public:
+  SoupBuilder(const FileText& file, const Threads& threads) : file_(file), threads_(threads) {}
+  void reserve(std::size_t vertices, std::size_t polygons);
+  void add_vertex(const Vec3& p) {
+    if (soup_.vertices.size() == kMost) too_many("vertices");
+    soup_.vertices.push_back(p);
+  }
+  void begin_polygon() {
+    if (soup_.loops.size() == kMost || soup_.loop_start.size() == kMost) too_many("corners");
+    soup_.loop_start.push_back(static_cast<std::int32_t>(soup_.loops.size()));
+  }
+  /// Any number: `finish` checks it, since some formats allow faces before their vertices.
+  void add_corner(std::int64_t vertex) {
+    if (soup_.loops.size() == kMost) too_many("corners");
+    soup_.loops.push_back(corner(vertex));
+  }
+  /// A vertex index for `loops`; one that does not fit becomes kOut, which the check refuses.
+  static std::int32_t corner(std::int64_t vertex) {
+    return vertex < 0 || vertex > static_cast<std::int64_t>(kMost) ? kOut : static_cast<std::int32_t>(vertex);
+  }
+  /// Number of polygons with `corners` corners each that can still be added.
+  [[nodiscard]] std::size_t room_for_polygons(std::size_t corners) const {
+    const std::size_t starts = kMost - soup_.loop_start.size();
+    return corners == 0 ? starts : std::min(starts, (kMost - soup_.loops.size()) / corners);
+  }
+  [[nodiscard]] std::size_t room_for_vertices() const { return kMost - soup_.vertices.size(); }
+  /// Adds vertices within that room, for the caller to set.
+  std::span<Vec3> add_vertices(std::size_t count);
+  /// Adds `count` polygons with `corners` corners each. The caller sets the corners, polygon after polygon.
+  std::span<std::int32_t> add_polygons(std::size_t count, std::size_t corners);
+  /// Whether this many vertices, polygons and corners in all can still be added.
+  [[nodiscard]] bool has_room(std::size_t vertices, std::size_t polygons, std::size_t corners) const {
+    return vertices <= room_for_vertices() && polygons <= room_for_polygons(0) && corners <= room_for_polygons(1);
+  }
+  /// The first corners of polygons, and their corners.
+  struct Polygons {
+    std::span<std::int32_t> starts, corners;
+  };
+  /// Adds polygons with `corners` corners in all, the first polygons of the soup. The caller sets both arrays.
+  Polygons add_mixed_polygons(std::size_t count, std::size_t corners);
+  /// Removes the last `count` polygons, which have `corners` corners each.
+  void drop_polygons(std::size_t count, std::size_t corners);
+  [[nodiscard]] const std::vector<Vec3>& vertices() const { return soup_.vertices; }
+  /// Checks the indices.
+  /// \param first_index  index of the first vertex in the format
+  PolygonSoup finish(std::int32_t first_index, Job& job);
+
+ private:
+  static constexpr std::size_t kMost = 0x7fffffff - 1;
+  static constexpr std::int32_t kOut = 0x7fffffff;  // replaces every number that no vertex can have
+  [[noreturn]] void too_many(const char* what) const;
+
+  const FileText& file_;
+  const Threads& threads_;
+  PolygonSoup soup_;
+};
+
+// Readers on all threads, of the usual files. They return nothing for other files, including damaged ones: the readers
+// below then read them, or report the error.
+
+/// Binary PLY with rows of equal size, or text with a row in each line; vertices first, then faces.
+std::optional<PolygonSoup> read_plain_ply(const FileParts& parts, const Threads& threads, Job& job);
+/// Lines that begin with "v " or "f ", numbers of vertices counted from 1. Other lines are skipped. The lines are
+/// counted first, so no array is larger than it must be.
+std::optional<PolygonSoup> read_plain_obj(const FileParts& parts, const Threads& threads, Job& job);
+
+PolygonSoup read_ply(const FileText& file, const Threads& threads, Job& job);
+PolygonSoup read_obj(const FileText& file, const Threads& threads, Job& job);
+PolygonSoup read_stl(const FileText& file, const Threads& threads, Job& job);
+PolygonSoup read_off(const FileText& file, const Threads& threads, Job& job);
+
+}  // namespace isimp::detail
