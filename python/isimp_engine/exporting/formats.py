@@ -19,10 +19,10 @@ from .surfaces import Surfaces, surfaces_of
 
 @dataclass(frozen=True)
 class Content:
-    """What a file is written of; see `write`."""
+    """The content of a file; see `write`."""
 
     polygons: PolygonMesh
-    name: str  #: of the building or solid in the file
+    name: str  #: name of the building or solid in the file
     job: Job | None
     crs: int | None
     version: str
@@ -71,7 +71,7 @@ class Format:
     writer: Writer | None = None  #: None: the engine writes it itself
     package: str = ""  #: that the writer imports
     pip: str = ""  #: name of that package for pip
-    extra: str = ""  #: of isimp, which installs it
+    extra: str = ""  #: extra of isimp that installs it
     plain: bool = True  #: for polygons without a texture
     textured: bool = False  #: for polygons with a texture
     tiles: bool = False  #: for the result of `isimp tiles`
@@ -107,7 +107,7 @@ TILES = suffixes(lambda each: each.tiles)
 LODS = suffixes(lambda each: each.lods)
 BUILDING_KINDS = suffixes(lambda each: each.menu == "building")
 STEP_KINDS = suffixes(lambda each: each.menu == "solid")
-KINDS = suffixes(lambda each: each.writer)  #: those that this package writes
+KINDS = suffixes(lambda each: each.writer)  #: formats that this package writes
 
 
 def format_of(path: str | PathLike[str]) -> Format | None:

@@ -1,4 +1,4 @@
-"""Checks of the settings of steps. Each message names the setting, what it must be, and what it is."""
+"""Checks of the settings of steps. Each message names the setting, the rule and the value."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .options import Option
 
 
 class RecipeError(ValueError):
-    """A recipe can't be used; the message says which step and why."""
+    """A recipe can't be used; the message names the step and the reason."""
 
 
 def check(wrong: bool, message: str) -> None:
@@ -23,7 +23,7 @@ def check(wrong: bool, message: str) -> None:
 
 
 def must(right: bool, name: str, words: str, value: object) -> None:
-    """Raises RecipeError if a setting has a wrong value. words: what it must be."""
+    """Raises RecipeError if a setting has a wrong value. words: the rule."""
     check(not right, said("{name} must be {words}, got {value}", name=name, words=said(words), value=short(value)))
 
 

@@ -1,4 +1,4 @@
-"""The language of what the add-on says. Standard library only.
+"""The language of the add-on's messages. Standard library only.
 
 A message is an English text with places for its values, as in "{regions} locked". In Blender the add-on puts in
 Blender's translation (`speak`). Everywhere else messages are English.
@@ -12,7 +12,7 @@ _translate: Callable[[str], str] = str
 
 
 def speak(translate: Callable[[str], str]) -> None:
-    """Translates all messages from now on. `str` goes back to English."""
+    """Translates all messages from now on. `str` restores English."""
     global _translate  # noqa: PLW0603  (the one place that decides on the language)
     _translate = translate
 

@@ -22,7 +22,7 @@ class Option(NamedTuple):
     low: float | None = None  #: the range of the slider, where it is narrower
     high: float | None = None
     digits: int = 0  #: after the point; 0: as usual
-    items: tuple[tuple[str, str, str], ...] = ()  #: of choices: name, label and tooltip
+    items: tuple[tuple[str, str, str], ...] = ()  #: name, label and tooltip of each choice
 
     def holds(self, value: float) -> bool:
         """Whether a number is in the range; infinity and NaN never are."""
@@ -58,5 +58,5 @@ class Option(NamedTuple):
         return self.holds(value) or (self.is_optional and value == 0)
 
     def given(self, value: Any) -> Any:
-        """A setting as the engine has it: None where it stands for a value that is not given."""
+        """Converts a setting for the engine: to None if it stands for a value that is not given."""
         return None if self.is_optional and not self.holds(value) else value

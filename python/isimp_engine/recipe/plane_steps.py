@@ -10,20 +10,20 @@ from .engine_options import REGULARISE
 from .language import said
 from .step import Step, count_faces
 
-#: what points up: the scene's Z as `direction` has it, an axis of the scan, the normal of a region, nothing
+#: upward directions: the scene's Z in `direction`, an axis of the scan, the normal of a region, none
 UPS = ("scene", *(axis for axis in REGULARISE["up"].choices if axis != "none"), "region", "none")
-#: what planes of regions are made
+#: target orientations of planes
 ALIGNMENTS = ("level", "upright", "parallel", "perpendicular", "coplanar", "free")
 
 
 @dataclass(frozen=True)
 class _Upward(Step):
-    """Base of steps that know what is level and upright."""
+    """Base of steps with an upward direction."""
 
     up: str = "scene"  #: one of UPS
     direction: tuple[float, ...] = ()  #: the scene's Z in the scan's space; empty: z
-    face: int = -1  #: of the region whose normal is up
-    length: float = 0.0  #: what a plane may add to the distance of its region, scene units; 0: the engine's choice
+    face: int = -1  #: a face of the region whose normal is up
+    length: float = 0.0  #: largest increase of a region's distance from its plane, scene units; 0: the engine's choice
 
     def __post_init__(self) -> None:
         check_choice(self.up not in UPS, "up", ", ".join(UPS), self.up)

@@ -31,7 +31,7 @@ class Recipe:
         """The recipe with one more step, in place of a Mesh step at its end and its texture.
 
         A partition of all faces replaces the steps after the last lock. Regularise replaces an earlier one, unless
-        planes were set by hand after it, as these may follow those that it has snapped.
+        planes were set by hand after it, as these may follow snapped planes.
         """
         if isinstance(step, Texture):
             return Recipe((*self._without(Texture).steps, step))
@@ -70,7 +70,7 @@ class Recipe:
     def changed(self, index: int, step: Step) -> Recipe:
         """The recipe after a setting of one of its steps was changed.
 
-        What was locked since stays as it is: a partition of all is followed by the changed one after the last lock.
+        Locked regions stay unchanged: the changed partition of all faces follows the last lock.
         """
         last = self._last_lock()
         if isinstance(step, Partition) and not step.faces and last > index:
@@ -83,7 +83,7 @@ class Recipe:
         return Recipe(self.steps[:index] + self.steps[index + 1 :])
 
     def whole(self) -> tuple[int, Partition | None]:
-        """The last partition of all faces, which says what openings are closed, and its index; (-1, None) if none."""
+        """The last partition of all faces, which sets the openings to close, and its index; (-1, None) if none."""
         found = [(index, step) for index, step in self.active() if isinstance(step, Partition) and not step.faces]
         return found[-1] if found else (-1, None)
 
@@ -173,7 +173,7 @@ class Recipe:
 
 
 def parsed(text: str, problem: str) -> Any:
-    """The value of a JSON text. Raises RecipeError, which begins with the problem and says where the text is wrong."""
+    """The value of a JSON text. Raises RecipeError, which begins with the problem and names the place."""
     try:
         return json.loads(text)
     except ValueError as error:

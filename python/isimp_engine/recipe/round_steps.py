@@ -17,7 +17,7 @@ class RoundRegions(Step):
     """Make the regions of some faces one round part."""
 
     faces: tuple[int, ...] = ()
-    kind: str = ""  #: of surface; it takes the place of the step's own name for programs
+    kind: str = ""  #: kind of surface; it hides the property `kind` of steps
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "faces", indices(self.faces))

@@ -1,4 +1,4 @@
-"""What all steps of recipes have. Standard library only."""
+"""The base of all steps of recipes. Standard library only."""
 
 from __future__ import annotations
 

@@ -27,8 +27,8 @@ MARKS = {"seams": ".seam", "sharp": ".sharp", "materials": ".material", "face_se
 SEEDINGS = PARTITION["seeding"].choices
 
 
-MOST_ROUNDS = 1000  #: of smoothing; by far fewer, borders no longer move
-_LARGEST = (1 << 31) - 1  # of the engine's whole numbers, but for seeds
+MOST_ROUNDS = 1000  #: rounds of smoothing; borders stop after far fewer
+_LARGEST = (1 << 31) - 1  # whole number of the engine, except seeds
 _LARGEST_SEED = (1 << 63) - 1
 
 
@@ -47,7 +47,7 @@ class Partition(PartitionFields, CleanFields):
     bound: float | None = None  #: largest distance of a vertex from its region's plane, scene units
     adaptivity: float = 0.25  #: smaller regions where the scan is rough
     close_openings: bool = True  #: close holes and tunnels of a noisy scan that the regions can't show,
-    keep_openings: tuple[tuple[float, ...], ...] = ()  #: but for those at these places; scan coordinates
+    keep_openings: tuple[tuple[float, ...], ...] = ()  #: except the openings at these places; scan coordinates
     weights: str = ""  #: vertex group or attribute; higher values give smaller regions; none if empty
     influence: float = 1.0  #: strength of the weights, in [0, 2]
     seams: bool = False  #: no region crosses an edge that is marked as a seam,
@@ -139,8 +139,8 @@ class DeleteProxy(Step):
 class MergeRegions(Step):
     """Merge the region of one face into a neighbouring region."""
 
-    face: int = 0  #: of the region that stays
-    other: int = 0  #: of the one that becomes part of it
+    face: int = 0  #: a face of the remaining region
+    other: int = 0  #: a face of the region that is merged into it
 
     def __post_init__(self) -> None:
         check_face(self.face)
@@ -192,7 +192,7 @@ class PaintFaces(Step):
 
     faces: tuple[int, ...] = ()
     onto: int = -1  #: below 0: a new region
-    lock: bool = False  #: and lock it
+    lock: bool = False  #: lock the painted region
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "faces", indices(self.faces))
@@ -351,7 +351,7 @@ class Texture(TextureFields):
         return f"Texture {self.size:,}" if self.size else "Texture"
 
 
-KINDS |= {  # of all steps
+KINDS |= {
     Partition: "partition",
     AddProxy: "add_proxy",
     DeleteProxy: "delete_proxy",
@@ -378,7 +378,7 @@ KINDS |= {  # of all steps
     Mesh: "mesh",
     Texture: "texture",
 }
-#: What steps saved by earlier versions lack, and the values that mean what they meant. A saved step has all settings
+#: Settings that steps saved by earlier versions lack, with the values of that time. A saved step has all settings
 #: of its version, so one that has the first of these but not the second is one; people write fewer.
 _EARLIER: dict[str, tuple[set[str], dict[str, Any]]] = {
     "partition": (
