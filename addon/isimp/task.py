@@ -27,7 +27,7 @@ def shares(times: list[float]) -> list[float]:
 
 
 class _Job(Protocol):
-    """What a Watch needs of the engine's Job."""
+    """The members of the engine's Job that a Watch uses."""
 
     @property
     def progress(self) -> float: ...

@@ -66,7 +66,7 @@ class Tracer {
     lift_ = kLift * static_cast<float>((high - low).norm());
   }
 
-  /// \param k  which of its group the texel is
+  /// \param k  index of the texel in its group
   /// \return the share of the rays that nothing stops
   [[nodiscard]] float open(std::int32_t face, float b, float c, std::int32_t k) const {
     const Triangle& t = mesh_.triangles()[face];

@@ -40,7 +40,7 @@ class Item:
         return float(value)
 
     def numbers(self, name: str, count: int, default: Any = None) -> NDArray[np.float64]:
-        """So many numbers."""
+        """Returns `count` numbers, the default where they are absent."""
         value = self._get(name, default)
         if not isinstance(value, (list, tuple)) or len(value) != count or not all(map(_is_finite, value)):
             raise self._wrong(name, f"{count} finite numbers", value)

@@ -110,7 +110,7 @@ constexpr Choice<Options, Enum, N> choice(const char* name, Enum Options::*membe
                                           const char* about) {
   return {name, member, std::to_array(values), about};
 }
-/// The field that all structs have.
+/// The field `threads`, which all structs have.
 template <class Options>
 constexpr auto threads_field(std::int32_t Options::*member) {
   return field("threads", member, at_least(0), Unit::none,

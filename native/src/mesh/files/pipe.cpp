@@ -31,7 +31,7 @@ constexpr std::size_t kPiece = std::size_t{1} << 16;
   throw FileError(name + ": " + what + ": " + std::strerror(errno));
 }
 
-/// Waits until the handle is ready, or a little; returns whether it is.
+/// Waits a short time for the handle; returns whether it is ready.
 bool wait_for(int handle, short what) {
   pollfd waiting{handle, what, 0};
   return ::poll(&waiting, 1, kPatience) > 0;

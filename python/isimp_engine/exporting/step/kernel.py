@@ -46,7 +46,7 @@ class NoFace(Exception):
 
 @contextmanager
 def refused() -> Iterator[None]:
-    """OpenCASCADE's own errors, which have no class in common, as NoFace."""
+    """Raises OpenCASCADE's own errors, which have no common class, as NoFace."""
     try:
         yield
     except Exception as error:
