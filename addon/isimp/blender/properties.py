@@ -146,7 +146,7 @@ class PartitionSettings:
     sharp_edges: FloatProperty(
         name="Edge Width",
         description="Regions at edges that are narrower than this go to the planes beside them, in the scan's units. "
-        "0: three mean edges. Below 0: such regions stay",
+        "0: three mean edges. Below 0: only where the scan is of planes",
         default=_PARTITION.sharp_edges,
         min=-1.0,
         soft_max=0.1,

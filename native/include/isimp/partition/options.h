@@ -96,15 +96,16 @@ constexpr auto fields(const PartitionOptions*) {
             "As few regions as possible with every vertex within this distance of its region's plane, in scene "
             "units. Method 'hierarchy' only."),
       field("noise", &O::noise, at_least(0), Unit::length,
-            "Standard deviation of the scan's noise, in scene units. Detail below 3.5 times it is ignored. None: "
+            "Standard deviation of the scan's noise, in scene units. Detail below 2.4 times it is ignored. None: "
             "estimated. 0: a drawn model, not a scan."),
       field("snap", &O::snap,
             "If the surface clearly consists of a certain number of planes, use that number. For detail and "
             "tolerance."),
       field("sharp_edges", &O::sharp_edges, at_least(0), Unit::length,
             "Rounded and dented edges become sharp: regions at edges that are narrower than this go to the planes "
-            "beside them, in scene units. 0: three mean edges of the scan. None: such regions stay. Not for a bound, "
-            "a symmetry or a part of a partition."),
+            "beside them, in scene units. 0: three mean edges of the scan. None: the same where a detail finds a scan "
+            "of planes with noise and `snap` is on; else such regions stay. Not for a bound, a symmetry or a part of "
+            "a partition."),
       field("adaptivity", &O::adaptivity, between(0, 1), Unit::none,
             "Smaller regions where the surface is rough. 0.25 suits figures, 0 suits buildings and drawn models."),
       field("smooth", &O::smooth, between(0, 1), Unit::none,
