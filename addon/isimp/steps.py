@@ -53,7 +53,7 @@ class Partition(Step):
     snap: bool = PARTITION["snap"].default  #: take the number of planes if the scan clearly consists of planes
     sharp_edges: float = (
         -1.0
-    )  #: width of strips at edges that go to the planes beside; 0: three edges; below 0: none go
+    )  #: width of strips at edges that go to the planes beside; 0: three edges; below 0: on planes
     stitch: float = -1.0  #: how far borders of chunks may be apart that become one; 0: none do; below 0: it is found
     grid: float = -1.0  #: cell of the grid whose steps are smoothed; 0: steps stay; below 0: it is found
     seed: int = PARTITION["seed"].default
