@@ -51,7 +51,7 @@ class DetailTree {
   /// \param surface  the one the tree was made of
   [[nodiscard]] Regions regions(const Surface& surface, const Cut& cut, const Threads& threads, Job& job) const;
 
-  /// Merges regions of a cut whose borders have moved since, where that costs no more than the cut.
+  /// Merges regions of a cut whose borders have moved since, where that costs at most a quarter of the cut.
   /// \param surface  the one the tree was made of
   void merge_again(const Surface& surface, const Cut& cut, Regions& regions, const Threads& threads, Job& job) const;
 
