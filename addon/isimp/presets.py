@@ -62,7 +62,7 @@ PRESETS = (
         "generated",
         "Generated Mesh",
         "Meshes cut on a grid, such as those made from pictures or texts: stair steps are smoothed, edges are sharp",
-        rcp.Partition(count_by="detail", detail=0.005, adaptivity=0.0, sharp_edges=0.0),
+        rcp.Partition(count_by="detail", detail=0.005, snap=False, adaptivity=0.0, sharp_edges=0.0),
         rcp.Mesh(flatten=60),
     ),
     Preset(

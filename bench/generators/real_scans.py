@@ -184,14 +184,17 @@ def chunks(
 
 
 def house(seed: int):
-    """Signed distance of a drawn house and its box: a body, and what `seed` adds to it."""
+    """Signed distance of a drawn house and its box: a body, and what `seed` adds to it.
+
+    The ridge of a wing ends well below the eave, so that a scan shows whether the wall above it is one.
+    """
     rng = np.random.default_rng(seed)
     long, deep, eave, rise = rng.uniform(11, 14), rng.uniform(8, 9), rng.uniform(5, 6), rng.uniform(2.5, 3.5)
     solids = [((0, 0, 0), (long, deep, eave))]
     prisms = [((0, 0, eave), (long, deep, 0), 0, rise)]
     if rng.random() < 0.7:  # a wing
-        solids.append(((1.5, -3.5, 0), (6, deep / 2, eave - 1.5)))
-        prisms.append(((1.5, -3.5, eave - 1.5), (6, deep / 2, 0), 1, 1.3))
+        solids.append(((1.5, -3.5, 0), (6, deep / 2, eave - 2)))
+        prisms.append(((1.5, -3.5, eave - 2), (6, deep / 2, 0), 1, 1.3))
     bays = [((7.5, -1.2, 0), (9.5, 1, 2.6)), ((long - 1, 3, 0), (long + 1.2, 5.2, 3))]
     solids += bays[: rng.integers(0, 3)]
     for k in range(rng.integers(0, 4)):  # dormers with flat roofs, behind
@@ -220,7 +223,8 @@ def _onto(distance, points: np.ndarray) -> np.ndarray:
     return points
 
 
-def _clean_house(seed: int, cells: int) -> tuple[np.ndarray, np.ndarray]:
+def clean_house(seed: int, cells: int = 110) -> tuple[np.ndarray, np.ndarray]:
+    """The surface of a house without noise, its vertices on it."""
     distance, low, high = house(seed)
     cell = float((high - low).max()) / cells
     points, faces = surface(distance(_grid(low, high, cell)) / cell)
@@ -229,17 +233,28 @@ def _clean_house(seed: int, cells: int) -> tuple[np.ndarray, np.ndarray]:
 
 def drawn_house(seed: int, noise: float = 0.001, cells: int = 110) -> tuple[np.ndarray, np.ndarray]:
     """A house with sharp edges and white noise, a share of the diagonal."""
-    points, faces = _clean_house(seed, cells)
+    return noisy(seed, *clean_house(seed, cells), noise)
+
+
+def noisy(seed: int, points: np.ndarray, faces: np.ndarray, noise: float) -> tuple[np.ndarray, np.ndarray]:
+    """A mesh with white noise, a share of the diagonal."""
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
     return points + np.random.default_rng(seed).normal(0, noise * diagonal, points.shape), faces
 
 
 def house_planes(seed: int, cells: int = 110, least: float = 0.1) -> int:
-    """The number of planar faces of a house: connected, in one plane, and of at least some square metres.
+    """The number of planar faces of a house; see planes_of."""
+    return planes_of(seed, *clean_house(seed, cells), cells, least)
 
-    They are counted on its surface, as parts of a house meet or hide each other's faces.
+
+def planes_of(seed: int, points: np.ndarray, faces: np.ndarray, cells: int = 110, least: float = 0.1) -> int:
+    """The number of planar faces of a house: connected, in one plane, wider than a cell, at least some square metres.
+
+    They are counted on its surface without noise, as parts of a house meet or hide each other's faces. Narrower ones
+    are no faces of the drawing: solids touch there, and the cells cut the edge between them.
     """
-    distance, (points, faces) = house(seed)[0], _clean_house(seed, cells)
+    distance, low, high = house(seed)
+    cell = float((high - low).max()) / cells
     corner = points[faces]
     area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
     middle = _onto(distance, corner.mean(1))
@@ -260,7 +275,14 @@ def house_planes(seed: int, cells: int = 110, least: float = 0.1) -> int:
         np.minimum.at(piece, piece[a], low)
         np.minimum.at(piece, piece[b], low)
         piece = piece[piece]
-    return int((np.bincount(piece, weights=area) >= least).sum())
+    size = np.bincount(piece, weights=area)
+    large = [k for k in np.flatnonzero(size >= least) if size[k] >= 1.2 * cell * _reach(corner[piece == k])]
+    return len(large)
+
+
+def _reach(corners: np.ndarray) -> float:
+    """The diagonal of the box of some triangles."""
+    return float(np.linalg.norm(np.ptp(corners.reshape(-1, 3), axis=0)))
 
 
 def grid_house(seed: int, binary: bool = True, cells: int = 96, turn: float = 31.0) -> tuple[np.ndarray, np.ndarray]:

@@ -51,6 +51,7 @@ UNKNOWN = "own trials, not recorded"
 SHAPES = "own trials for short borders and convex polygons, trials.md"
 SHORT = "own trials, distance against corners of three scans"
 REAL = "open buildings, cartons, chunks (bench/quality/real.py)"
+HOUSES = "30 drawn houses (bench/quality/real.py --houses), known shapes"
 FOUND = "own trials, numbers of regions of shapes that have a known one"
 
 
@@ -132,8 +133,15 @@ TUNED = (
     Tuned(PARTITION + "hierarchy/detail_tree.cpp", "kBorder", "what borders weigh before the tree", FOUND),
     Tuned(PARTITION + "hierarchy/detail_tree.cpp", "kNoisyBorder", "what noise adds to that", FOUND),
     Tuned(PARTITION + "hierarchy/detail_tree.cpp", "kFilterPasses", "of the filter of normals", FOUND),
-    Tuned(PARTITION + "hierarchy/choose_cut.h", "kNoise", "deviations of the noise that are no detail", FOUND),
+    Tuned(PARTITION + "hierarchy/choose_cut.h", "kNoise", "deviations of the noise that are no detail", HOUSES),
     Tuned(PARTITION + "hierarchy/choose_cut.h", "kLeastNoise", "deviations from which gaps are looked for", FOUND),
+    Tuned(PARTITION + "hierarchy/detail_tree.cpp", "kSteep", "cosine of the angle at which a part stands on another",
+          HOUSES, values=("0.2", "0.5")),
+    Tuned(PARTITION + "hierarchy/detail_tree.cpp", "kFeature", "least cost of such a part, in limits", HOUSES),
+    Tuned(PARTITION + "hierarchy/detail_tree.cpp", "kFaded", "of its cost that smooth borders may leave of a region",
+          HOUSES),
+    Tuned(PARTITION + "density/normal_filter.cpp", "kBlind", "range of normals that falls as they are filtered",
+          HOUSES),
     Tuned(PARTITION + "hierarchy/choose_cut.cpp", "kWindow", "tolerances in which gaps count, times the least", FOUND),
     Tuned(PARTITION + "hierarchy/choose_cut.cpp", "kRatio", "of the costs at a gap, at least", FOUND),
     Tuned(PARTITION + "hierarchy/choose_cut.cpp", "kSlack", "a gap counts no further beyond the window, times the cost",
@@ -192,6 +200,10 @@ TUNED = (
     Tuned(MESHING + "complex/raggedness.cpp", "kRagged",
           "raggedness from which a rim is straight, in edges of the border", REAL),
     Tuned("native/src/simplify/sharp_edges.cpp", "kEdges", "width of a strip of an edge, in mean edges", REAL),
+    Tuned("native/src/simplify/sharp_edges.cpp", "kMostAngle", "degrees of planes that meet at an edge, at most",
+          HOUSES, values=("120.0", "170.0")),
+    Tuned("native/src/simplify/sharp_edges.cpp", "kFlatFaces", "mean faces of a region on scans of planes", HOUSES,
+          values=("50", "200")),
     Tuned("native/src/simplify/sharp_edges.cpp", "kZigzag", "what faces add to the length of a border", REAL,
           values=("1.0", "1.6")),
     Tuned("native/src/mesh/cleaning/stitch.cpp", "kEdges", "gap of borders that are stitched, in mean edges", REAL),

@@ -103,6 +103,7 @@ Partition by_detail(const Surface& surface, const DetailTree& tree, const Partit
     const FaceGraph& graph = surface.graph();
     const BorderWeight weight = border_weight(regions.error(), options.smooth, graph.size(), regions.count());
     relax_borders(graph, regions, weight, kSmoothSweeps, threads, job, surface.relative_weight());
+    tree.merge_again(surface, cut, regions, threads, job);
   }
   Partition result = make_partition(surface, tree.parts(), regions, {regions.error()}, threads, job);
   result.proxies_asked = result.region_count();

@@ -108,8 +108,10 @@ Partition Partitioner::run(const PartitionOptions& options, const Constraints& g
                                     : with_symmetry(options, constraints, job);
   const bool whole = constraints.before == nullptr && !constraints.faces;
   // Round parts begin with a partition by planes, whose edges are sharp already.
-  if (options.sharp_edges && !options.curved && plain && whole && !options.bound)
-    if (const auto labels = without_strips(*mesh_, result, *options.sharp_edges, job)) {
+  std::optional<double> sharp_edges = options.sharp_edges;
+  if (!sharp_edges && options.snap && result.tolerance > 0 && is_of_planes(*mesh_, result)) sharp_edges = 0.0;
+  if (sharp_edges && !options.curved && plain && whole && !options.bound)
+    if (const auto labels = without_strips(*mesh_, result, *sharp_edges, job)) {
       Partition sharp = inherited(partition_from(Surface(*mesh_, result.guided), *labels, job), result);
       sharp.proxies_asked = std::min(sharp.proxies_asked, sharp.region_count());
       result = std::move(sharp);

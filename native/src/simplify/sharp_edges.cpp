@@ -22,12 +22,15 @@ constexpr double kOfRim = 0.2;        // largest share of a strip's perimeter on
 constexpr double kBeside = 0.7;       // least share of a strip's perimeter along wider regions
 constexpr double kWider = 1.5;        // times a strip's width, from which a region is wider
 constexpr double kLeastAngle = 25.0;  // degrees between the planes that meet at a strip
+constexpr double kMostAngle = 150.0;  // from here on they are the two faces of a plate, which meet at no edge
 constexpr double kSpareAngle = 20.0;  // degrees that the angles to both may be more than that
 constexpr double kOfNormal = 0.25;    // weight of the squared difference of normals; the distance in widths has 1
 constexpr double kOff = 0.5;          // share of the width: largest distance of a strip's faces from their planes
 constexpr double kMostOff = 0.9;      // share of the faces that are
+constexpr double kNoisy = 0.005;      // share of the mean edge: scans have .01 and more, CAD models .001 and less
 constexpr int kRounds = 3, kFits = 12;
 constexpr std::size_t kBesideLooked = 3;
+constexpr int kFlatFaces = 100;  // least mean number of faces of a region where planes are sure
 
 double degrees_between(const Vec3& a, const Vec3& b) {
   return std::acos(std::clamp(a.dot(b), -1.0, 1.0)) * 180 / std::numbers::pi;
@@ -135,7 +138,8 @@ class Sharpener {
         const Vec3 &a = regions_[wider[i].second].normal, &b = regions_[wider[j].second].normal;
         const double both = degrees_between(a, b), to_a = degrees_between(r.normal, a),
                      to_b = degrees_between(r.normal, b);
-        if (both > kLeastAngle && to_a + to_b < both + kSpareAngle && to_a < both && to_b < both) return true;
+        if (both > kLeastAngle && both < kMostAngle && to_a + to_b < both + kSpareAngle && to_a < both && to_b < both)
+          return true;
       }
     return false;
   }
@@ -324,6 +328,36 @@ std::optional<std::vector<std::int32_t>> without_strips(const Mesh& mesh, const 
   Sharpener sharpener(mesh, partition.face_region, wide, job);
   if (!sharpener.run()) return std::nullopt;
   return std::move(sharpener).take_labels();
+}
+
+bool is_of_planes(const Mesh& mesh, const Partition& partition) {
+  const auto count = static_cast<std::size_t>(partition.region_count());
+  if (!(partition.noise > kNoisy * mean_edge(mesh)) || partition.noise > partition.tolerance ||
+      mesh.face_count() < kFlatFaces * partition.region_count())
+    return false;
+  std::vector<Vec3> middle(count, Vec3::Zero());
+  std::vector<double> area(count, 0.0), share(partition.face_region.size(), 0.0);
+  const auto each = [&](const auto& use) {
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+      if (const std::int32_t r = partition.face_region[f]; r != kNone) {
+        const Triangle& t = mesh.triangles()[f];
+        const Vec3 &a = mesh.vertices()[t[0]], &b = mesh.vertices()[t[1]], &c = mesh.vertices()[t[2]];
+        use(f, r, (b - a).cross(c - a).norm(), (a + b + c) / 3);
+      }
+  };
+  each([&](std::int32_t f, std::int32_t r, double of_face, const Vec3& centre) {
+    share[f] = of_face;
+    area[r] += of_face;
+    middle[r] += of_face * centre;
+  });
+  for (std::size_t r = 0; r < count; ++r)
+    if (area[r] > 0) middle[r] /= area[r];
+  double near = 0, whole = 0;
+  each([&](std::int32_t f, std::int32_t r, double, const Vec3& centre) {
+    whole += share[f];
+    if (std::abs(partition.region_normal[r].dot(centre - middle[r])) < partition.noise) near += share[f];
+  });
+  return near > whole / 2;
 }
 
 }  // namespace isimp

@@ -23,4 +23,10 @@ namespace isimp {
 std::optional<std::vector<std::int32_t>> without_strips(const Mesh& mesh, const Partition& partition, double width,
                                                         Job& job);
 
+/// Whether regions from a detail are flat below the scan's noise, as on things made of planes: half of the area is
+/// nearer to the planes of its regions than the noise's standard deviation, and a region has a hundred faces in the
+/// mean. There a narrow region at an edge is no shape of its own.
+/// Cost: O(F).
+bool is_of_planes(const Mesh& mesh, const Partition& partition);
+
 }  // namespace isimp

@@ -65,7 +65,23 @@ TEST(CutRule, AGapCountsBeyondTheWindow) {
 
 TEST(CutRule, NoiseCountsAsToleranceButDoesNotAddToIt) {
   EXPECT_DOUBLE_EQ(merge_limit(0.5, 0.1), 16 * 0.25);
-  EXPECT_DOUBLE_EQ(merge_limit(0.5, 1.0), 16 * 3.5 * 3.5);
+  EXPECT_DOUBLE_EQ(merge_limit(0.5, 1.0), 16 * 2.4 * 2.4);
+}
+
+TEST(CutRule, TakesTheWidestGapThatFits) {
+  std::vector<double> costs(10, 16 * 0.06 * 0.06);
+  costs.insert(costs.end(), 20, 16 * 0.009 * 0.009);
+  for (int regions = 31; regions < 400; ++regions) costs.push_back(16 * std::pow(0.002 * 31 / regions, 2));
+  const auto taken = [&](double most) {
+    return choose_cut(costs, 1, 1e-12, 0.005, 0.001, 0, true, [&](double cost) { return cost < most; });
+  };
+  const Cut wide = taken(1), narrow = taken(costs[10]), none = taken(0);
+  EXPECT_TRUE(wide.snapped);
+  EXPECT_GT(wide.cost, costs[10]);
+  EXPECT_TRUE(narrow.snapped);
+  EXPECT_LT(narrow.cost, costs[29]);
+  EXPECT_GT(narrow.cost, costs[30]);
+  EXPECT_FALSE(none.snapped);
 }
 
 struct Counted {

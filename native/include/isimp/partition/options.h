@@ -104,7 +104,7 @@ constexpr auto fields(const PartitionOptions*) {
           .shown("Bound", "Largest distance of a vertex from its region's plane. A smaller value gives more regions",
                  {.high = 10}),
       field("noise", &O::noise, at_least(0), Unit::length,
-            "Standard deviation of the scan's noise, in scene units. Detail below 3.5 times it is ignored. None: "
+            "Standard deviation of the scan's noise, in scene units. Detail below 2.4 times it is ignored. None: "
             "estimated. 0: a drawn model, not a scan.")
           .shown("Noise", "Standard deviation of the scan's points, in the scan's units. Below 0: estimated",
                  {.high = 0.1}),
@@ -114,11 +114,12 @@ constexpr auto fields(const PartitionOptions*) {
           .shown("Snap to Planes", "If the shape clearly consists of planes, make one region for each plane"),
       field("sharp_edges", &O::sharp_edges, at_least(0), Unit::length,
             "Rounded and dented edges become sharp: regions at edges that are narrower than this go to the planes "
-            "beside them, in scene units. 0: three mean edges of the scan. None: such regions stay. Not for a bound, "
-            "a symmetry or a part of a partition.")
+            "beside them, in scene units. 0: three mean edges of the scan. None: the same where a detail finds a scan "
+            "of planes with noise and `snap` is on; else such regions stay. Not for a bound, a symmetry or a part of "
+            "a partition.")
           .shown("Edge Width",
                  "Regions at edges that are narrower than this go to the planes beside them, in the scan's units. 0: "
-                 "three mean edges. Below 0: such regions stay",
+                 "three mean edges. Below 0: only where the scan is of planes",
                  {.high = 0.1}),
       field("adaptivity", &O::adaptivity, between(0, 1), Unit::none,
             "Smaller regions where the surface is rough. 0.25 suits figures, 0 suits buildings and drawn models.")

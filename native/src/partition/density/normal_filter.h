@@ -17,7 +17,9 @@ double median_bend(const FaceGraph& graph);
 /// creases.
 ///
 /// Each pass adds to a face's normal those of its neighbours, weighted by area and by exp(-|n - n'|^2 / (2 range^2)).
-/// \param range   difference of normals beyond which two faces do not mix; filter_range(median_bend(graph)) fits most
+/// \param range   difference of normals beyond which two faces do not mix; filter_range(median_bend(graph)) fits most.
+///                A range under strong noise, which spans creases too, falls to that of the normals after half of the
+///                passes
 /// \return (n + 1) as graph.faces: areas unchanged
 /// Cost: O(passes * F).
 /// Source: bilateral filtering of normals, as in Zheng, Fu, Au, Tai 2011.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 namespace isimp {
 namespace {
@@ -33,6 +34,30 @@ double mean_cut(std::span<const double> falling, std::int32_t parts, double roun
   return std::sqrt(std::max(falling[unmade], rounding) * std::max(falling[unmade - 1], rounding));
 }
 
+/// A significant gap of the costs.
+struct Gap {
+  double width = 0.0, cost = 0.0;  ///< logarithm of its ratio, and its geometric middle
+};
+
+/// The significant gaps, widest first; see choose_cut.
+std::vector<Gap> gaps(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance,
+                      double noise) {
+  const double low = merge_limit(tolerance, noise, kLeastNoise), high = merge_limit(kWindow * tolerance, noise);
+  const auto inside = static_cast<double>(
+      std::count_if(falling.begin(), falling.end(), [&](double c) { return c >= low && c <= high; }));
+  std::vector<Gap> found;
+  for (std::size_t j = 0; j < falling.size() && falling[j] >= low; ++j) {
+    const double above = falling[j], below = std::max(j + 1 < falling.size() ? falling[j + 1] : 0.0, rounding);
+    if (below > high) continue;
+    const double top = std::min(above, kSlack * high), bottom = std::max(below, low / kSlack);
+    const double width = std::log(top / bottom), regions = parts + static_cast<double>(j) + 1;
+    if (width > std::log(kRatio) && regions / 2 * width > std::log(inside + 1) + kSurprise)
+      found.push_back({width, std::sqrt(top * bottom)});
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Gap& a, const Gap& b) { return a.width > b.width; });
+  return found;
+}
+
 }  // namespace
 
 double merge_limit(double tolerance, double noise, double deviations) {
@@ -41,26 +66,11 @@ double merge_limit(double tolerance, double noise, double deviations) {
 }
 
 Cut choose_cut(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance, double finest,
-               double noise, bool snap) {
-  const double low = merge_limit(tolerance, noise, kLeastNoise), high = merge_limit(kWindow * tolerance, noise);
-  Cut cut;
-  if (snap) {
-    const auto inside = static_cast<double>(
-        std::count_if(falling.begin(), falling.end(), [&](double c) { return c >= low && c <= high; }));
-    double widest = std::log(kRatio);
-    for (std::size_t j = 0; j < falling.size() && falling[j] >= low; ++j) {
-      const double above = falling[j], below = std::max(j + 1 < falling.size() ? falling[j + 1] : 0.0, rounding);
-      if (below > high) continue;
-      const double top = std::min(above, kSlack * high), bottom = std::max(below, low / kSlack);
-      const double gap = std::log(top / bottom), regions = parts + static_cast<double>(j) + 1;
-      if (gap <= widest || regions / 2 * gap <= std::log(inside + 1) + kSurprise) continue;
-      widest = gap;
-      cut.cost = std::sqrt(top * bottom);
-      cut.snapped = true;
-    }
-  }
-  if (!cut.snapped) cut.cost = mean_cut(falling, parts, rounding, tolerance, finest, noise);
-  return cut;
+               double noise, bool snap, const std::function<bool(double)>& fits) {
+  if (snap)
+    for (const Gap& gap : gaps(falling, parts, rounding, tolerance, noise))
+      if (!fits || fits(gap.cost)) return {gap.cost, true};
+  return {mean_cut(falling, parts, rounding, tolerance, finest, noise), false};
 }
 
 }  // namespace isimp

@@ -1,13 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 
 namespace isimp {
 
 /// Deviations of the noise that count as tolerance: regions that differ by less are one.
-inline constexpr double kNoise = 3.5;
-/// Deviations below which all is noise: faces merge up to here unconditionally, and the search for gaps begins here.
+inline constexpr double kNoise = 2.4;
+/// Deviations below which all is noise: faces merge up to here by their filtered normals, and the search for gaps
+/// begins here.
 inline constexpr double kLeastNoise = 2.5;
 
 /// The limit of the increase of error by a merge, for regions that are off their planes by about t: 16 t^2.
@@ -32,12 +34,13 @@ struct Cut {
 /// If a shape has no number of planes of its own, the costs fall steadily: with C_P the cost of the merge from P
 /// regions to P - 1, (P / 2) ln(C_P / C_(P+1)) is then exponentially distributed with mean 1. Gaps that reach into [t,
 /// 4 t], where the ratio is above 2 and that value above ln(W + 1) + 4, with W merges inside, are significant; the
-/// widest is taken and cut in its geometric middle. Under noise the window begins at kLeastNoise.
+/// widest that `fits` is taken and cut in its geometric middle. Under noise the window begins at kLeastNoise.
 /// \param falling  the costs, largest first, scene units squared; 20,000 of them are enough
 /// \param parts    number of clusters that remain when everything is merged
 /// \param rounding costs below this are none
 /// \param finest   the costs are complete for tolerances from this up, scene units; no finer one is used
+/// \param fits     whether a cost in a gap may be taken; empty: each may
 Cut choose_cut(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance, double finest,
-               double noise, bool snap);
+               double noise, bool snap, const std::function<bool(double)>& fits = {});
 
 }  // namespace isimp

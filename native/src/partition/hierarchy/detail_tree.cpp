@@ -23,6 +23,9 @@ constexpr int kRounds = 5;              // rounds of relaxing and merging
 constexpr int kSweeps = 30;             // sweeps of relaxation
 constexpr double kBorder = 0.018;       // weight of an edge between regions, in mean face areas
 constexpr double kNoisyBorder = 0.115;  // added to it where normals are all noise
+constexpr double kFaded = 0.25;         // share of its cost that the smoothing of borders may leave of a region
+constexpr double kSteep = 0.3;          // cosine of the angle to what a part stands on
+constexpr double kFeature = 2.0;        // least cost of such a part, in limits
 constexpr double kRounding = 1e-9;      // share of the area: costs below this are none
 constexpr std::size_t kMostCosts = 20000;
 constexpr std::int32_t kManyFaces = 50000;  // from here on many small patches merge at once
@@ -233,9 +236,36 @@ void DetailTree::relax_patches(const FaceGraph& graph, Job& job) {
   std::sort(borders_.begin(), borders_.end());
 }
 
+/// Whether a coarser cut loses no feature that t shows: a region that is turned far from the largest one that it joins.
+///
+/// A gap of the costs above t is taken for bulges, dents and rounded edges, which lean on the planes beside them. The
+/// sides of a chimney cost as little, since they are small, but they stand on the roof.
+bool DetailTree::keeps_features(double cost, double tolerance) const {
+  const double limit = merge_limit(tolerance, noise_);
+  const auto cut = [&](double at) { return cut_after(tree_, static_cast<std::size_t>(merges({at}))); };
+  const std::vector<std::int32_t> fine = cut(limit), coarse = cut(cost);
+  std::vector<RegionSum> sum(fine.size());
+  std::vector<std::int32_t> into(fine.size(), kNone), largest(fine.size(), kNone);
+  for (std::size_t p = 0; p < fine.size(); ++p) {
+    sum[fine[p]].add(patches_.sum[p]);
+    into[fine[p]] = coarse[p];
+  }
+  const std::size_t count = std::find(into.begin(), into.end(), kNone) - into.begin();
+  for (std::size_t f = 0; f < count; ++f) {
+    std::int32_t& most = largest[into[f]];
+    if (most == kNone || sum[f].weight > sum[most].weight) most = static_cast<std::int32_t>(f);
+  }
+  for (std::size_t f = 0; f < count; ++f) {
+    const double cosine = sum[largest[into[f]]].normal().dot(sum[f].normal());
+    if (cosine < kSteep && sum[f].weight * (1 - cosine) * area_ > kFeature * limit) return false;
+  }
+  return true;
+}
+
 Cut DetailTree::choose(double tolerance, bool snap) const {
   const auto left = static_cast<std::int32_t>(patches_.sum.size() - tree_.merges());
-  return choose_cut(falling_, left, kRounding * area_, tolerance, settings_.finest * size_, noise_, snap);
+  return choose_cut(falling_, left, kRounding * area_, tolerance, settings_.finest * size_, noise_, snap,
+                    [&](double cost) { return keeps_features(cost, tolerance); });
 }
 
 std::int32_t DetailTree::merges(const Cut& cut) const {
@@ -285,6 +315,21 @@ Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Thread
     changed = become(cut_after(more, more.merges()), result.sum.size() - more.merges());
   }
   return result;
+}
+
+void DetailTree::merge_again(const Surface& surface, const Cut& cut, Regions& regions, const Threads& threads,
+                             Job& job) const {
+  const FaceGraph& graph = surface.graph();
+  std::vector<std::int32_t> all(static_cast<std::size_t>(graph.size())), part;
+  std::iota(all.begin(), all.end(), 0);
+  if (!part_.empty()) {
+    part.resize(regions.sum.size());
+    for (std::int32_t i = 0; i < graph.size(); ++i)
+      if (regions.label[i] != kNone) part[regions.label[i]] = surface.component()[graph.mesh_face[i]];
+  }
+  const MergeTree more = merge_all(clusters_of(graph, regions, std::move(part), all, threads),
+                                   {.cost = kFaded * cut.cost / area_, .need = need_}, job);
+  if (more.merges() > 0) relabel(regions, cut_after(more, more.merges()), regions.sum.size() - more.merges(), threads);
 }
 
 }  // namespace isimp

@@ -51,6 +51,10 @@ class DetailTree {
   /// \param surface  the one the tree was made of
   [[nodiscard]] Regions regions(const Surface& surface, const Cut& cut, const Threads& threads, Job& job) const;
 
+  /// Merges regions of a cut whose borders have moved since, where that costs at most a quarter of the cut.
+  /// \param surface  the one the tree was made of
+  void merge_again(const Surface& surface, const Cut& cut, Regions& regions, const Threads& threads, Job& job) const;
+
   /// small_count() regions or a few more or less, their borders not relaxed: (F) by face of the mesh, kNone where a
   /// component is left out.
   /// Cost: O(F).
@@ -65,6 +69,7 @@ class DetailTree {
   [[nodiscard]] std::int32_t merges(const Cut& cut) const;
   void make_patches(const Surface& surface, std::int32_t thread_count, Job& job);
   void relax_patches(const FaceGraph& graph, Job& job);
+  [[nodiscard]] bool keeps_features(double cost, double tolerance) const;
 
   DetailSettings settings_;
   double area_ = 0.0, size_ = 0.0, noise_ = 0.0, bend_ = 0.0;
