@@ -1,6 +1,7 @@
 """Round parts: cylinders, cones, spheres and surfaces of revolution as rings of segments."""
 
 import copy
+import itertools
 import json
 
 import numpy as np
@@ -106,6 +107,28 @@ def test_a_vase_is_rings_of_quads():
     assert far < far_before
     assert poly.report["manifold"]
     assert poly.report["closed"]
+
+
+def test_few_segments_are_planar_and_keep_the_volume(mesh, part):
+    """The planes of six segments meet a tenth of the radius outside the scan."""
+    six = engine.with_segments(mesh, part, int(part.region_seed[part.curved[0].regions[0]]), 6)
+    for planar in (False, True):
+        poly = engine.polygonize(mesh, six, engine.MeshingOptions(planar=planar))
+        assert len(poly.loop_start) == 8
+        assert poly.planarity.max() < 4e-3
+        loops = np.split(np.asarray(poly.loops), np.asarray(poly.loop_start)[1:])
+        fans = [(loop[0], a, b) for loop in loops for a, b in itertools.pairwise(loop[1:])]
+        a, b, c = np.asarray(poly.vertices)[np.array(fans).T]
+        assert (a * np.cross(b, c)).sum() / 6 == pytest.approx(3 * np.pi, rel=0.01)
+    assert poly.planarity.max() < 4e-6
+
+
+def test_cells_of_a_vase_are_whole_planes():
+    mesh = engine.Mesh(*vase())
+    part = engine.partition(mesh, ROUND)
+    poly = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
+    pieces = np.bincount(poly.polygon_region, minlength=part.region_count)[part.curved[0].regions]
+    assert (pieces == 1).mean() > 0.8
 
 
 def test_a_pickle_keeps_round_parts(mesh, part):

@@ -15,7 +15,7 @@ class Keeper {
   Keeper(State& state, Findings& findings, Job& job)
       : s_(state), findings_(findings), job_(job), planes_(state.planes), pieces_(state.regions) {
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
-      if (s_.labels.pieces[l].face != kNone && s_.partition.is_snapped(s_.labels.pieces[l].region))
+      if (s_.labels.pieces[l].face != kNone && is_asked(s_.labels.pieces[l].region))
         pieces_[s_.labels.pieces[l].region].push_back(l);
   }
 
@@ -32,6 +32,10 @@ class Keeper {
   }
 
  private:
+  [[nodiscard]] bool is_asked(std::int32_t r) const {
+    return s_.partition.is_snapped(r) && (!s_.options.planar || s_.partition.region_held[r] == kPlaneRound);
+  }
+
   /// The regions with snapped planes, the largest first.
   [[nodiscard]] std::vector<std::int32_t> by_area() const {
     std::vector<double> area(pieces_.size(), 0);
