@@ -98,7 +98,7 @@ class Chooser {
     return all;
   }
 
-  /// The direction where angles begin is that of the largest patch; spheres take its axis.
+  /// Copies the axis of the largest patch that is no sphere, and the direction where its angles begin, to the others.
   void share_axis(const std::vector<std::size_t>& some) {
     const std::size_t first = *std::max_element(some.begin(), some.end(), [&](std::size_t a, std::size_t b) {
       const RoundPatch &p = s_.patches[a], &q = s_.patches[b];
@@ -110,11 +110,11 @@ class Chooser {
     for (const std::size_t k : some) {
       CurvedProxy& p = s_.patches[k].proxy;
       if (k == first) continue;
-      if (p.kind == CurvedKind::sphere) p.axis = of.axis;
-      if (p.axis.dot(of.axis) < 0 && is_straight(p)) {
-        p.axis = -p.axis;
-        p.slope = -p.slope;
-      }
+      const bool is_turned = p.kind != CurvedKind::sphere && p.axis.dot(of.axis) < 0;
+      if (is_turned) p.slope = -p.slope;
+      // The planes of the cells of two patches meet exactly only about one axis. A profile keeps its direction.
+      p.axis = is_turned && !is_straight(p) ? Vec3(-of.axis) : of.axis;
+      p.point = of.point + (p.point - of.point).dot(of.axis) * of.axis;
       p.across = (of.across - of.across.dot(p.axis) * p.axis).normalized();
       s_.patches[k].faces = PatchFaces(f_, p, std::move(s_.patches[k].faces.face));
     }

@@ -178,6 +178,8 @@ TEST(Curved, ASiloIsACylinderAndACone) {
     EXPECT_EQ(wall.kind, CurvedKind::cylinder);
     EXPECT_NEAR(wall.radius, 1, 0.005);
     EXPECT_NEAR(std::abs(roof.slope), 1 / 0.75, 0.03);
+    EXPECT_LT(roof.axis.cross(wall.axis).norm(), 1e-12);  // cut together, about one axis
+    EXPECT_LT((roof.point - wall.point).cross(wall.axis).norm(), 1e-9);
   }
 }
 
