@@ -108,7 +108,7 @@ class PartitionSettings:
     )
     curved: BoolProperty(
         name="Round Parts",
-        description="Cylinders, cones, spheres and surfaces of revolution become rings of equal segments",
+        description="Cylinders, cones, spheres, surfaces of revolution and extrusions become regular segments",
         default=_PARTITION.curved,
     )
     close_openings: BoolProperty(

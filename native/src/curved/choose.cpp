@@ -20,7 +20,7 @@ constexpr double kSpeck = 0.25;       ///< share of a cell's area
 
 /// Patches that have the same axis and touch each other.
 bool is_coaxial(const CurvedProxy& a, const CurvedProxy& b, double distance) {
-  if (!a.full || !b.full) return false;
+  if (!a.full || !b.full || a.kind == CurvedKind::extrusion || b.kind == CurvedKind::extrusion) return false;
   // A sphere has any axis through its centre, so it takes that of the other.
   const bool is_free = a.kind == CurvedKind::sphere || b.kind == CurvedKind::sphere;
   if (!is_free && std::abs(a.axis.dot(b.axis)) < kSameAxis) return false;
@@ -185,8 +185,6 @@ class Chooser {
       RoundPatch& p = s_.patches[some[k]];
       sum += (*best)[k].cost;
       apply(p.proxy, (*best)[k]);
-      if (p.proxy.full)
-        p.proxy.phase = -p.proxy.span / p.proxy.segments / 2;  // a segment, not an edge, looks along `across`
     }
     return sum;
   }

@@ -240,6 +240,21 @@ TEST(Curved, ABendHasTheSegmentsOfItsPipes) {
   }
 }
 
+TEST(Curved, AnOvalCanIsAnExtrusion) {
+  Outline oval = circle();
+  for (auto& [x, y] : oval) x *= 2;
+  const Mesh mesh = shapes::mesh(shapes::noisy(can(1, oval), 0.004, 3));
+  const Partition part = split(mesh, true, 0.004);
+  ASSERT_EQ(part.curved.size(), 1U);
+  const CurvedProxy& p = part.curved[0];
+  EXPECT_EQ(p.kind, CurvedKind::extrusion);
+  EXPECT_TRUE(p.full);
+  EXPECT_GT(std::abs(p.axis.z()), 1 - 1e-5);
+  EXPECT_EQ(cells(part, 0), p.segments);
+  for (std::size_t k = 1; k < p.knots.size(); ++k) EXPECT_LT(p.knots[k - 1], p.knots[k]);
+  EXPECT_EQ(broken_promise(mesh, part), "");
+}
+
 TEST(Curved, ThinPinsStayPlanes) {  // three planes serve them, and a ring would be six
   const Mesh mesh = shapes::mesh(can());
   PartitionOptions options{.proxies = 5};

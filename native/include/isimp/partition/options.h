@@ -120,8 +120,8 @@ constexpr auto fields(const PartitionOptions*) {
              "refused where the surface does not mirror in it. 'found': in the plane in which the surface mirrors, if "
              "there is one. Not for a bound."),
       field("curved", &O::curved,
-            "Makes round parts round: cylinders, cones, spheres and surfaces of revolution become rings of equal "
-            "segments. Not for a bound or symmetry."),
+            "Makes round parts round: cylinders, cones, spheres, surfaces of revolution and extrusions become "
+            "regular segments. Not for a bound or symmetry."),
       field("leave_out", &O::leave_out, from_below(0, 1), Unit::none,
             "Components below this share of the total area get no region, smallest first, as long as all of them "
             "together stay below ten times it; below twenty times it, where each has less than a tenth of the mean "
