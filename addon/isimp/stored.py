@@ -156,7 +156,9 @@ def _are_round(value: object) -> bool:
             return False
         kind, radius, *counts = part
         return (
-            kind in ("cylinder", "cone", "sphere", "revolution") and _is_number(radius) and all(map(_is_count, counts))
+            kind in ("cylinder", "cone", "sphere", "revolution", "extrusion")
+            and _is_number(radius)
+            and all(map(_is_count, counts))
         )
 
     return isinstance(value, list) and all(map(fits, value))

@@ -1,4 +1,4 @@
-"""Eighteen shapes with round parts whose truth is known, as triangle meshes of signed distances.
+"""Eighteen shapes with round parts, and two extrusions, whose truth is known, as triangle meshes of signed distances.
 
 A mesh is made by dual contouring: one vertex a cell of a grid that the surface crosses, where the tangent planes at the
 crossings meet best; so edges are sharp and faces are no regular pattern.
@@ -226,6 +226,29 @@ def shapes():
             ),
             (1.2, 2.0),
             [ball(0.9, (0, 0, 0.9)), tube(0.45, Z)],
+        ),
+    }
+
+
+def extruded():
+    """Two more, extrusions of a free profile: an oval can and a moulding with a waved top."""
+
+    def oval(p):
+        x, y = p[:, 0] / 2, p[:, 1]
+        far = np.maximum(np.hypot(x, y), 1e-9)
+        return far * (far - 1) / np.hypot(x / 2, y)
+
+    def wave(p):
+        return (p[:, 2] - 0.35 * np.cos(2.2 * p[:, 0])) / np.hypot(1, 0.77 * np.sin(2.2 * p[:, 0]))
+
+    return {
+        "oval": Shape(
+            lambda p: np.maximum(oval(p), np.abs(p[:, 2]) - 1.2), (2.2, 1.4), [Round("extrusion", oval, None, tuple(Z))]
+        ),
+        "moulding": Shape(
+            lambda p: np.maximum(wave(p), block(p, (0, 0, -0.3), (2.2, 1.5, 0.9))),
+            (2.4, 1.4),
+            [Round("extrusion", wave, None, (0, 1, 0))],
         ),
     }
 

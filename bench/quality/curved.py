@@ -10,7 +10,7 @@
   polygons     with round parts, and without: the quotient
   mean p99     distance of the scan's vertices from the polygons: the quotient
   quads        share of the cells with four corners
-  spread       standard deviation over mean of the areas of the cells, patches with one ring all the way round only
+  spread       standard deviation over mean of the areas of the cells, full cylinders and cones only
   whole        share of the cells' polygons that are whole under `planar`
   kept         share of the cells whose plane was kept
   flaws        crossing, flipped, intersecting polygons and open or non-manifold edges more than without
@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 
 import isimp_engine as engine
-from bench.generators.round_shapes import made, part_of_faces, shapes, with_noise
+from bench.generators.round_shapes import extruded, made, part_of_faces, shapes, with_noise
 from isimp_engine.within import scan_distances
 
 COLUMNS = (
@@ -97,7 +97,7 @@ def of_cells(mesh, part, poly, plain_poly):
     area, spreads = areas(poly), []
     for k, p in enumerate(part.curved):
         mine = area[patch[poly.polygon_region] == k]
-        if p["full"] and p["rings"] == 1 and len(mine):
+        if p["full"] and p["kind"] in ("cylinder", "cone") and len(mine):
             spreads.append(mine.std() / mine.mean())
     planar = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
     pieces = np.bincount(planar.polygon_region, minlength=part.region_count)[patch >= 0]
@@ -153,7 +153,7 @@ def mean_of(rows):
 
 def run_shapes(names, noises, seeds):
     all_rows = {}
-    known = shapes()
+    known = shapes() | extruded()
     for noise in noises:
         print(f"{'noise ' + format(noise * 100, '.2g') + ' %':22s}" + "".join(f"{c:>8s}" for c in COLUMNS), flush=True)
         means = []

@@ -23,7 +23,9 @@ std::optional<CurvedKind> kind_of(const std::optional<std::string>& name) {
   if (*name == "cone") return CurvedKind::cone;
   if (*name == "sphere") return CurvedKind::sphere;
   if (*name == "revolution") return CurvedKind::revolution;
-  throw InvalidInput("kind must be 'cylinder', 'cone', 'sphere', 'revolution' or None, got '" + *name + "'");
+  if (*name == "extrusion") return CurvedKind::extrusion;
+  throw InvalidInput("kind must be 'cylinder', 'cone', 'sphere', 'revolution', 'extrusion' or None, got '" + *name +
+                     "'");
 }
 
 }  // namespace
@@ -40,8 +42,8 @@ void bind_curved(py::module_& m) {
       "mesh"_a, "part"_a, "faces"_a, "kind"_a = py::none(), "job"_a = py::none(),
       R"(Make the regions of some faces one curved patch of as many cells.
 
-faces: (n,) integers, faces of the mesh. kind: 'cylinder', 'cone', 'sphere' or 'revolution'; None: the simplest that fits
-nearly as well as the best. All other regions stay. Raises InvalidInput (no face, one out of range, a locked region, faces
+faces: (n,) integers, faces of the mesh. kind: 'cylinder', 'cone', 'sphere', 'revolution' or 'extrusion'; None: the
+simplest that fits nearly as well as the best. All other regions stay. Raises InvalidInput (no face, one out of range, a locked region, faces
 that determine no round surface) or Cancelled. Cost: O(F).)");
   m.def(
       "with_segments",
@@ -50,8 +52,8 @@ that determine no round surface) or Cancelled. Cost: O(F).)");
       "mesh"_a, "part"_a, "face"_a, "segments"_a, "rings"_a = 0, "job"_a = py::none(),
       R"(Cut the curved patch of a face into another number of segments and rings.
 
-segments: in [3, 256] where the patch goes all the way round, else in [1, 256]. rings: in [0, 64]; 0: as many as keep about
-the number of cells. All other regions stay. Raises InvalidInput (a face in no patch, a number out of range, a locked cell) or
+segments: in [3, 256] where the patch goes all the way round, else in [1, 256], for an extrusion at most 120. rings: in
+[0, 64]; 0: as many as keep about the number of cells; an extrusion has one. All other regions stay. Raises InvalidInput (a face in no patch, a number out of range, a locked cell) or
 Cancelled. Cost: O(F).)");
   m.def(
       "explode_round",

@@ -56,7 +56,7 @@ py::object symmetry_of(const Partition& part) {
 }
 
 const char* name_of(CurvedKind kind) {
-  constexpr std::array kNames = {"plane", "cylinder", "cone", "sphere", "revolution"};
+  constexpr std::array kNames = {"plane", "cylinder", "cone", "sphere", "revolution", "extrusion"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -77,10 +77,10 @@ py::list curved_of(const Partition& part) {
     py::list profile;
     for (std::size_t i = 0; i + 1 < c.profile.size(); i += 2)
       profile.append(py::make_tuple(c.profile[i], c.profile[i + 1]));
-    all.append(py::dict("kind"_a = name_of(c.kind), "axis"_a = numbers(c.axis), "point"_a = numbers(c.point),
-                        "radius"_a = c.radius, "slope"_a = c.slope, "profile"_a = profile, "hollow"_a = c.side < 0,
-                        "full"_a = c.full, "span"_a = c.span, "segments"_a = c.segments, "rings"_a = c.rings,
-                        "faces"_a = faces[p], "regions"_a = regions[p], "number"_a = p));
+    all.append(py::dict("kind"_a = name_of(c.kind), "axis"_a = numbers(c.axis), "across"_a = numbers(c.across),
+                        "point"_a = numbers(c.point), "radius"_a = c.radius, "slope"_a = c.slope, "profile"_a = profile,
+                        "hollow"_a = c.side < 0, "full"_a = c.full, "span"_a = c.span, "segments"_a = c.segments,
+                        "rings"_a = c.rings, "faces"_a = faces[p], "regions"_a = regions[p], "number"_a = p));
   }
   return all;
 }
@@ -95,22 +95,26 @@ void bind_curved_proxy(py::module_& m) {
       m, "CurvedProxy", py::module_local(),
       R"(A curved patch of a partition, cut into segments round its axis and rings along its profile.
 
-kind: "cylinder", "cone", "sphere" or "revolution". axis: unit. point: on the axis, the centre of a sphere. radius: of a cone
-at `point`, of a revolution the largest. slope: of a cone, growth of the radius along the axis. profile: of a revolution,
-(rho, z) of its corners, z along the axis from `point`. hollow: the surface looks towards its axis. full: all the way round;
+kind: "cylinder", "cone", "sphere", "revolution" or "extrusion". axis: unit. point: on the axis, the centre of a sphere. radius:
+of a cone at `point`, of a revolution and an extrusion the largest. slope: of a cone, growth of the radius along the axis.
+profile: of a revolution, (rho, z) of its corners, z along the axis from `point`; of an extrusion, the places of its corners
+along `across` and along the axis x `across`, from `point`. Segments of an extrusion are strips along its axis. hollow: the surface looks towards its axis. full: all the way round;
 span: the angle of all segments, radians. faces: number of faces of the mesh. regions: its cells. number: its place among all
 patches. Values are attributes, and items as of a dict.)");
   constexpr std::pair<const char*, const char*> kValues[] = {
-      {"kind", "\"cylinder\", \"cone\", \"sphere\" or \"revolution\"."},
+      {"kind", "\"cylinder\", \"cone\", \"sphere\", \"revolution\" or \"extrusion\"."},
       {"axis", "Unit, a tuple of 3 numbers."},
       {"point", "On the axis; the centre of a sphere. Scene units."},
-      {"radius", "Of a cone at `point`, of a revolution the largest. Scene units."},
+      {"radius", "Of a cone at `point`, of a revolution and an extrusion the largest. Scene units."},
       {"slope", "Of a cone: growth of the radius along the axis."},
-      {"profile", "Of a revolution: (rho, z) of its corners, z along the axis from `point`."},
+      {"profile",
+       "Of a revolution: (rho, z) of its corners, z along the axis from `point`. Of an extrusion: their places along "
+       "`across` and along the axis x `across`, from `point`."},
+      {"across", "Unit, square to the axis: where angles begin, and the first direction of an extrusion's profile."},
       {"hollow", "Whether the surface looks towards its axis."},
       {"full", "Whether the segments go all the way round."},
       {"span", "The angle of all segments, radians."},
-      {"segments", "Cells round the axis."},
+      {"segments", "Cells round the axis; of an extrusion, along its profile."},
       {"rings", "Cells along the profile."},
       {"faces", "Number of faces of the mesh."},
       {"regions", "The cells, a list of regions."},

@@ -124,9 +124,10 @@ std::shared_ptr<const GuidedGraph> unpack_guided(const py::object& packed, std::
 }
 
 py::tuple pack_curved(const CurvedProxy& proxy) {
-  const auto& [kind, point, axis, radius, slope, side, profile, closed] = static_cast<const CurvedSurface&>(proxy);
+  const auto& [kind, point, axis, radius, slope, side, profile, closed, across] =
+      static_cast<const CurvedSurface&>(proxy);
   const auto number = static_cast<std::int32_t>(kind);
-  const std::vector<Vec3> places = {point, axis, proxy.across};
+  const std::vector<Vec3> places = {point, axis, across};
   return pack_all(number, places, radius, slope, side, profile, closed, proxy.phase, proxy.span, proxy.full,
                   proxy.segments, proxy.rings, proxy.knots, proxy.low_cap, proxy.high_cap);
 }
@@ -137,14 +138,14 @@ CurvedProxy unpack_curved(const py::tuple& packed) {
   std::vector<Vec3> places;
   unpack_all(packed, kind, places, p.radius, p.slope, p.side, p.profile, p.closed, p.phase, p.span, p.full, p.segments,
              p.rings, p.knots, p.low_cap, p.high_cap);
-  check(kind >= 0 && kind <= static_cast<std::int32_t>(CurvedKind::revolution) && places.size() == 3);
+  check(kind >= 0 && kind <= static_cast<std::int32_t>(CurvedKind::extrusion) && places.size() == 3);
   p.kind = static_cast<CurvedKind>(kind);
   p.point = places[0];
   p.axis = places[1];
   p.across = places[2];
   check(is_unit(p.axis) && is_unit(p.across) && p.point.allFinite() && all_finite(p.profile) && all_finite(p.knots));
   check(all_finite(p.radius, p.slope, p.side, p.phase, p.span) && p.segments > 0 && p.rings > 0);
-  check(p.knots.size() == static_cast<std::size_t>(p.rings) + 1);
+  check(p.knots.size() == static_cast<std::size_t>(p.kind == CurvedKind::extrusion ? p.segments : p.rings) + 1);
   return p;
 }
 

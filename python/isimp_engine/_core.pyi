@@ -143,8 +143,9 @@ class PartitionOptions:
     def as_dict(self) -> dict[str, Any]: ...
 
 class CurvedProxy:
-    kind: Literal["cylinder", "cone", "sphere", "revolution"]
+    kind: Literal["cylinder", "cone", "sphere", "revolution", "extrusion"]
     axis: tuple[float, float, float]
+    across: tuple[float, float, float]
     point: tuple[float, float, float]
     radius: float
     slope: float

@@ -17,13 +17,18 @@ constexpr double kNear = 0.35;  ///< share of a segment's width: a vertex furthe
 class Cutter {
  public:
   Cutter(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch)
-      : f_(faces), p_(proxy), patch_(patch), width_(proxy.span / proxy.segments) {}
+      : f_(faces),
+        p_(proxy),
+        patch_(patch),
+        width_(proxy.span / proxy.segments),
+        is_extrusion_(proxy.kind == CurvedKind::extrusion) {}
 
   Cells run() {
     Cells cells;
     for (std::size_t k = 0; k < patch_.face.size(); ++k) {
-      ring_.push_back(ring_of(patch_.along[k]));
-      segment_.push_back(segment_of(patch_.angle[k]));
+      const std::int32_t at = knot_before(patch_.along[k]);
+      ring_.push_back(is_extrusion_ ? 0 : at);
+      segment_.push_back(is_extrusion_ ? at : segment_of(patch_.angle[k]));
     }
     if (p_.rings > 1) join_corners();
     for (std::size_t k = 0; k < ring_.size(); ++k)
@@ -36,9 +41,9 @@ class Cutter {
   [[nodiscard]] bool is_cap(std::int32_t ring) const {
     return (p_.low_cap && ring == 0) || (p_.high_cap && ring == p_.rings - 1);
   }
-  [[nodiscard]] std::int32_t ring_of(double along) const {
+  [[nodiscard]] std::int32_t knot_before(double along) const {
     const auto at = std::upper_bound(p_.knots.begin(), p_.knots.end(), along) - p_.knots.begin() - 1;
-    return std::clamp(static_cast<std::int32_t>(at), 0, p_.rings - 1);
+    return std::clamp(static_cast<std::int32_t>(at), 0, static_cast<std::int32_t>(p_.knots.size()) - 2);
   }
   [[nodiscard]] double place(double angle) const {
     const double t = std::fmod(angle - p_.phase + 2 * kTurn, kTurn);
@@ -118,18 +123,18 @@ class Cutter {
     cells.cell.resize(count);
     cells.normal.assign(count, Vec3::Zero());
     cells.offset.assign(count, 0.0);
-    std::vector<std::array<double, 5>> sum(static_cast<std::size_t>(p_.rings));
+    std::vector<std::array<double, 5>> sum(p_.knots.size() - 1);
     for (std::size_t k = 0; k < ring_.size(); ++k) {
       const double a = patch_.area[k];
       const std::array values = {a, a * patch_.out[k], a * patch_.up[k], a * patch_.rho[k], a * patch_.z[k]};
-      for (std::size_t j = 0; j < values.size(); ++j) sum[ring_[k]][j] += values[j];
+      for (std::size_t j = 0; j < values.size(); ++j) sum[is_extrusion_ ? segment_[k] : ring_[k]][j] += values[j];
     }
-    const double sinc = std::sin(width_ / 2) / (width_ / 2);
-    const Vec3 beside = p_.axis.cross(p_.across);
+    const double sinc = is_extrusion_ ? 1 : std::sin(width_ / 2) / (width_ / 2);
+    const Vec3 beside = p_.axis.cross(p_.across), up_axis = is_extrusion_ ? beside : p_.axis;
     for (std::int32_t r = 0; r < p_.rings; ++r) {
-      const auto& [area, out, up, rho, z] = sum[r];
-      if (area <= 0) continue;
       for (std::int32_t s = 0; s < (is_cap(r) ? 1 : p_.segments); ++s) {
+        const auto& [area, out, up, rho, z] = sum[is_extrusion_ ? s : r];
+        if (area <= 0) continue;
         const auto c = static_cast<std::size_t>(r) * p_.segments + s;
         cells.cell[c] = {kNone, r, s};
         if (is_cap(r)) {
@@ -138,8 +143,8 @@ class Cutter {
           continue;
         }
         const Vec2 m = Vec2(out * sinc, up).normalized();
-        const double angle = p_.phase + (s + 0.5) * width_;
-        cells.normal[c] = (m.x() * (std::cos(angle) * p_.across + std::sin(angle) * beside) + m.y() * p_.axis);
+        const double angle = is_extrusion_ ? 0 : p_.phase + (s + 0.5) * width_;
+        cells.normal[c] = m.x() * (std::cos(angle) * p_.across + std::sin(angle) * beside) + m.y() * up_axis;
         cells.offset[c] = cells.normal[c].dot(p_.point) + m.x() * rho / area * sinc + m.y() * z / area;
       }
     }
@@ -149,6 +154,7 @@ class Cutter {
   const CurvedProxy& p_;
   const PatchFaces& patch_;
   double width_;
+  bool is_extrusion_;
   Some ring_, segment_;
 };
 

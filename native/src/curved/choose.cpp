@@ -20,7 +20,7 @@ constexpr double kSpeck = 0.25;       ///< share of a cell's area
 
 /// Patches that have the same axis and touch each other.
 bool is_coaxial(const CurvedProxy& a, const CurvedProxy& b, double distance) {
-  if (!a.full || !b.full) return false;
+  if (!a.full || !b.full || a.kind == CurvedKind::extrusion || b.kind == CurvedKind::extrusion) return false;
   // A sphere has any axis through its centre, so it takes that of the other.
   const bool is_free = a.kind == CurvedKind::sphere || b.kind == CurvedKind::sphere;
   if (!is_free && std::abs(a.axis.dot(b.axis)) < kSameAxis) return false;
@@ -98,7 +98,7 @@ class Chooser {
     return all;
   }
 
-  /// The direction where angles begin is that of the largest patch; spheres take its axis.
+  /// Copies the axis of the largest patch that is no sphere, and the direction where its angles begin, to the others.
   void share_axis(const std::vector<std::size_t>& some) {
     const std::size_t first = *std::max_element(some.begin(), some.end(), [&](std::size_t a, std::size_t b) {
       const RoundPatch &p = s_.patches[a], &q = s_.patches[b];
@@ -110,11 +110,11 @@ class Chooser {
     for (const std::size_t k : some) {
       CurvedProxy& p = s_.patches[k].proxy;
       if (k == first) continue;
-      if (p.kind == CurvedKind::sphere) p.axis = of.axis;
-      if (p.axis.dot(of.axis) < 0 && is_straight(p)) {
-        p.axis = -p.axis;
-        p.slope = -p.slope;
-      }
+      const bool is_turned = p.kind != CurvedKind::sphere && p.axis.dot(of.axis) < 0;
+      if (is_turned) p.slope = -p.slope;
+      // The planes of the cells of two patches meet exactly only about one axis. A profile keeps its direction.
+      p.axis = is_turned && !is_straight(p) ? Vec3(-of.axis) : of.axis;
+      p.point = of.point + (p.point - of.point).dot(of.axis) * of.axis;
       p.across = (of.across - of.across.dot(p.axis) * p.axis).normalized();
       s_.patches[k].faces = PatchFaces(f_, p, std::move(s_.patches[k].faces.face));
     }
@@ -185,8 +185,6 @@ class Chooser {
       RoundPatch& p = s_.patches[some[k]];
       sum += (*best)[k].cost;
       apply(p.proxy, (*best)[k]);
-      if (p.proxy.full)
-        p.proxy.phase = -p.proxy.span / p.proxy.segments / 2;  // a segment, not an edge, looks along `across`
     }
     return sum;
   }

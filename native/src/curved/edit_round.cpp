@@ -16,7 +16,7 @@ namespace {
 
 using namespace curved;
 
-constexpr std::size_t kMostSamples = 1500;  ///< number of faces that a surface of revolution is fitted to, about
+constexpr std::size_t kMostSamples = 1500;  ///< number of faces that a surface with a profile is fitted to, about
 constexpr double kNearlyAsWell = 1.3;       ///< a simpler kind may be that much worse
 
 void check_face(const Mesh& mesh, std::int32_t face) {
@@ -77,9 +77,11 @@ std::optional<CurvedSurface> best_fit(const Faces& faces, const Some& some, std:
   for (std::size_t k = 0; k < some.size(); k += step) few.push_back(some[k]);
   std::optional<CurvedSurface> best;
   double least = 0;
-  for (const CurvedKind k : {CurvedKind::cylinder, CurvedKind::sphere, CurvedKind::cone, CurvedKind::revolution}) {
+  for (const CurvedKind k :
+       {CurvedKind::cylinder, CurvedKind::sphere, CurvedKind::cone, CurvedKind::revolution, CurvedKind::extrusion}) {
     if (kind && *kind != k) continue;
-    const auto found = fit(k, k == CurvedKind::revolution ? samples_of(faces, few) : samples);
+    const auto found =
+        fit(k, k == CurvedKind::revolution || k == CurvedKind::extrusion ? samples_of(faces, few) : samples);
     if (!found || found->radius > faces.mesh().diagonal() * 8) continue;
     const double now = rms(*found, samples);
     if (best && now * kNearlyAsWell >= least) continue;
@@ -102,16 +104,17 @@ Partition with_segments(const Mesh& mesh, const Partition& part, std::int32_t fa
                         std::int32_t rings, Job& job) {
   const std::int32_t patch = patch_at(mesh, part, face);
   CurvedProxy proxy = part.curved[patch];
-  check_range("segments", segments, proxy.full ? 3 : 1, kMostSegments);
-  check_range("rings", rings, 0, kMostRings);
+  const bool is_extrusion = proxy.kind == CurvedKind::extrusion;
+  check_range("segments", segments, proxy.full ? 3 : 1, is_extrusion ? kMostStrips : kMostSegments);
+  check_range("rings", rings, 0, is_extrusion ? 1 : kMostRings);
   const std::vector<bool> chosen = cells_of(part, patch, face);
   const Surface surface(mesh, part.guided);
   const Faces faces(surface);
   proxy.point -= mesh.origin();
   PatchFaces cells(faces, proxy, faces_of(faces, part, chosen));
+  begin_at_border(faces, proxy, cells, segments);
   const double now = static_cast<double>(proxy.segments) * proxy.rings;
   apply(proxy, Cuts(proxy, cells).of(segments, rings, now));
-  if (proxy.full) proxy.phase = -proxy.span / proxy.segments / 2;
   return with_cells(surface, part, scene_of(std::move(proxy), std::move(cells)), job);
 }
 
@@ -155,17 +158,17 @@ Partition make_round(const Mesh& mesh, const Partition& part, std::span<const st
   CurvedProxy proxy;
   static_cast<CurvedSurface&>(proxy) = *found;
   if (proxy.kind == CurvedKind::sphere) proxy.axis = Vec3::UnitZ();
-  proxy.across = frame(proxy.axis)[0];
+  if (proxy.kind != CurvedKind::extrusion) proxy.across = frame(proxy.axis)[0];
   const double rough = rms(proxy, samples_of(all, some));
   PatchFaces cells(all, proxy, std::move(some));
   set_span(proxy, cells);
   const double count = std::max<double>(proxy.full ? kLeastRound : 3,
                                         static_cast<double>(std::count(chosen.begin(), chosen.end(), true)));
+  begin_at_border(all, proxy, cells, count);
   const std::vector<Grid> cuts = Cuts(proxy, cells).within(count, rough);
   if (cuts.empty()) throw InvalidInput("the faces given can't be cut into segments");
   apply(proxy,
         *std::min_element(cuts.begin(), cuts.end(), [](const Grid& a, const Grid& b) { return a.cost < b.cost; }));
-  if (proxy.full) proxy.phase = -proxy.span / proxy.segments / 2;
   return with_cells(surface, part, scene_of(std::move(proxy), std::move(cells)), job);
 }
 

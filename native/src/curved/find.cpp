@@ -36,6 +36,7 @@ double preference(CurvedKind kind) {
     case CurvedKind::sphere:
       return 1.05;
     case CurvedKind::revolution:
+    case CurvedKind::extrusion:
       return 1;
   }
   return 1;

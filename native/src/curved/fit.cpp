@@ -221,6 +221,8 @@ std::optional<CurvedSurface> fit(CurvedKind kind, const Samples& samples) {
       return sphere(samples);
     case CurvedKind::revolution:
       return fit_revolution(samples);
+    case CurvedKind::extrusion:
+      return fit_extrusion(samples);
   }
   return std::nullopt;
 }

@@ -34,7 +34,9 @@ CurvedSurface refined(CurvedSurface surface, const Samples& samples, int steps);
 
 /// (fit_revolution.cpp)
 std::optional<CurvedSurface> fit_revolution(const Samples& samples);
-/// The profile of samples about a known axis; none if they form no curve.
+/// A free profile moved along the direction that is most nearly square to all normals. (fit_extrusion.cpp)
+std::optional<CurvedSurface> fit_extrusion(const Samples& samples);
+/// The profile of samples about the axis of a revolution or an extrusion; none if they form no curve.
 std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& samples);
 
 /// The length along an open profile at which two lines, or a line and a circle about a point of the axis, meet that fit

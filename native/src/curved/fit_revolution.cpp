@@ -11,13 +11,14 @@
 namespace isimp::curved {
 namespace {
 
-constexpr double kThin = 2e-3;          ///< eigenvalues of the normals below this are noise
-constexpr std::size_t kMostBins = 40;   ///< most bins of a profile
-constexpr std::size_t kPointsABin = 3;  ///< at the least: a profile through every point fits anything
-constexpr double kCluster = 1.0 / 80;   ///< share of the profile's size: points at a smaller distance are merged
-constexpr double kSameWay = 0.8;        ///< cosine of the normals of points that are one
-constexpr double kTurns = 4;            ///< by how much a difference of normals lengthens a step
-constexpr double kGap = 4;              ///< median steps: ends that are nearer make a ring
+constexpr double kThin = 2e-3;  ///< eigenvalues of the normals below this are noise
+constexpr std::size_t kMostBins = 40,
+                      kMostOfExtrusion = 120;  ///< most bins of a profile
+constexpr std::size_t kPointsABin = 3;         ///< at the least: a profile through every point fits anything
+constexpr double kCluster = 1.0 / 80;          ///< share of the profile's size: points at a smaller distance are merged
+constexpr double kSameWay = 0.8;               ///< cosine of the normals of points that are one
+constexpr double kTurns = 4;                   ///< by how much a difference of normals lengthens a step
+constexpr double kGap = 4, kGapOfExtrusion = 8;  ///< median steps: ends that are nearer make a ring
 constexpr std::size_t kLeastPoints = 12;
 constexpr double kTiny = 1e-300;
 
@@ -36,7 +37,7 @@ Half half_plane(const CurvedSurface& surface, const Samples& s) {
   Half h;
   for (std::size_t i = 0; i < s.size(); ++i) {
     const Polar p = polar(surface, s.place[i]);
-    const Vec2 m(s.normal[i].dot(p.out), s.normal[i].dot(surface.axis));
+    const Vec2 m(s.normal[i].dot(p.out), s.normal[i].dot(p.up));
     h.place.emplace_back(p.rho, p.z);
     h.normal.emplace_back(m / std::max(m.norm(), kTiny));
   }
@@ -144,14 +145,14 @@ struct Bin {
   Vec2 place, normal;
 };
 
-std::vector<Bin> bins_of(const Half& h, const Samples& s) {
+std::vector<Bin> bins_of(const Half& h, const Samples& s, std::size_t most) {
   const std::vector<Cluster> all = clusters_of(h, s);
   if (all.size() < 3) return {};
   std::vector<std::size_t> order;
   for (const std::size_t c : in_order(all)) order.insert(order.end(), all[c].samples.begin(), all[c].samples.end());
   double total = 0;
   for (const double w : s.weight) total += std::sqrt(w);
-  const auto count = static_cast<double>(std::min(kMostBins, s.size() / kPointsABin));
+  const auto count = static_cast<double>(std::min(most, s.size() / kPointsABin));
   std::vector<Bin> bins;
   double done = 0, weight = 0;
   int last = -1;
@@ -173,29 +174,31 @@ std::vector<Bin> bins_of(const Half& h, const Samples& s) {
   return bins;
 }
 
-bool is_ring(const std::vector<Bin>& bins) {
+bool is_ring(const std::vector<Bin>& bins, double steps_apart) {
   if (bins.size() <= 12) return false;
   std::vector<double> steps;
   for (std::size_t i = 1; i < bins.size(); ++i) steps.push_back((bins[i].place - bins[i - 1].place).norm());
   std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
   const double gap = (bins.front().place - bins.back().place).norm();
-  return gap < kGap * steps[steps.size() / 2] && bins.front().normal.dot(bins.back().normal) > 0.5;
+  return gap < steps_apart * steps[steps.size() / 2] && bins.front().normal.dot(bins.back().normal) > 0.5;
 }
 
 }  // namespace
 
 std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& samples) {
   if (samples.size() < kLeastPoints) return std::nullopt;
-  const std::vector<Bin> bins = bins_of(half_plane(surface, samples), samples);
+  const bool is_extrusion = surface.kind == CurvedKind::extrusion;
+  const std::vector<Bin> bins =
+      bins_of(half_plane(surface, samples), samples, is_extrusion ? kMostOfExtrusion : kMostBins);
   if (bins.size() < 3) return std::nullopt;
-  surface.closed = is_ring(bins);
+  surface.closed = is_ring(bins, is_extrusion ? kGapOfExtrusion : kGap);
   std::vector<Vec2> corners;
   corners.reserve(bins.size());
   for (const Bin& b : bins) corners.push_back(b.place);
   if (!surface.closed) {
-    const auto beyond = [](const Vec2& end, const Vec2& inner) {
+    const auto beyond = [&](const Vec2& end, const Vec2& inner) {
       Vec2 p = end + 0.5 * (end - inner);
-      p.x() = std::max(p.x(), 0.0);
+      if (!is_extrusion) p.x() = std::max(p.x(), 0.0);
       return p;
     };
     const Vec2 first = beyond(corners[0], corners[1]), last = beyond(corners.back(), corners[corners.size() - 2]);
@@ -209,12 +212,11 @@ std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& 
     turn += bins[i].normal.dot(Vec2(t.y(), -t.x()));
   }
   surface.side = turn < 0 ? -1 : 1;
-  surface.kind = CurvedKind::revolution;
   surface.profile.clear();
   surface.radius = 0;
   for (const Vec2& c : corners) {
     surface.profile.insert(surface.profile.end(), {c.x(), c.y()});
-    surface.radius = std::max(surface.radius, c.x());
+    surface.radius = std::max(surface.radius, is_extrusion ? c.norm() : c.x());
   }
   return surface;
 }

@@ -83,6 +83,7 @@ class Gates {
  private:
   /// The covered share of a full turn; of a sphere, 1 - |mean normal|, which is 1 if all of it is covered.
   [[nodiscard]] double round_of(std::size_t k) const {
+    if (found_[k].surface.kind == CurvedKind::extrusion) return found_[k].surface.closed ? 1 : 0;
     const Samples s = samples_of(f_, members_[k]);
     if (found_[k].surface.kind != CurvedKind::sphere) return turn_share(found_[k].surface, s);
     Vec3 sum = Vec3::Zero();

@@ -13,10 +13,13 @@ namespace {
 
 constexpr int kBins = 120;           ///< number of bins of the profile
 constexpr int kSteps = 72;           ///< number of steps of a full turn in the search for gaps
+constexpr double kSpeck = 0.001;     ///< share of the area of a patch: normals of less are no part of its turn
 constexpr double kOccupied = 0.15;   ///< share of the mean area of steps that are not empty
 constexpr double kFullTurn = 0.93;   ///< share of the steps that are occupied
 constexpr double kCapRadius = 0.12;  ///< share of the largest radius: an end nearer to the axis may be a cap
 constexpr double kCapWeight = 1.5;   ///< weight of the distance of a cap, which counts as one cell
+constexpr double kStraight = 1e-6;   ///< radians: the turn of a strip of an extrusion
+constexpr double kFine = 1.1;        ///< times the mean square distance from the surface: no more strips
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 using Row = std::array<double, kBins + 1>;
@@ -128,7 +131,8 @@ class Profile {
   const Table& table_of(std::int32_t segments, bool low_cap, std::int32_t rings) {
     Table& t = table_[low_cap ? 1 : 0];
     if (t.segments != segments) {
-      const double d = proxy_.span / segments, sinc = std::sin(d / 2) / (d / 2);
+      const double d = proxy_.kind == CurvedKind::extrusion ? kStraight : proxy_.span / segments,
+                   sinc = std::sin(d / 2) / (d / 2);
       t = {segments, low_cap, std::max(0.0, 0.5 + std::sin(d) / (2 * d) - sinc * sinc), {}, {}};
       t.least.emplace_back().fill(kNever);
       t.least[0][0] = 0;
@@ -162,7 +166,40 @@ class Profile {
   std::array<Table, 2> table_;
 };
 
-namespace {}  // namespace
+namespace {
+
+/// The share of a full turn that the normals of an extrusion cover.
+double turn_of_normals(const PatchFaces& f) {
+  std::array<double, kSteps> area{};
+  double sum = 0;
+  for (std::size_t i = 0; i < f.area.size(); ++i) {
+    area[to_integer((std::atan2(f.up[i], f.out[i]) / kTurn + 0.5) * kSteps, 0, kSteps - 1)] += f.area[i];
+    sum += f.area[i];
+  }
+  return static_cast<double>(std::count_if(area.begin(), area.end(), [&](double a) { return a > kSpeck * sum; })) /
+         kSteps;
+}
+
+/// The profile of an extrusion, a ring, with its first corner at a length along it.
+void begin_at(CurvedProxy& proxy, double at) {
+  const std::size_t n = corners(proxy);
+  std::size_t edge = 0;
+  Vec2 first = corner(proxy, 0);
+  for (double left = at; edge < n; ++edge) {
+    const Vec2 t = corner(proxy, (edge + 1) % n) - corner(proxy, edge);
+    first = corner(proxy, edge) + std::min(1.0, left / std::max(t.norm(), 1e-300)) * t;
+    if (left < t.norm()) break;
+    left -= t.norm();
+  }
+  std::vector<double> profile = {first.x(), first.y()};
+  for (std::size_t k = 1; k <= n; ++k) {
+    const Vec2 c = corner(proxy, (edge + k) % n);
+    profile.insert(profile.end(), {c.x(), c.y()});
+  }
+  proxy.profile = std::move(profile);
+}
+
+}  // namespace
 
 PatchFaces::PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some) : face(std::move(some)) {
   for (const std::int32_t i : face) {
@@ -175,11 +212,16 @@ PatchFaces::PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some) 
     z.push_back(p.z);
     along.push_back(curved::along(proxy, p));
     out.push_back(n.dot(p.out));
-    up.push_back(n.dot(proxy.axis));
+    up.push_back(n.dot(p.up));
   }
 }
 
 void set_span(CurvedProxy& proxy, const PatchFaces& f) {
+  if (proxy.kind == CurvedKind::extrusion) {
+    proxy.full = proxy.closed;
+    proxy.span = proxy.full ? kTurn : kTurn * turn_of_normals(f);
+    return;
+  }
   std::array<double, kSteps> area{};
   for (std::size_t i = 0; i < f.area.size(); ++i)
     area[to_integer(f.angle[i] / kTurn * kSteps, 0, kSteps - 1)] += f.area[i];
@@ -216,13 +258,16 @@ void set_span(CurvedProxy& proxy, const PatchFaces& f) {
 }
 
 Cuts::Cuts(const CurvedProxy& proxy, const PatchFaces& patch)
-    : proxy_(&proxy), largest_(quantile(patch.rho, 0.9)), profile_(std::make_unique<Profile>(proxy, patch)) {}
+    : proxy_(&proxy), largest_(quantile(patch.rho, 0.9)), profile_(std::make_unique<Profile>(proxy, patch)) {
+  for (const double a : patch.area) area_ += a;
+}
 Cuts::Cuts(Cuts&&) noexcept = default;
 Cuts::~Cuts() = default;
 
 std::vector<Grid> Cuts::within(double cells, double rough) {
   std::vector<Grid> all;
   const CurvedProxy& proxy = *proxy_;
+  if (proxy.kind == CurvedKind::extrusion) return strips_within(cells, rough);
   const std::int32_t least = proxy.full ? kLeastRound : 1;
   const auto most = to_integer(cells * kMoreCells + kHalfCell, least, kMostSegments);
   double limit = cells * kMoreCells + kHalfCell;
@@ -245,12 +290,34 @@ std::vector<Grid> Cuts::within(double cells, double rough) {
   return all;
 }
 
+std::vector<Grid> Cuts::strips_within(double cells, double rough) {
+  std::vector<Grid> all;
+  const auto most = to_integer(cells * kMoreCells + kHalfCell, 1, kMostStrips);
+  for (std::int32_t n = proxy_->full ? kLeastRound : 1; n <= most; ++n) {
+    all.push_back(of(n, 1, cells));
+    if (all.back().cost < kFine * rough * rough * area_) break;
+  }
+  return all;
+}
+
 Grid Cuts::of(std::int32_t segments, std::int32_t rings, double cells) {
+  if (proxy_->kind == CurvedKind::extrusion) {
+    Grid grid = profile_->best(1, segments, false);
+    std::swap(grid.segments, grid.rings);
+    return grid;
+  }
   if (is_straight(*proxy_)) return profile_->best(segments, 1, false);
   const bool caps = profile_->may_cap();
   if (rings > 0) return profile_->best(segments, rings, caps);
   const auto k = to_integer(cells / segments + kHalfCell, 1, kMostRings);
   return profile_->best(segments, k + (caps ? 1 : 0), caps);
+}
+
+void begin_at_border(const Faces& faces, CurvedProxy& proxy, PatchFaces& patch, double strips) {
+  if (proxy.kind != CurvedKind::extrusion || !proxy.closed) return;
+  const Grid grid = Cuts(proxy, patch).of(to_integer(strips, 2, kMostStrips), 1, strips);
+  begin_at(proxy, grid.knots[grid.knots.size() / 2]);
+  patch = PatchFaces(faces, proxy, std::move(patch.face));
 }
 
 void apply(CurvedProxy& proxy, const Grid& grid) {
@@ -259,6 +326,7 @@ void apply(CurvedProxy& proxy, const Grid& grid) {
   proxy.knots = grid.knots;
   proxy.low_cap = grid.low_cap;
   proxy.high_cap = grid.high_cap;
+  if (proxy.full) proxy.phase = -proxy.span / proxy.segments / 2;
 }
 
 }  // namespace isimp::curved

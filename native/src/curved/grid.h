@@ -10,6 +10,7 @@
 namespace isimp::curved {
 
 inline constexpr std::int32_t kMostSegments = 256, kMostRings = 64;
+inline constexpr std::int32_t kMostStrips = 120;             ///< segments of an extrusion
 inline constexpr std::int32_t kLeastRound = 6;               ///< least number of segments of a full turn
 inline constexpr double kMoreCells = 1.03, kHalfCell = 0.5;  ///< cuts may have 1.03 n + .5 cells for n
 
@@ -22,7 +23,7 @@ struct PatchFaces {
   PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some);
 };
 
-/// How a patch is cut.
+/// How a patch is cut. The segments of an extrusion are strips between knots along its profile; it has one ring.
 struct Grid {
   std::int32_t segments = 0, rings = 0, cells = 0;
   std::vector<double> knots;
@@ -32,6 +33,10 @@ struct Grid {
 
 /// Sets whether the faces cover a full turn; if not, sets their first angle and the covered angle.
 void set_span(CurvedProxy& proxy, const PatchFaces& patch);
+
+/// Makes the closed profile of an extrusion begin at a border of its strips.
+/// \param strips  about how many there will be
+void begin_at_border(const Faces& faces, CurvedProxy& proxy, PatchFaces& patch, double strips);
 
 class Profile;
 
@@ -55,11 +60,14 @@ class Cuts {
   [[nodiscard]] Grid of(std::int32_t segments, std::int32_t rings, double cells);
 
  private:
+  [[nodiscard]] std::vector<Grid> strips_within(double cells, double rough);
+
   const CurvedProxy* proxy_;
-  double largest_;
+  double largest_, area_ = 0;
   std::unique_ptr<Profile> profile_;
 };
 
+/// Sets segments, rings and knots. A segment of a full turn, not an edge, looks along `across`.
 void apply(CurvedProxy& proxy, const Grid& grid);
 
 }  // namespace isimp::curved

@@ -132,6 +132,23 @@ void fit_planes(const Faces& faces, Scene& scene) {
   }
 }
 
+/// Joins surfaces to extrusions, if the gates keep one of these; else the scene stays as it is.
+void add_extrusions(const Faces& faces, Scene& scene, std::vector<bool>& kept, Job& job) {
+  auto found = with_extrusions(faces, scene.points, scene.found, kept, scene.near);
+  if (!found) return;
+  Scene next{scene.points, scene.near, std::move(*found), {}, {}};
+  next.label = face_labels(faces, next.points, next.found, next.near, job);
+  fit_planes(faces, next);
+  std::vector<bool> is_kept = kept_surfaces(faces, next.points, next.found, next.label, next.near);
+  const auto is_good = [&](std::size_t k) { return is_kept[k] && next.found[k].surface.kind == CurvedKind::extrusion; };
+  for (std::size_t k = 0; k < is_kept.size(); ++k) {
+    if (!is_good(k)) continue;
+    scene = std::move(next);
+    kept = std::move(is_kept);
+    return;
+  }
+}
+
 }  // namespace
 
 Scene find_patches(const Faces& faces, const Partition& part, std::span<const std::int32_t> small,
@@ -154,7 +171,8 @@ Scene find_patches(const Faces& faces, const Partition& part, std::span<const st
   if (std::all_of(scene.found.begin(), scene.found.end(), [](const Found& f) { return f.is_plane(); })) return scene;
   scene.label = face_labels(faces, scene.points, scene.found, near, job);
   fit_planes(faces, scene);
-  const std::vector<bool> kept = kept_surfaces(faces, scene.points, scene.found, scene.label, near);
+  std::vector<bool> kept = kept_surfaces(faces, scene.points, scene.found, scene.label, near);
+  add_extrusions(faces, scene, kept, job);
   const Before before(faces, part);
   std::vector<Some> members(scene.found.size());
   for (std::int32_t i = 0; i < faces.size(); ++i) {
@@ -171,11 +189,12 @@ Scene find_patches(const Faces& faces, const Partition& part, std::span<const st
     static_cast<CurvedSurface&>(proxy) = fitted(faces, scene.found[k].surface, members[k]);
     const auto beside = planes_beside(faces, scene, members[k]);
     if (proxy.kind == CurvedKind::sphere) proxy.axis = sphere_axis(scene, beside);
-    proxy.across = across(scene, proxy.axis);
+    if (proxy.kind != CurvedKind::extrusion) proxy.across = across(scene, proxy.axis);
     const double rough = rms(proxy, samples_of(faces, members[k]));
     const double cells = std::max(1.0, std::round(before.regions_in(members[k]))), cost = before.cost(members[k]);
     PatchFaces patch(faces, proxy, std::move(members[k]));
     set_span(proxy, patch);
+    begin_at_border(faces, proxy, patch, cells);
     scene.patches.push_back({std::move(proxy), static_cast<std::int32_t>(k), std::move(patch), cells, cost, rough});
     set_tangents(scene, beside, near.distance, scene.patches.back());
   }

@@ -172,7 +172,6 @@ class Pipes {
       p.across = (bend.proxy.axis - bend.proxy.axis.dot(p.axis) * p.axis).normalized();
       pipe.faces = PatchFaces(f_, p, std::move(pipe.faces.face));
       apply(p, Cuts(p, pipe.faces).of(rings, 1, pipe.cells));
-      p.phase = -p.span / p.segments / 2;
     }
     return true;
   }

@@ -15,6 +15,7 @@ constexpr double kBeyond = 3;  ///< times its first and its last edge: an open p
 /// The place on a profile that is nearest to a point.
 struct OnProfile {
   double square = std::numeric_limits<double>::infinity(), at = 0;  ///< squared distance; share of the edge
+  Vec2 away = Vec2::Zero();                                         ///< from that place to the point
   std::size_t edge = 0;
 };
 
@@ -27,8 +28,9 @@ OnProfile nearest_on_profile(const CurvedSurface& s, const Vec2& p) {
     // An open profile is extended straight at its ends, since its corners are means of points.
     const double from = !s.closed && i == 0 ? -kBeyond : 0, to = !s.closed && i + 1 == ends ? 1 + kBeyond : 1;
     const double u = square > 0 ? std::clamp((p - a).dot(t) / square, from, to) : 0.0;
-    const double d = (p - a - u * t).squaredNorm();
-    if (d < best.square) best = {d, u, i};
+    const Vec2 away = p - a - u * t;
+    const double d = away.squaredNorm();
+    if (d < best.square) best = {d, u, away, i};
   }
   return best;
 }
@@ -52,10 +54,14 @@ std::array<Vec3, 2> frame(const Vec3& axis) {
 
 Polar polar(const CurvedSurface& surface, const Vec3& p) {
   const Vec3 v = p - surface.point;
+  if (surface.kind == CurvedKind::extrusion) {
+    const Vec3 up = surface.axis.cross(surface.across);
+    return {v.dot(surface.across), v.dot(up), surface.across, up};
+  }
   const double z = v.dot(surface.axis);
   const Vec3 out = v - z * surface.axis;
   const double rho = out.norm();
-  return {rho, z, out / std::max(rho, kTiny)};
+  return {rho, z, out / std::max(rho, kTiny), surface.axis};
 }
 
 Residual residual(const CurvedSurface& s, const Vec3& x) {
@@ -66,10 +72,12 @@ Residual residual(const CurvedSurface& s, const Vec3& x) {
     return {l - s.radius, s.side * v / l};
   }
   const Polar p = polar(s, x);
-  if (s.kind == CurvedKind::revolution) {
+  if (has_profile(s)) {
     const OnProfile at = nearest_on_profile(s, {p.rho, p.z});
     const Vec2 edge = edge_of(s, at.edge), tangent = edge.squaredNorm() > 0 ? Vec2(edge.normalized()) : Vec2::UnitX();
-    return {std::sqrt(at.square), s.side * (tangent.y() * p.out - tangent.x() * s.axis)};
+    const Vec2 normal = s.side * Vec2(tangent.y(), -tangent.x());
+    const bool is_inside = s.kind == CurvedKind::extrusion && at.away.dot(normal) < 0;
+    return {is_inside ? -std::sqrt(at.square) : std::sqrt(at.square), normal.x() * p.out + normal.y() * p.up};
   }
   const double c = 1 / std::sqrt(1 + s.slope * s.slope);
   return {(p.rho - s.radius - s.slope * p.z) * c, s.side * c * (p.out - s.slope * s.axis)};
@@ -77,7 +85,7 @@ Residual residual(const CurvedSurface& s, const Vec3& x) {
 
 double along(const CurvedSurface& s, const Polar& p) {
   if (s.kind == CurvedKind::sphere) return std::atan2(p.rho, -p.z);
-  if (s.kind == CurvedKind::revolution) return length_to(s, nearest_on_profile(s, {p.rho, p.z}));
+  if (has_profile(s)) return length_to(s, nearest_on_profile(s, {p.rho, p.z}));
   return p.z;
 }
 

@@ -13,10 +13,11 @@ using Vec2 = Eigen::Vector2d;
 
 inline constexpr double kTurn = 2 * std::numbers::pi;  ///< a full turn, radians
 
-/// A point seen from the axis of a surface.
+/// A point seen from the axis of a surface. For an extrusion, `out` and `up` are the directions of its profile.
 struct Polar {
   double rho = 0, z = 0;
   Vec3 out = Vec3::Zero();  ///< unit, away from the axis
+  Vec3 up = Vec3::Zero();   ///< unit, along the axis; rho and z are the coordinates along `out` and `up`
 };
 
 struct Residual {
@@ -29,6 +30,10 @@ std::array<Vec3, 2> frame(const Vec3& axis);
 
 Polar polar(const CurvedSurface& surface, const Vec3& p);
 Residual residual(const CurvedSurface& surface, const Vec3& p);
+
+inline bool has_profile(const CurvedSurface& s) {
+  return s.kind == CurvedKind::revolution || s.kind == CurvedKind::extrusion;
+}
 
 /// The place of a point along the profile: height, angle from the lower pole of a sphere, or length along the profile.
 double along(const CurvedSurface& surface, const Polar& p);

@@ -144,7 +144,8 @@ def symmetry(wanted: str, plane: dict[str, Any] | None, regions: int, out: dict[
 def round_parts(parts: list[dict[str, Any]]) -> str:
     """`round: 2 cylinders, 1 cone`."""
     kinds = [part["kind"] for part in parts]
-    named = {"cylinder": "cylinder", "cone": "cone", "sphere": "sphere", "revolution": "surface of revolution"}
+    named = {kind: kind for kind in ("cylinder", "cone", "sphere")}
+    named |= {"revolution": "surface of revolution", "extrusion": "extrusion"}
     several = {"revolution": "surfaces of revolution"}
     found = [
         f"{number} {name if number == 1 else several.get(kind, name + 's')}"

@@ -202,7 +202,7 @@ PARTITION: dict[str, Option] = {
         least=0.0,
         unit="length",
         label="Edge Width",
-        tip="Regions at edges that are narrower than this go to the planes beside them, in the scan's units. 0: three mean edges. Below 0: such regions stay",
+        tip="Regions at edges that are narrower than this go to the planes beside them, in the scan's units. 0: three mean edges. Below 0: only where the scan is of planes",
         high=0.1,
     ),
     "adaptivity": Option(
@@ -235,7 +235,7 @@ PARTITION: dict[str, Option] = {
         kind="bool",
         default=False,
         label="Round Parts",
-        tip="Cylinders, cones, spheres and surfaces of revolution become rings of equal segments",
+        tip="Cylinders, cones, spheres, surfaces of revolution and extrusions become regular segments",
     ),
     "leave_out": Option(
         kind="float",

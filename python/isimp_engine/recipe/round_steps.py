@@ -8,7 +8,7 @@ from .checks import check_choice, check_face, indices, must
 from .step import Step, count_faces
 
 #: kinds of surface; empty: the simplest that fits
-ROUND_KINDS = ("", "cylinder", "cone", "sphere", "revolution")
+ROUND_KINDS = ("", "cylinder", "cone", "sphere", "revolution", "extrusion")
 MOST_SEGMENTS, MOST_RINGS = 256, 64  #: as the engine allows
 
 

@@ -178,6 +178,8 @@ TEST(Curved, ASiloIsACylinderAndACone) {
     EXPECT_EQ(wall.kind, CurvedKind::cylinder);
     EXPECT_NEAR(wall.radius, 1, 0.005);
     EXPECT_NEAR(std::abs(roof.slope), 1 / 0.75, 0.03);
+    EXPECT_LT(roof.axis.cross(wall.axis).norm(), 1e-12);  // cut together, about one axis
+    EXPECT_LT((roof.point - wall.point).cross(wall.axis).norm(), 1e-9);
   }
 }
 
@@ -236,6 +238,21 @@ TEST(Curved, ABendHasTheSegmentsOfItsPipes) {
     EXPECT_EQ(bends, 1);
     EXPECT_EQ(broken_promise(mesh, part), "");
   }
+}
+
+TEST(Curved, AnOvalCanIsAnExtrusion) {
+  Outline oval = circle();
+  for (auto& [x, y] : oval) x *= 2;
+  const Mesh mesh = shapes::mesh(shapes::noisy(can(1, oval), 0.004, 3));
+  const Partition part = split(mesh, true, 0.004);
+  ASSERT_EQ(part.curved.size(), 1U);
+  const CurvedProxy& p = part.curved[0];
+  EXPECT_EQ(p.kind, CurvedKind::extrusion);
+  EXPECT_TRUE(p.full);
+  EXPECT_GT(std::abs(p.axis.z()), 1 - 1e-5);
+  EXPECT_EQ(cells(part, 0), p.segments);
+  for (std::size_t k = 1; k < p.knots.size(); ++k) EXPECT_LT(p.knots[k - 1], p.knots[k]);
+  EXPECT_EQ(broken_promise(mesh, part), "");
 }
 
 TEST(Curved, ThinPinsStayPlanes) {  // three planes serve them, and a ring would be six

@@ -300,6 +300,11 @@ def test_a_profile_that_ends_on_the_axis_meets_it() -> None:
     assert found.at(np.array([found.low]))[0] == pytest.approx([0.0, 1.0], abs=0.01)
 
 
+def test_an_extrusion_has_no_true_surface() -> None:
+    patch = {"kind": "extrusion", "point": ZERO, "axis": Z, "radius": 2.0, "profile": [(2, 0), (0, 1), (-2, 0)]}
+    assert round_of(patch, np.zeros((0, 3)), ZERO, []) == "it is an extrusion"
+
+
 def test_regions_of_one_key_are_one_face_with_holes() -> None:
     ring = [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]  # a square with a square hole
     loops, start = np.array(ring).ravel(), np.arange(4) * 4

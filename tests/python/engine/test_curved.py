@@ -1,6 +1,7 @@
-"""Round parts: cylinders, cones, spheres and surfaces of revolution as rings of segments."""
+"""Round parts: cylinders, cones, spheres, surfaces of revolution and extrusions as regular segments."""
 
 import copy
+import itertools
 import json
 
 import numpy as np
@@ -106,6 +107,56 @@ def test_a_vase_is_rings_of_quads():
     assert far < far_before
     assert poly.report["manifold"]
     assert poly.report["closed"]
+
+
+def test_an_oval_can_is_an_extrusion():
+    vertices, triangles = can()
+    mesh = engine.Mesh(vertices * [2, 1, 1], triangles)
+    plain, part = engine.partition(mesh, engine.PartitionOptions(detail=0.005, noise=0)), engine.partition(mesh, ROUND)
+    (found,) = part.curved
+    assert (found.kind, found.full, found.rings) == ("extrusion", True, 1)
+    assert abs(found.axis[2]) == pytest.approx(1, abs=1e-6)
+    assert abs(np.dot(found.axis, found.across)) < 1e-9
+    assert found.radius == pytest.approx(2, abs=0.1)  # from a point amid the faces
+    assert len(found.regions) == found.segments <= plain.region_count
+    assert np.abs(part.region_normal[found.regions] @ found.axis).max() < 1e-9
+    poly, before = engine.polygonize(mesh, part), engine.polygonize(mesh, plain)
+    corners = np.diff(np.append(poly.loop_start, len(poly.loops)))
+    assert (corners[np.isin(poly.polygon_region, found.regions)] == 4).all()
+    far, far_before = (engine.within.scan_distances(mesh, p, q).mean() for p, q in ((part, poly), (plain, before)))
+    assert far < far_before
+    again = copy.deepcopy(part)
+    face = int(part.region_seed[found.regions[0]])
+    ten = engine.with_segments(mesh, again, face, 10).curved[0]
+    assert (ten.kind, ten.segments, len(ten.regions)) == ("extrusion", 10, 10)
+    with pytest.raises(engine.InvalidInput, match=r"segments must be in \[3, 120\], got 121"):
+        engine.with_segments(mesh, part, face, 121)
+    with pytest.raises(engine.InvalidInput, match=r"rings must be in \[0, 1\], got 2"):
+        engine.with_segments(mesh, part, face, 10, 2)
+    side = plain.region_seed[np.abs(plain.region_normal[:, 2]) < 0.5]
+    assert engine.make_round(mesh, plain, side, "extrusion").curved[0].full
+
+
+def test_few_segments_are_planar_and_keep_the_volume(mesh, part):
+    """The planes of six segments meet a tenth of the radius outside the scan."""
+    six = engine.with_segments(mesh, part, int(part.region_seed[part.curved[0].regions[0]]), 6)
+    for planar in (False, True):
+        poly = engine.polygonize(mesh, six, engine.MeshingOptions(planar=planar))
+        assert len(poly.loop_start) == 8
+        assert poly.planarity.max() < 4e-3
+        loops = np.split(np.asarray(poly.loops), np.asarray(poly.loop_start)[1:])
+        fans = [(loop[0], a, b) for loop in loops for a, b in itertools.pairwise(loop[1:])]
+        a, b, c = np.asarray(poly.vertices)[np.array(fans).T]
+        assert (a * np.cross(b, c)).sum() / 6 == pytest.approx(3 * np.pi, rel=0.01)
+    assert poly.planarity.max() < 4e-6
+
+
+def test_cells_of_a_vase_are_whole_planes():
+    mesh = engine.Mesh(*vase())
+    part = engine.partition(mesh, ROUND)
+    poly = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
+    pieces = np.bincount(poly.polygon_region, minlength=part.region_count)[part.curved[0].regions]
+    assert (pieces == 1).mean() > 0.8
 
 
 def test_a_pickle_keeps_round_parts(mesh, part):

@@ -25,6 +25,7 @@ class ISIMP_OT_make_round(_Edit, bpy.types.Operator):
             ("cone", "Cone", "A cone"),
             ("sphere", "Sphere", "A sphere"),
             ("revolution", "Revolution", "A surface of revolution"),
+            ("extrusion", "Extrusion", "A profile moved along a line"),
         ),
         default="fit",
     )

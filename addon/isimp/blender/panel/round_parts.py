@@ -12,6 +12,7 @@ _KINDS = {
     "cone": own("Cone, radius {radius}"),
     "sphere": own("Sphere, radius {radius}"),
     "revolution": own("Revolution, radius {radius}"),
+    "extrusion": own("Extrusion, largest radius {radius}"),
 }
 _MOST_LINES = 12  # of a scan with many round parts: the largest
 

@@ -15,8 +15,8 @@ struct RoundLengths {
   double noise = 0;      ///< standard deviation of the scan's noise
 };
 
-/// Makes round parts round: finds cylinders, cones, spheres and surfaces of revolution, and cuts each into segments
-/// about its axis and rings along its profile. A patch has as many cells as the partition has regions there. Each cell
+/// Makes round parts round: finds cylinders, cones, spheres, surfaces of revolution and extrusions, and cuts each
+/// into segments about its axis and rings along its profile, an extrusion into strips along its axis. A patch has as many cells as the partition has regions there. Each cell
 /// is a region with a plane that polygons keep to (kPlaneRound). Other regions stay unchanged, except that a region at
 /// the border of a patch loses its part within the patch. Without a patch the partition is returned unchanged.
 ///

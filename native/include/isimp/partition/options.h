@@ -140,9 +140,10 @@ constexpr auto fields(const PartitionOptions*) {
              "there is one. Not for a bound.")
           .shown("Symmetry", "Regions and corners mirror, as the scan does within its noise"),
       field("curved", &O::curved,
-            "Makes round parts round: cylinders, cones, spheres and surfaces of revolution become rings of equal "
-            "segments. Not for a bound or symmetry.")
-          .shown("Round Parts", "Cylinders, cones, spheres and surfaces of revolution become rings of equal segments"),
+            "Makes round parts round: cylinders, cones, spheres, surfaces of revolution and extrusions become "
+            "regular segments. Not for a bound or symmetry.")
+          .shown("Round Parts",
+                 "Cylinders, cones, spheres, surfaces of revolution and extrusions become regular segments"),
       field("leave_out", &O::leave_out, from_below(0, 1), Unit::none,
             "Components below this share of the total area get no region, smallest first, as long as all of them "
             "together stay below ten times it; below twenty times it, where each has less than a tenth of the mean "

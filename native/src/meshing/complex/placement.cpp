@@ -3,6 +3,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
 
 #include "complex/flat_fit.h"
 #include "isimp/core/sorted.h"
@@ -12,6 +15,10 @@ namespace {
 
 /// Eigenvalues below this share of the largest do not fix a point.
 constexpr double kTruncate = 0.2;
+/// Planes of cells whose eigenvalues have a smaller share are parallel.
+constexpr double kParallel = 1e-6;
+/// Shares of the shortest edge: the furthest move of a corner to where cells meet; the distance at which planes meet.
+constexpr double kOfShortest = 0.5, kMeets = 1e-6;
 // The least work that is worth another thread:
 constexpr std::int32_t kTogether = 64;  ///< corners that are placed
 constexpr std::int32_t kFitted = 192,
@@ -52,6 +59,41 @@ Vec3 step_to(std::span<const Plane> planes, const Polygons& polygons, std::int32
     g += p.normal * p.normal.dot(p.centre - from);
   }
   return trusted_step(a, g, radius);
+}
+
+/// The nearest point where all held planes of a corner meet, if each is the plane of a cell of a round part: such planes
+/// meet by symmetry, also at small angles. No value if they do not meet, or further off than the edges allow.
+std::optional<Vec3> meeting_of_cells(std::span<const Plane> planes, const Polygons& polygons, std::int32_t corner,
+                                     const Corners& corners) {
+  if (corners.radius[corner] == 0) return std::nullopt;
+  const Vec3& from = corners.position[corner];
+  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+  Vec3 g = Vec3::Zero();
+  std::vector<const Plane*> held;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const std::int32_t q : polygons.at(corner)) {
+    const auto loop = polygons.of(q);
+    const std::size_t n = loop.size(), i = std::find(loop.begin(), loop.end(), corner) - loop.begin();
+    for (const std::size_t k : {i + 1, i + n - 1})
+      shortest = std::min(shortest, (from - corners.position[loop[k % n]]).norm());
+    const Plane& p = planes[polygons.piece(q)];
+    if (!p.held) continue;
+    if (!p.round) return std::nullopt;
+    held.push_back(&p);
+    a += p.normal * p.normal.transpose();
+    g += p.normal * p.normal.dot(p.centre - from);
+  }
+  if (held.size() < 2) return std::nullopt;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(a);
+  Vec3 d = Vec3::Zero();
+  for (int i = 0; i < 3; ++i)
+    if (const double lambda = solver.eigenvalues()[i]; lambda > kParallel * solver.eigenvalues()[2])
+      d += solver.eigenvectors().col(i).dot(g) / lambda * solver.eigenvectors().col(i);
+  if (!(d.norm() <= kOfShortest * shortest)) return std::nullopt;
+  const bool is_met = std::all_of(held.begin(), held.end(), [&](const Plane* p) {
+    return std::abs(p->normal.dot(from + d - p->centre)) < kMeets * shortest;
+  });
+  return is_met ? std::optional(Vec3(from + d)) : std::nullopt;
 }
 
 /// Corners that depend on each other in the turns of flattening, and the polygons at these corners.
@@ -143,11 +185,24 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
 
 void place_on_held(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
                    std::span<const std::int32_t> moving, const Threads& threads, Corners& corners) {
+  // Where cells meet is found before any corner moves, since it depends on the edges.
+  std::vector<std::optional<Vec3>> meeting;
+  for (const std::int32_t c : moving) meeting.push_back(meeting_of_cells(planes, polygons, c, corners));
+  for (std::size_t i = 0; i < moving.size(); ++i)
+    if (meeting[i]) {
+      const double far = (*meeting[i] - mesh.vertices()[corners.vertex[moving[i]]]).norm();
+      if (far > corners.radius[moving[i]]) corners.radius.edit(moving[i]) = far;
+    }
   const std::span<Vec3> position = corners.position.edit_all(moving);
   threads.blocks(static_cast<std::int32_t>(moving.size()), kTogether,
                  [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-                   for (const std::int32_t c : moving.subspan(begin, end - begin)) {
+                   for (std::int32_t i = begin; i < end; ++i) {
+                     const std::int32_t c = moving[i];
                      Vec3& at = position[c];
+                     if (meeting[i]) {
+                       at = *meeting[i];
+                       continue;
+                     }
                      at = within(at + step_to(planes, polygons, c, at, 2 * corners.radius[c], true),
                                  mesh.vertices()[corners.vertex[c]], corners.radius[c]);
                    }

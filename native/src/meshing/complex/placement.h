@@ -21,7 +21,8 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
            std::span<const std::int32_t> moving, const Threads& threads, Corners& corners);
 
 /// Moves the given corners from their places onto the held planes of adjacent pieces, as far as these planes meet and
-/// the radius allows it.
+/// the radius allows it. A corner among cells of round parts moves to the place where their planes meet, though it is
+/// further off: with few segments it is outside the scan. Its radius grows by that, unless it is 0.
 void place_on_held(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
                    std::span<const std::int32_t> moving, const Threads& threads, Corners& corners);
 

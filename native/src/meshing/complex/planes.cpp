@@ -125,6 +125,7 @@ void hold_by_hand(Plane& plane, const Partition& partition, std::int32_t region)
 void hold(Plane& plane, const Partition& partition, std::int32_t region) {
   plane.held = partition.is_held(region);
   plane.snapped = partition.is_snapped(region);
+  plane.round = plane.held && partition.region_held[region] == kPlaneRound;
   if (!plane.held) return;
   plane.normal = partition.region_normal[region];
   plane.centre += (partition.region_offset[region] - plane.normal.dot(plane.centre)) * plane.normal;

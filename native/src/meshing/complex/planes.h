@@ -19,6 +19,7 @@ struct Plane {
   double area = 0;
   bool held = false;     ///< the plane is given, through `centre`
   bool snapped = false;  ///< it is by `regularise`, held or not
+  bool round = false;    ///< it is that of a cell of a round part
   double projected = 0;  ///< length of the vector area; 0 where the faces define no direction
 };
 

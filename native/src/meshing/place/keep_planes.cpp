@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "complex/transaction.h"
 #include "isimp/core/sorted.h"
-#include "place/moves.h"
 
 namespace isimp::meshing {
 namespace {
@@ -15,7 +15,7 @@ class Keeper {
   Keeper(State& state, Findings& findings, Job& job)
       : s_(state), findings_(findings), job_(job), planes_(state.planes), pieces_(state.regions) {
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
-      if (s_.labels.pieces[l].face != kNone && s_.partition.is_snapped(s_.labels.pieces[l].region))
+      if (s_.labels.pieces[l].face != kNone && is_asked(s_.labels.pieces[l].region))
         pieces_[s_.labels.pieces[l].region].push_back(l);
   }
 
@@ -32,6 +32,10 @@ class Keeper {
   }
 
  private:
+  [[nodiscard]] bool is_asked(std::int32_t r) const {
+    return s_.partition.is_snapped(r) && (!s_.options.planar || s_.partition.region_held[r] == kPlaneRound);
+  }
+
   /// The regions with snapped planes, the largest first.
   [[nodiscard]] std::vector<std::int32_t> by_area() const {
     std::vector<double> area(pieces_.size(), 0);
@@ -61,15 +65,16 @@ class Keeper {
           l, [&](std::int32_t q) { moving.insert(moving.end(), s_.polygons.of(q).begin(), s_.polygons.of(q).end()); });
     sort_unique(moving);
     std::erase_if(moving, [&](std::int32_t c) { return !is_held_at(c); });
-    std::vector<Move> moves;
-    for (const std::int32_t c : moving) moves.push_back({c, s_.corners.position[c]});
+    std::vector<std::int32_t> changed;
+    for (const std::int32_t c : moving)
+      for (const std::int32_t q : s_.polygons.at(c)) changed.push_back(s_.polygons.piece(q));
+    sort_unique(changed);
+    Transaction transaction(s_);
     s_.move_onto(planes_, moving);
-    for (Move& m : moves) {
-      const Vec3 to = s_.corners.position[m.corner];
-      s_.move(m.corner, m.to);
-      m.to = to;
+    if (findings_.accepts(changed)) {
+      transaction.commit();
+      return true;
     }
-    if (attempt_moves(s_, findings_, moves)) return true;
     for (const std::int32_t l : pieces_[r]) planes_[l] = s_.planes[l];
     return false;
   }

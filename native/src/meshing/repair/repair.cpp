@@ -70,7 +70,7 @@ class Repairer {
     }
     slide_corners(s_, findings_, job_);
     straighten_rims(s_, findings_, job_);
-    if (!s_.options.planar) outcome_.let_go = keep_to_planes(s_, findings_, job_);
+    outcome_.let_go = keep_to_planes(s_, findings_, job_);
     mirror_corners(s_, findings_, job_);
     if (s_.options.planar) {
       make_planar();

@@ -43,6 +43,8 @@ def round_of(patch: Any, points: Array, shift: Array, open_ends: list[float]) ->
         if slope == 0:
             return Cylinder(point, axis, x, radius)
         return Cone(point, axis if slope > 0 else -axis, x, radius, abs(slope))
+    if patch["kind"] == "extrusion":
+        return "it is an extrusion"
     profile = np.asarray(patch["profile"], float).reshape(-1, 2)
     start = Turned(point, axis, x)
     if len(points) < 12:

@@ -1,0 +1,173 @@
+// Extrusions of a free profile: a moulding or a can is cylinders and planes of one direction that no gate keeps alone.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "find.h"
+#include "surfaces.h"
+
+namespace isimp::curved {
+namespace {
+
+const double kOneWay = std::sin(5 * std::numbers::pi / 180);   ///< sine of the angle between directions that are one
+const double kSquare = std::sin(10 * std::numbers::pi / 180);  ///< sine of the angle of a free point's normal
+constexpr double kRound = 0.3;                                 ///< least share of the area of an extrusion in cylinders
+constexpr double kLeastArea = 0.02;                            ///< share of the whole area
+constexpr std::size_t kMostSamples = 1500;                     ///< number of faces that a profile is fitted to, about
+constexpr double kFurther = 1.5, kKept = 0.85;  ///< times the nearness; least share of the area within it
+constexpr double kWorst = 0.8;                  ///< times the nearness: largest root mean square distance
+constexpr double kReach = 1.4;                  ///< times the nearness, of points that are taken in
+
+class Extrusions {
+ public:
+  Extrusions(const Faces& faces, const Points& points, const std::vector<Found>& found, const std::vector<bool>& kept,
+             const Nearness& near)
+      : f_(faces), p_(points), found_(found), kept_(kept), near_(near), own_(points.area.size(), kNone) {
+    for (std::size_t k = 0; k < found.size(); ++k)
+      for (const std::int32_t i : found[k].points) own_[i] = static_cast<std::int32_t>(k);
+  }
+
+  std::optional<std::vector<Found>> run() {
+    std::vector<bool> is_used(found_.size(), false);
+    std::vector<Found> made, out;
+    for (std::size_t k = 0; k < found_.size(); ++k) {
+      if (is_used[k] || !is_open(k)) continue;
+      Some group = group_of(k, is_used, true);
+      std::optional<Found> one = fitted(group);
+      if (!one) one = fitted(group = group_of(k, is_used, false));
+      if (!one) continue;
+      for (const std::int32_t i : group) is_used[i] = true;
+      made.push_back(std::move(*one));
+    }
+    if (made.empty()) return std::nullopt;
+    for (std::size_t k = 0; k < found_.size(); ++k)
+      if (!is_used[k]) out.push_back(found_[k]);
+    std::move(made.begin(), made.end(), std::back_inserter(out));
+    return out;
+  }
+
+ private:
+  /// Whether a surface is a cylinder that may be part of an extrusion: one that no gate kept, or one that no plane
+  /// continues. A kept one with planes beside it, as a fillet, stays.
+  [[nodiscard]] bool is_open(std::size_t k) const {
+    if (found_[k].surface.kind != CurvedKind::cylinder) return false;
+    return !kept_[k] || std::none_of(found_[k].points.begin(), found_[k].points.end(), [&](std::int32_t i) {
+      return std::any_of(p_.near[i].begin(), p_.near[i].end(),
+                         [&](std::int32_t j) { return own_[j] != kNone && found_[own_[j]].is_plane(); });
+    });
+  }
+
+  /// The surfaces that continue a cylinder smoothly along one direction, from one to the next, also over free points.
+  /// \param all  also cylinders that would stay; the extrusion must be a ring then
+  [[nodiscard]] Some group_of(std::size_t first, const std::vector<bool>& is_used, bool all) const {
+    const Vec3& axis = found_[first].surface.axis;
+    std::vector<bool> is_in = is_used, is_met(p_.area.size(), false);
+    Some group, points;
+    const auto add = [&](std::int32_t k) {
+      is_in[k] = true;
+      group.push_back(k);
+      points.insert(points.end(), found_[k].points.begin(), found_[k].points.end());
+    };
+    add(static_cast<std::int32_t>(first));
+    for (std::size_t k = 0; k < points.size(); ++k)
+      for (const std::int32_t j : p_.near[points[k]]) {
+        const std::int32_t other = own_[j];
+        if (is_met[j] || std::abs(p_.normal[j].dot(axis)) > kSquare) continue;
+        is_met[j] = true;
+        if (other == kNone)
+          points.push_back(j);
+        else if (!is_in[other] && is_along(other, axis, all))
+          add(other);
+      }
+    std::sort(group.begin(), group.end());
+    return group;
+  }
+
+  /// Whether a surface is a plane along a direction, or a curved one whose normals are square to it. A part of a cylinder
+  /// may pass for a sphere.
+  [[nodiscard]] bool is_along(std::int32_t k, const Vec3& axis, bool all) const {
+    const Found& f = found_[k];
+    if (f.is_plane()) return std::abs(f.surface.axis.dot(axis)) < kOneWay;
+    if (kept_[k] && !is_open(k) && !(all && f.surface.kind == CurvedKind::cylinder)) return false;
+    double square = 0;
+    for (const std::int32_t i : f.points) square += std::abs(p_.normal[i].dot(axis)) < kSquare ? p_.area[i] : 0;
+    return square > kKept * f.area;
+  }
+
+  /// Faces of some points, at equal steps.
+  [[nodiscard]] Samples samples(const Some& points) const {
+    std::vector<bool> is_in(p_.area.size(), false);
+    for (const std::int32_t i : points) is_in[i] = true;
+    Some all, some;
+    for (std::int32_t i = 0; i < f_.size(); ++i)
+      if (p_.of_face[i] != kNone && is_in[p_.of_face[i]]) all.push_back(i);
+    const std::size_t step = all.size() / kMostSamples + 1;
+    for (std::size_t k = 0; k < all.size(); k += step) some.push_back(all[k]);
+    return samples_of(f_, some);
+  }
+
+  [[nodiscard]] std::optional<Found> fitted(const Some& group) const {
+    double area = 0, round = 0;
+    Found now;
+    for (const std::int32_t k : group) {
+      area += found_[k].area;
+      round += found_[k].is_plane() ? 0 : found_[k].area;
+      now.points.insert(now.points.end(), found_[k].points.begin(), found_[k].points.end());
+    }
+    if (group.size() < 2 || area < kLeastArea || round < kRound * area) return std::nullopt;
+    for (std::size_t before = 0; before < now.points.size();) {
+      before = now.points.size();
+      const Samples s = samples(now.points);
+      auto surface = fit(CurvedKind::extrusion, s);
+      if (!surface) return std::nullopt;
+      now.surface = std::move(*surface);
+      now.rms = rms(now.surface, s);
+      double near = 0;
+      for (std::size_t i = 0; i < s.size(); ++i)
+        if (std::abs(residual(now.surface, s.place[i]).distance) < kFurther * near_.distance) near += s.weight[i];
+      if (near < kKept || now.rms > kWorst * near_.distance) return std::nullopt;
+      take_in(now);
+    }
+    const bool has_kept =
+        std::any_of(group.begin(), group.end(), [&](std::int32_t k) { return kept_[k] && !found_[k].is_plane(); });
+    if (has_kept && !now.surface.closed) return std::nullopt;
+    now.area = p_.area_of(now.points);
+    return now;
+  }
+
+  /// Adds free points beside those of an extrusion that are on it.
+  void take_in(Found& f) const {
+    std::vector<bool> is_in(p_.area.size(), false);
+    for (const std::int32_t i : f.points) is_in[i] = true;
+    for (std::size_t k = 0; k < f.points.size(); ++k)
+      for (const std::int32_t j : p_.near[f.points[k]]) {
+        if (is_in[j] || own_[j] != kNone || p_.area[j] <= 0) continue;
+        const Residual r = residual(f.surface, p_.centre[j]);
+        if (std::abs(r.distance) >= kReach * near_.distance ||
+            r.normal.dot(p_.normal[j]) <= std::cos(kReach * near_.turn))
+          continue;
+        is_in[j] = true;
+        f.points.push_back(j);
+      }
+    std::sort(f.points.begin(), f.points.end());
+  }
+
+  const Faces& f_;
+  const Points& p_;
+  const std::vector<Found>& found_;
+  const std::vector<bool>& kept_;
+  const Nearness& near_;
+  Some own_;  // by point: its surface
+};
+
+}  // namespace
+
+std::optional<std::vector<Found>> with_extrusions(const Faces& faces, const Points& points,
+                                                  const std::vector<Found>& found, const std::vector<bool>& kept,
+                                                  const Nearness& near) {
+  return Extrusions(faces, points, found, kept, near).run();
+}
+
+}  // namespace isimp::curved

@@ -1,0 +1,55 @@
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <cmath>
+
+#include "fit.h"
+
+namespace isimp::curved {
+namespace {
+
+constexpr double kFlat = 0.01;     ///< a second eigenvalue of the normals below this: a plane
+constexpr int kTilts = 3;          ///< steps of the axis
+constexpr double kMostTilt = 0.1;  ///< radians, of one step
+
+/// The surface with its axis tilted so that the samples have the least distances, by a step of Gauss-Newton.
+CurvedSurface tilted(CurvedSurface c, const Samples& s) {
+  const Vec3 up = c.axis.cross(c.across);
+  Eigen::Matrix2d m = 1e-12 * Eigen::Matrix2d::Identity();
+  Vec2 b = Vec2::Zero();
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const Residual r = residual(c, s.place[i]);
+    const double z = (s.place[i] - c.point).dot(c.axis);
+    const Vec2 j = z * Vec2(r.normal.dot(c.across), r.normal.dot(up));
+    m += s.weight[i] * j * j.transpose();
+    b += s.weight[i] * r.distance * j;
+  }
+  const Vec2 step = m.ldlt().solve(b);
+  if (!step.allFinite() || step.norm() > kMostTilt) return c;
+  c.axis = (c.axis + step.x() * c.across + step.y() * up).normalized();
+  c.across = (c.across - c.across.dot(c.axis) * c.axis).normalized();
+  return c;
+}
+
+}  // namespace
+
+std::optional<CurvedSurface> fit_extrusion(const Samples& s) {
+  Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
+  CurvedSurface c;
+  c.kind = CurvedKind::extrusion;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    normals += s.weight[i] * s.normal[i] * s.normal[i].transpose();
+    c.point += s.weight[i] * s.place[i];
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(normals);
+  if (solver.eigenvalues()[1] < kFlat) return std::nullopt;
+  c.axis = solver.eigenvectors().col(0);
+  c.across = frame(c.axis)[0];
+  for (int k = 0; k < kTilts; ++k) {
+    auto now = with_profile(c, s);
+    if (!now) return std::nullopt;
+    c = tilted(std::move(*now), s);
+  }
+  return with_profile(std::move(c), s);
+}
+
+}  // namespace isimp::curved
