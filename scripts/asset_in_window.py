@@ -59,32 +59,21 @@ def levels(hand):
     """Three levels of detail in a row, with their textures and edges."""
     shown = scan()
     for number, regions in enumerate(LEVELS):
+        shown.hide_set(False)
         bpy.context.view_layer.objects.active = shown
         bpy.ops.isimp.partition(proxies=regions)
         yield from hand.settle()
         bpy.ops.isimp.mesh(keep_texture=False)
         bpy.ops.isimp.texture(size=2048 >> number)
         yield 0.5
-        result = bpy.context.object
-        level = result.copy()
-        level.data = result.data.copy()
-        for material in range(len(level.data.materials)):  # the next texture takes the place of the images
-            level.data.materials[material] = copied(level.data.materials[material])
-        bpy.context.scene.collection.objects.link(level)
+        bpy.ops.isimp.keep_lod()
+    shown.hide_set(True)
+    for number in range(len(LEVELS)):
+        level = bpy.data.objects[f"{shown.name}_LOD{number}"]
+        level.hide_set(False)
         level.location.x += 1.75 * number
         level.show_wire = level.show_all_edges = True
-        result.hide_set(True)
-        shown.hide_set(False)
-    shown.hide_set(True)
     yield 0.3
-
-
-def copied(material):
-    material = material.copy()
-    for node in material.node_tree.nodes:
-        if node.type == "TEX_IMAGE":
-            node.image = node.image.copy()
-    return material
 
 
 def run(hand):
@@ -121,5 +110,5 @@ def run(hand):
     bpy.context.object.show_wire = True
     yield from levels(hand)
     bpy.ops.object.select_all(action="DESELECT")
-    yield from view(hand, 6.0, 1.75)
+    yield from view(hand, 6.7, 2.1)
     yield from hand.shot("asset-6-levels")
