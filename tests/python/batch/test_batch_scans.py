@@ -103,7 +103,7 @@ def test_what_is_wrong_with_the_whole_is_2_and_changes_nothing(scans, tmp_path):
         ((scans, out, "--jobs", 0), ["jobs", "at least 1, got 0"]),
         ((scans, out, "--time-limit", 0), ["time limit", "above 0, got 0"]),
         ((scans, out, "--memory-limit", "nan"), ["memory limit", "above 0, got nan"]),
-        ((scans, out, "--recipe", recipe), [recipe, "is not a recipe"]),
+        ((scans, out, "--recipe", recipe), [recipe, "not a recipe"]),
         ((scans, scans), [scans, "is the folder of the scans"]),
         ((scans, tmp_path / "file"), ["is a file"]),
         ((scans / "*.ply", scans), [scans, "is the folder of the scans"]),
