@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 
-from isimp import blender, language
+from isimp import blender, language, recipe
 from isimp.recipe import MESHING, PARTITION, TEXTURE
 
 _FOLDER = Path(blender.__file__).parent
@@ -21,9 +21,10 @@ _OWN = {"rna_type", "bl_idname", "filepath", "filter_glob", "remove_name", "remo
 
 
 def sources() -> list:
-    """All of the add-on except generated files and, in the packed one, the engine."""
-    own = [path for path in sorted(_FOLDER.parent.rglob("*.py")) if "isimp_engine" not in path.parts]
-    return [path for path in own if path.name != "engine_options.py"]
+    """All of the add-on and its recipes, without generated files and, in the packed one, the engine."""
+    own = {path for path in _FOLDER.parent.rglob("*.py") if "isimp_engine" not in path.parts}
+    own |= set(Path(recipe.__file__).parent.glob("*.py"))
+    return sorted(path for path in own if path.name != "engine_options.py")
 
 
 @cache
