@@ -13,6 +13,7 @@
 #include "hierarchy/choose_cut.h"
 #include "hierarchy/dendrogram.h"
 #include "hierarchy/detail_tree.h"
+#include "hierarchy/features.h"
 #include "isimp/core/errors.h"
 #include "patches_of.h"
 
@@ -105,13 +106,17 @@ FoundRegions find_regions(const JoinedGraph& graph, const Components& components
   if (!(area > 0)) area = 1;
   MergeLimits limits{.need = components.need};
   if (cost) limits.cost = *cost / area;
-  MergeTree tree = merge_all(clusters_of(graph, components, area), limits, job);
+  ClusterGraph clusters = clusters_of(graph, components, area);
+  const std::vector<RegionSum> leaves = clusters.sum;
+  MergeTree tree = merge_all(std::move(clusters), limits, job);
   const auto left = static_cast<std::int32_t>(static_cast<std::size_t>(tree.leaves) - tree.merges());
   if (cost) return {left, *cost, false};
   std::vector<double> falling = tree.cost;
   std::sort(falling.begin(), falling.end(), std::greater<>());
   for (double& each : falling) each *= area;
-  const Cut cut = choose_cut(falling, left, kRounding * area, tolerance, tolerance, noise, snap);
+  const Cut cut = choose_cut(falling, left, kRounding * area, tolerance, tolerance, noise, snap, [&](double at) {
+    return keeps_features(tree, leaves, merge_limit(tolerance, noise) / area, at / area);
+  });
   const auto above = std::find_if(tree.cost.begin(), tree.cost.end(), [&](double c) { return c * area > cut.cost; });
   return {tree.leaves - static_cast<std::int32_t>(above - tree.cost.begin()), cut.cost, cut.snapped};
 }

@@ -84,6 +84,27 @@ TEST(TileDetail, ACubeHasSixRegionsAtAnyToleranceAndKeepsItsNeed) {
   EXPECT_THROW(tiles::detail_patches(shapes::mesh(shapes::cube(2)), 0.1, -1.0, job), InvalidInput);
 }
 
+TEST(TileDetail, AChimneyIsKeptThoughTheGapAboveItIsTheWidest) {
+  Job job;
+  const RegionSum top{0, 0, 2, 2, 500}, front{0, -2, 0, 2, 500}, back{0, 2, 0, 2, 500}, left{-2, 0, 0, 2, 500},
+      right{2, 0, 0, 2, 500};
+  tiles::JoinedGraph graph{{top, front, left, back, right}, {{0, 1}, {0, 2}, {0, 3}, {0, 4}}, {1, 1, 1, 1}};
+  const auto add = [&](float x, float y) {  // a small side that stands on the top
+    graph.pair.push_back({0, static_cast<std::int32_t>(graph.sum.size())});
+    graph.length.push_back(0.01F);
+    graph.sum.push_back({x, y, 0, std::abs(x) + std::abs(y), 50});
+  };
+  for (const auto& [x, y] : {std::pair{1.0F, 0.0F}, {0.0F, 1.0F}, {-1.0F, 0.0F}, {0.0F, -1.0F}})
+    add(0.004F * x, 0.004F * y);
+  add(0.0006F, 0.0F);  // a dent
+  const auto regions = [&](double tolerance) {
+    const tiles::Components whole = tiles::find_components(graph, std::vector<std::uint8_t>(10, 1), 1, 0.0);
+    return tiles::find_regions(graph, whole, tolerance, 0.0, true, {}, job).regions;
+  };
+  EXPECT_EQ(regions(0.01), 9);
+  EXPECT_EQ(regions(0.02), 5) << "below the limit it is no feature";
+}
+
 TEST(TileDetail, WhatIsLeftOutIsNotCounted) {
   Job job;
   const RegionSum sheet{0, 0, 1, 2, 50}, wall{1, 0, 0, 2, 50}, speck{0, 0, 1e-6, 2e-6, 3};

@@ -11,6 +11,7 @@
 #include "borders/relax.h"
 #include "density/noise.h"
 #include "density/normal_filter.h"
+#include "hierarchy/features.h"
 #include "hierarchy/hierarchy.h"
 #include "hierarchy/region_graph.h"
 #include "hierarchy/strays.h"
@@ -24,8 +25,6 @@ constexpr int kSweeps = 30;             // sweeps of relaxation
 constexpr double kBorder = 0.018;       // weight of an edge between regions, in mean face areas
 constexpr double kNoisyBorder = 0.115;  // added to it where normals are all noise
 constexpr double kFaded = 0.25;         // share of its cost that the smoothing of borders may leave of a region
-constexpr double kSteep = 0.3;          // cosine of the angle to what a part stands on
-constexpr double kFeature = 2.0;        // least cost of such a part, in limits
 constexpr double kRounding = 1e-9;      // share of the area: costs below this are none
 constexpr std::size_t kMostCosts = 20000;
 constexpr std::int32_t kManyFaces = 50000;  // from here on many small patches merge at once
@@ -236,36 +235,12 @@ void DetailTree::relax_patches(const FaceGraph& graph, Job& job) {
   std::sort(borders_.begin(), borders_.end());
 }
 
-/// Whether a coarser cut loses no feature that t shows: a region that is turned far from the largest one that it joins.
-///
-/// A gap of the costs above t is taken for bulges, dents and rounded edges, which lean on the planes beside them. The
-/// sides of a chimney cost as little, since they are small, but they stand on the roof.
-bool DetailTree::keeps_features(double cost, double tolerance) const {
-  const double limit = merge_limit(tolerance, noise_);
-  const auto cut = [&](double at) { return cut_after(tree_, static_cast<std::size_t>(merges({at}))); };
-  const std::vector<std::int32_t> fine = cut(limit), coarse = cut(cost);
-  std::vector<RegionSum> sum(fine.size());
-  std::vector<std::int32_t> into(fine.size(), kNone), largest(fine.size(), kNone);
-  for (std::size_t p = 0; p < fine.size(); ++p) {
-    sum[fine[p]].add(patches_.sum[p]);
-    into[fine[p]] = coarse[p];
-  }
-  const std::size_t count = std::find(into.begin(), into.end(), kNone) - into.begin();
-  for (std::size_t f = 0; f < count; ++f) {
-    std::int32_t& most = largest[into[f]];
-    if (most == kNone || sum[f].weight > sum[most].weight) most = static_cast<std::int32_t>(f);
-  }
-  for (std::size_t f = 0; f < count; ++f) {
-    const double cosine = sum[largest[into[f]]].normal().dot(sum[f].normal());
-    if (cosine < kSteep && sum[f].weight * (1 - cosine) * area_ > kFeature * limit) return false;
-  }
-  return true;
-}
-
 Cut DetailTree::choose(double tolerance, bool snap) const {
   const auto left = static_cast<std::int32_t>(patches_.sum.size() - tree_.merges());
   return choose_cut(falling_, left, kRounding * area_, tolerance, settings_.finest * size_, noise_, snap,
-                    [&](double cost) { return keeps_features(cost, tolerance); });
+                    [&](double cost) {
+                      return keeps_features(tree_, patches_.sum, merge_limit(tolerance, noise_) / area_, cost / area_);
+                    });
 }
 
 std::int32_t DetailTree::merges(const Cut& cut) const {

@@ -69,7 +69,6 @@ class DetailTree {
   [[nodiscard]] std::int32_t merges(const Cut& cut) const;
   void make_patches(const Surface& surface, std::int32_t thread_count, Job& job);
   void relax_patches(const FaceGraph& graph, Job& job);
-  [[nodiscard]] bool keeps_features(double cost, double tolerance) const;
 
   DetailSettings settings_;
   double area_ = 0.0, size_ = 0.0, noise_ = 0.0, bend_ = 0.0;
