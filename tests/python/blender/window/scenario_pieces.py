@@ -11,10 +11,10 @@ import isimp
 def slow_down():
     """Makes every piece take a turn of its own, as for a million faces."""
     from isimp.blender import reading
-    from isimp.blender.scene import mesh_io, weights
+    from isimp.blender.scene import mesh_io, selection, weights
     from isimp.blender.work import modal
 
-    modal._AT_ONCE, reading.SPAN, mesh_io._PIECE, weights._PIECE = 0.0, 0.0, 100, 20
+    modal._AT_ONCE, reading.SPAN, mesh_io._PIECE, selection._PIECE, weights._PIECE = 0.0, 0.0, 100, 100, 20
 
 
 def weighed(hand):
