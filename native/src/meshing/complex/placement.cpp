@@ -61,6 +61,20 @@ Vec3 step_to(std::span<const Plane> planes, const Polygons& polygons, std::int32
   return trusted_step(a, g, radius);
 }
 
+/// The shortest edge at a corner.
+/// \param place  returns the place of a corner
+template <class Place>
+double shortest_edge(const Polygons& polygons, std::int32_t corner, Place place) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const std::int32_t q : polygons.at(corner)) {
+    const auto loop = polygons.of(q);
+    const std::size_t n = loop.size(), i = std::find(loop.begin(), loop.end(), corner) - loop.begin();
+    for (const std::size_t k : {i + 1, i + n - 1})
+      shortest = std::min(shortest, (place(corner) - place(loop[k % n])).norm());
+  }
+  return shortest;
+}
+
 /// The nearest point where all held planes of a corner meet, if each is the plane of a cell of a round part: such planes
 /// meet by symmetry, also at small angles. No value if they do not meet, or further off than the edges allow.
 std::optional<Vec3> meeting_of_cells(std::span<const Plane> planes, const Polygons& polygons, std::int32_t corner,
@@ -70,12 +84,7 @@ std::optional<Vec3> meeting_of_cells(std::span<const Plane> planes, const Polygo
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
   Vec3 g = Vec3::Zero();
   std::vector<const Plane*> held;
-  double shortest = std::numeric_limits<double>::infinity();
   for (const std::int32_t q : polygons.at(corner)) {
-    const auto loop = polygons.of(q);
-    const std::size_t n = loop.size(), i = std::find(loop.begin(), loop.end(), corner) - loop.begin();
-    for (const std::size_t k : {i + 1, i + n - 1})
-      shortest = std::min(shortest, (from - corners.position[loop[k % n]]).norm());
     const Plane& p = planes[polygons.piece(q)];
     if (!p.held) continue;
     if (!p.round) return std::nullopt;
@@ -84,6 +93,8 @@ std::optional<Vec3> meeting_of_cells(std::span<const Plane> planes, const Polygo
     g += p.normal * p.normal.dot(p.centre - from);
   }
   if (held.size() < 2) return std::nullopt;
+  const double shortest =
+      shortest_edge(polygons, corner, [&](std::int32_t c) -> const Vec3& { return corners.position[c]; });
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(a);
   Vec3 d = Vec3::Zero();
   for (int i = 0; i < 3; ++i)
@@ -152,16 +163,8 @@ std::vector<Group> groups_of(const Polygons& polygons, std::span<const std::int3
 void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::span<const std::int32_t> moving,
                Corners& corners) {
   const auto home = [&](std::int32_t c) -> const Vec3& { return mesh.vertices()[corners.vertex[c]]; };
-  for (const std::int32_t c : moving) {
-    double least = reach;
-    for (const std::int32_t q : polygons.at(c)) {
-      const auto loop = polygons.of(q);
-      const std::size_t n = loop.size(), i = std::find(loop.begin(), loop.end(), c) - loop.begin();
-      for (const std::size_t k : {i + 1, i + n - 1})
-        least = std::min(least, kOfEdge * (home(c) - home(loop[k % n])).norm());
-    }
-    corners.radius.edit(c) = least;
-  }
+  for (const std::int32_t c : moving)
+    corners.radius.edit(c) = std::min(reach, kOfEdge * shortest_edge(polygons, c, home));
 }
 
 void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "isimp/core/check.h"
+#include "isimp/core/sorted.h"
 
 namespace isimp::meshing {
 namespace {
@@ -163,6 +164,22 @@ void Polygons::collect(const Complex& complex, const Labels& labels, Diagonals& 
   around_.resize(corners.count());
   ISIMP_ASSERT(std::all_of(changed.begin(), changed.end(), [&](std::int32_t l) { return is_listed(*this, l); }),
                "a polygon is among those round each of its corners");
+}
+
+std::vector<std::int32_t> Polygons::corners_of(std::span<const std::int32_t> pieces) const {
+  std::vector<std::int32_t> all;
+  for (const std::int32_t l : pieces)
+    for_each_of(l, [&](std::int32_t q) { all.insert(all.end(), of(q).begin(), of(q).end()); });
+  sort_unique(all);
+  return all;
+}
+
+std::vector<std::int32_t> Polygons::pieces_at(std::span<const std::int32_t> corners) const {
+  std::vector<std::int32_t> all;
+  for (const std::int32_t c : corners)
+    for (const std::int32_t q : at(c)) all.push_back(piece(q));
+  sort_unique(all);
+  return all;
 }
 
 Vec3 vector_area(std::span<const std::int32_t> polygon, std::span<const Vec3> position) {

@@ -68,6 +68,11 @@ class Polygons {
     for (std::int32_t i = 0; i < count; ++i) fn(pieces_[piece].first + i);
   }
 
+  /// The corners of some pieces' polygons, in rising order.
+  [[nodiscard]] std::vector<std::int32_t> corners_of(std::span<const std::int32_t> pieces) const;
+  /// The pieces with a polygon at one of some corners, in rising order.
+  [[nodiscard]] std::vector<std::int32_t> pieces_at(std::span<const std::int32_t> corners) const;
+
   /// Rebuilds the polygons of changed pieces. A diagonal is dropped if a chord or another diagonal joins the same ends.
   /// \param changed  pieces whose chords or diagonals changed, or that are no more; pieces that lose a diagonal are
   ///                 added

@@ -373,11 +373,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
   keeps.resize(corners.count(), false);
   for (const std::int32_t c : at_home_) keeps[c] = true;
 
-  std::vector<std::int32_t> moving, near;
-  for (const std::int32_t l : changed)
-    polygons.for_each_of(
-        l, [&](std::int32_t q) { moving.insert(moving.end(), polygons.of(q).begin(), polygons.of(q).end()); });
-  sort_unique(moving);
+  std::vector<std::int32_t> moving = polygons.corners_of(changed);
   limit(moving);
   stale_.resize(corners.count());
   for (const std::int32_t c : moving) mark_stale(c);
@@ -393,10 +389,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
   ISIMP_ASSERT(std::all_of(moved.begin(), moved.end(), [&](std::int32_t c) { return corners.position[c].allFinite(); }),
                "corners have places");
   ISIMP_ASSERT(!complex.is_pending(), "corners are up to date");
-  for (const std::int32_t c : moved)
-    for (const std::int32_t q : polygons.at(c)) near.push_back(polygons.piece(q));
-  sort_unique(near);
-  return near;
+  return polygons.pieces_at(moved);
 }
 
 }  // namespace isimp::meshing

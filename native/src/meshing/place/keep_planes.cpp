@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "complex/transaction.h"
-#include "isimp/core/sorted.h"
 
 namespace isimp::meshing {
 namespace {
@@ -57,21 +56,14 @@ class Keeper {
   /// Tries to move the corners of a region onto its plane and the planes that are kept already.
   /// \param with_neighbours  whether the neighbours' corners at kept planes move too
   bool keeps(std::int32_t r, bool with_neighbours) {
-    std::vector<std::int32_t> near = pieces_[r], moving;
+    std::vector<std::int32_t> near = pieces_[r];
     for (const std::int32_t l : pieces_[r]) hold(planes_[l], s_.partition, r);
     if (with_neighbours) s_.add_neighbours(near);
-    for (const std::int32_t l : near)
-      s_.polygons.for_each_of(
-          l, [&](std::int32_t q) { moving.insert(moving.end(), s_.polygons.of(q).begin(), s_.polygons.of(q).end()); });
-    sort_unique(moving);
+    std::vector<std::int32_t> moving = s_.polygons.corners_of(near);
     std::erase_if(moving, [&](std::int32_t c) { return !is_held_at(c); });
-    std::vector<std::int32_t> changed;
-    for (const std::int32_t c : moving)
-      for (const std::int32_t q : s_.polygons.at(c)) changed.push_back(s_.polygons.piece(q));
-    sort_unique(changed);
     Transaction transaction(s_);
     s_.move_onto(planes_, moving);
-    if (findings_.accepts(changed)) {
+    if (findings_.accepts(s_.polygons.pieces_at(moving))) {
       transaction.commit();
       return true;
     }

@@ -3,8 +3,6 @@
 #include <array>
 #include <vector>
 
-#include "isimp/core/sorted.h"
-
 namespace isimp::meshing {
 namespace {
 
@@ -23,11 +21,9 @@ std::vector<Move> carry_out(State& state, std::span<const Move> moves) {
 }
 
 std::vector<std::int32_t> pieces_at(const State& state, std::span<const Move> moves) {
-  std::vector<std::int32_t> pieces;
-  for (const Move& m : moves)
-    for (const std::int32_t q : state.polygons.at(m.corner)) pieces.push_back(state.polygons.piece(q));
-  sort_unique(pieces);
-  return pieces;
+  std::vector<std::int32_t> corners;
+  for (const Move& m : moves) corners.push_back(m.corner);
+  return state.polygons.pieces_at(corners);
 }
 
 bool move_all(State& state, Findings& findings, std::span<const Move> moves) {

@@ -54,13 +54,7 @@ class Pairs {
     sort_unique(images);
     return images;
   }
-  [[nodiscard]] std::vector<std::int32_t> round(std::int32_t c) const {
-    std::vector<std::int32_t> pieces;
-    pieces.reserve(s_.polygons.at(c).size());
-    for (const std::int32_t q : s_.polygons.at(c)) pieces.push_back(s_.polygons.piece(q));
-    sort_unique(pieces);
-    return pieces;
-  }
+  [[nodiscard]] std::vector<std::int32_t> round(std::int32_t c) const { return s_.polygons.pieces_at({&c, 1}); }
   [[nodiscard]] double reach() const { return reach_; }
 
  private:

@@ -300,7 +300,7 @@ class Repairer {
       case Action::pull_concerned:
         return pull(corners_concerned(l));
       case Action::pull_all:
-        return pull(corners_of(l));
+        return pull(s_.polygons.corners_of({&l, 1}));
       case Action::add_anchor:
         if (!out_of_date(l) && bend(l)) return true;
         break;
@@ -364,13 +364,6 @@ class Repairer {
     return true;
   }
 
-  [[nodiscard]] std::vector<std::int32_t> corners_of(std::int32_t l) const {
-    std::vector<std::int32_t> all;
-    s_.polygons.for_each_of(
-        l, [&](std::int32_t q) { all.insert(all.end(), s_.polygons.of(q).begin(), s_.polygons.of(q).end()); });
-    return all;
-  }
-
   /// The ends of edges that cross or the corners of facets that meet; else all of the piece.
   [[nodiscard]] std::vector<std::int32_t> corners_concerned(std::int32_t l) const {
     std::vector<std::int32_t> some;
@@ -382,7 +375,7 @@ class Repairer {
         if (e >= 0) some.insert(some.end(), {loop[e], loop[(e + 1) % loop.size()]});
     }
     if (some.empty() && met_[l]) some.assign(met_[l]->corners.begin(), met_[l]->corners.end());
-    return some.empty() ? corners_of(l) : some;
+    return some.empty() ? s_.polygons.corners_of({&l, 1}) : some;
   }
 
   /// Adds a corner on the one of two chords that cross that its boundary leaves further.
