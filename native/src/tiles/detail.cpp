@@ -107,7 +107,8 @@ FoundRegions find_regions(const JoinedGraph& graph, const Components& components
   MergeLimits limits{.need = components.need};
   if (cost) limits.cost = *cost / area;
   ClusterGraph clusters = clusters_of(graph, components, area);
-  const std::vector<RegionSum> leaves = clusters.sum;
+  // The sums are copied only where a gap may be judged by them.
+  const std::vector<RegionSum> leaves = cost || !snap ? std::vector<RegionSum>() : clusters.sum;
   MergeTree tree = merge_all(std::move(clusters), limits, job);
   const auto left = static_cast<std::int32_t>(static_cast<std::size_t>(tree.leaves) - tree.merges());
   if (cost) return {left, *cost, false};
