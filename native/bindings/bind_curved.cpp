@@ -52,9 +52,10 @@ that determine no round surface) or Cancelled. Cost: O(F).)");
       "mesh"_a, "part"_a, "face"_a, "segments"_a, "rings"_a = 0, "job"_a = py::none(),
       R"(Cut the curved patch of a face into another number of segments and rings.
 
-segments: in [3, 256] where the patch goes all the way round, else in [1, 256], for an extrusion at most 120. rings: in
-[0, 64]; 0: as many as keep about the number of cells; an extrusion has one. All other regions stay. Raises InvalidInput (a face in no patch, a number out of range, a locked cell) or
-Cancelled. Cost: O(F).)");
+segments: in [3, 256] where the patch is closed around its axis, else in [1, 256], for an extrusion at most 120.
+rings: in [0, 64]; 0: as many as keep about the number of cells; an extrusion has one.
+All other regions stay. Raises InvalidInput (a face in no patch, a number out of range, a locked cell) or Cancelled.
+Cost: O(F).)");
   m.def(
       "explode_round",
       [](const KeptMesh& mesh, const Partition& part, std::int32_t face, Job* job) {

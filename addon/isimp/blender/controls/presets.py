@@ -111,7 +111,7 @@ def draw(context, layout, is_narrow: bool = False) -> None:
 
 
 def draw_own(context, layout) -> None:
-    """Draws the menu of all presets, and the buttons that store and delete presets of the user."""
+    """Draws the menu of presets and the buttons that store and delete those of the user."""
     row = layout.row(align=True)
     row.use_property_split = False
     shown = title(context)

@@ -1,4 +1,4 @@
-"""Panels of edits of all regions, of selected faces, and of places that the error selects."""
+"""Panels with the edits of all regions, of selected faces, and of regions that are chosen by their error."""
 
 import bpy
 

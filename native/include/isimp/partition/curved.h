@@ -13,11 +13,11 @@ enum class CurvedKind : std::uint8_t { plane, cylinder, cone, sphere, revolution
 /// while patches are searched and cut, it is relative to the mesh's origin.
 struct CurvedSurface {
   CurvedKind kind = CurvedKind::plane;
-  Vec3 point =
-      Vec3::Zero();  ///< on the axis; the centre of a sphere; of a cone, a cylinder and an extrusion amid their faces
+  /// On the axis; the centre of a sphere; of a cone, a cylinder and an extrusion in the middle of their faces.
+  Vec3 point = Vec3::Zero();
   Vec3 axis = Vec3::UnitZ();  ///< unit; the normal of a plane
-  double radius =
-      0;  ///< cylinder, sphere; of a cone at `point`; of a revolution the largest; of an extrusion that of its profile from `point`
+  /// Cylinder, sphere; of a cone at `point`; of a revolution the largest; of an extrusion the largest from `point`.
+  double radius = 0;
   double slope = 0;  ///< cone: growth of the radius along the axis
   double side = 1;   ///< 1: the normals lead away from the axis, or to the right of the profile; -1: the other way
   /// Revolution: rho, z, rho, z, ... of its corners, z along the axis from `point`. Extrusion: the places of its corners
@@ -31,11 +31,9 @@ struct CurvedSurface {
 /// A curved patch of a partition: one surface, cut into segments about its axis and rings along its profile. Segments
 /// of an extrusion are strips along its axis; it has one ring.
 struct CurvedProxy : CurvedSurface {
-  double
-      phase = 0,
-      span =
-          0;  ///< the first segment's begin and the angle of all segments, radians; of an extrusion the turn of its normals
-  bool full = false;  ///< the segments go all the way round
+  /// The begin of the first segment and the angle of all segments, radians; of an extrusion the turn of its normals.
+  double phase = 0, span = 0;
+  bool full = false;  ///< the segments close around the axis
   std::int32_t segments = 0, rings = 0;
   /// (rings + 1) along the profile: height, angle from the lower pole, or length. Extrusion: (segments + 1) lengths.
   std::vector<double> knots;
