@@ -40,7 +40,9 @@ def with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers
     pairs = view.region_pairs(face_region, prepared.face_pairs[border])
     color = view.assign_colors(partition.region_count, pairs, kept)
     known = {"regions": partition.region_count, "error": partition.error, "left_out": int((face_region < 0).sum())}
-    known["locked"] = int(np.count_nonzero(partition.region_locked))
+    away = int(np.count_nonzero(partition.region_left_out))
+    known["locked"] = int(np.count_nonzero(partition.region_locked)) - away
+    known |= {"regions_left_out": away} if away else {}
     known |= planes_known(partition)
     known |= _mirror_numbers(partition.symmetry)
     known |= _round_known(prepared, partition)
@@ -184,10 +186,19 @@ def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) ->
 
 def _apply_lock(step: rcp.LockRegions, prepared, before, watch, begin, end) -> Outcome:
     before = _needs_regions(before)
-    change = engine.unlock_regions if isinstance(step, rcp.UnlockRegions) else engine.lock_regions
+    change = getattr(engine, _LOCKS[type(step)])
+    if isinstance(step, rcp.LeaveOutRegions):
+        change = partial(change, box=step.box)
     faces = np.array([triangle_at(prepared, face) for face in step.faces])
     partition = change(prepared.mesh, before.partition, faces)
     return with_regions(prepared, partition, before.region_color, {})
+
+
+_LOCKS = {
+    rcp.LockRegions: "lock_regions",
+    rcp.UnlockRegions: "unlock_regions",
+    rcp.LeaveOutRegions: "leave_out_regions",
+}
 
 
 def _up(step: rcp.Regularise | rcp.AlignPlanes, prepared, before) -> np.ndarray | None:
@@ -235,7 +246,8 @@ def _apply_align(step: rcp.AlignPlanes, prepared, before, watch, begin, end) -> 
 
 def _with_planes(before: Outcome, partition) -> Outcome:
     """The same regions with other planes."""
-    known = {name: before.numbers[name] for name in ("regions", "error", "left_out", "locked")}
+    names = ("regions", "error", "left_out", "locked", "regions_left_out")
+    known = {name: before.numbers[name] for name in names if name in before.numbers}
     return replace(
         before,
         partition=partition,
@@ -336,7 +348,7 @@ def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int
 def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
     """away: (V,) how far the scan's vertices are from the polygons, NaN where they are in no region."""
     polygons, report = found.polygons, found.report
-    names = ("regions", "error", "left_out", "symmetry")
+    names = ("regions", "error", "left_out", "regions_left_out", "symmetry")
     more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
     numbers = {name: regions.numbers[name] for name in names if name in regions.numbers}
     numbers |= planes_known(regions.partition)
@@ -350,7 +362,7 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
         "split": {name: report[name] for name in report if name.startswith("split_for_")}
         | {
             "cut_to_be_planar": report.get("faces_added", 0),
-            "without_area": regions.numbers["regions"] - report["regions"],
+            "without_area": regions.numbers["regions"] - regions.numbers.get("regions_left_out", 0) - report["regions"],
         },
     }
     if found := engine.clutter.clutter(polygons):
@@ -385,8 +397,7 @@ APPLY = {
     rcp.PaintFaces: _apply_paint,
     rcp.EraseFaces: _apply_erase,
     rcp.SmoothFaces: _apply_smooth,
-    rcp.LockRegions: _apply_lock,
-    rcp.UnlockRegions: _apply_lock,
+    **dict.fromkeys(_LOCKS, _apply_lock),
     rcp.Regularise: _apply_regularise,
     rcp.AlignPlanes: _apply_align,
     rcp.Texture: _apply_texture,

@@ -98,6 +98,11 @@ def locked(numbers: dict[str, Any]) -> str:
     return said("{regions} locked", regions=count(number, "region")) if number else said("No region is locked")
 
 
+def left_out(numbers: dict[str, Any]) -> str:
+    number = numbers.get("regions_left_out", 0)
+    return said("{regions} left out", regions=count(number, "region")) if number else said("No region is left out")
+
+
 def is_kept(why: str) -> str:
     """A result that changed settings and Mesh leave alone. why: what its user has done with it, as in `kept`."""
     text = own("This result was {why}: changed settings do not change it, and Mesh makes its polygons another object")
@@ -280,6 +285,12 @@ _OF_FACES = {
     rcp.EraseFaces: own("Erase {faces} from a region"),
     rcp.SmoothFaces: own("Smooth the borders in {faces}"),
 }
+_OF_REGIONS = {
+    rcp.RoundRegions: own("Make {regions} round"),
+    rcp.LockRegions: own("Lock {regions}"),
+    rcp.UnlockRegions: own("Unlock {regions}"),
+    rcp.LeaveOutRegions: own("Leave out {regions}"),
+}
 _OF_PLANES = {
     "level": own("Make {regions} level"),
     "upright": own("Make {regions} upright"),
@@ -315,13 +326,12 @@ def line(step: rcp.Step) -> str:
             own("Shrink a region by {rings}") if isinstance(step, rcp.ShrinkRegion) else own("Grow a region by {rings}")
         )
         return said(text, rings=count(step.rings, "ring"))
-    if isinstance(step, rcp.RoundRegions):
-        return said("Make {regions} round", regions=count(faces, "region"))
     if isinstance(step, rcp.RoundSegments):
         return said("{number} segments for a round part", number=step.segments)
-    if isinstance(step, rcp.LockRegions):  # and UnlockRegions
-        text = own("Unlock {regions}") if isinstance(step, rcp.UnlockRegions) else own("Lock {regions}")
-        return said(text, regions=count(faces, "region"))
+    if isinstance(step, rcp.LeaveOutRegions) and step.box:
+        return said("Replace {regions} by boxes", regions=count(faces, "region"))
+    if type(step) in _OF_REGIONS:
+        return said(_OF_REGIONS[type(step)], regions=count(faces, "region"))
     return step.describe()
 
 

@@ -37,5 +37,6 @@ class Outcome:
 
     @property
     def face_color(self) -> np.ndarray:
-        """(face_count,) uint8 into view.COLORS."""
-        return view.face_colors(self.face_region, self.region_color)
+        """(face_count,) uint8 into view.COLORS; regions that are left out are grey."""
+        color = np.where(self.partition.region_left_out, len(view.PALETTE), self.region_color)
+        return view.face_colors(self.face_region, color)

@@ -165,7 +165,17 @@ def _are_round(value: object) -> bool:
 
 
 _COUNTS = (
-    *("regions", "regions_before", "asked", "left_out", "locked", "barriers", "barriers_inside", "failed"),
+    *(
+        "regions",
+        "regions_before",
+        "asked",
+        "left_out",
+        "regions_left_out",
+        "locked",
+        "barriers",
+        "barriers_inside",
+        "failed",
+    ),
     *("polygons", "corners", "vertices", "triangles", "faces", "components", "border_loops", "kept_open"),
     *("cluttered", "clutter_polygons"),
     *("held", "planes", "directions", "let_go", "mirrored_regions", "mirrored_corners"),

@@ -71,13 +71,13 @@ void bind_times(py::module_& m, const char* name, EditAtFace edit, const char* d
       "mesh"_a, "partition"_a, "times"_a = 1, "job"_a = py::none(), doc);
 }
 
-void bind_lock(py::module_& m, const char* name, bool locked, const char* doc) {
+void bind_lock(py::module_& m, const char* name, std::uint8_t lock, const char* doc) {
   m.def(
       name,
-      [locked](const KeptMesh& mesh, const Partition& part, const py::object& faces) {
+      [lock](const KeptMesh& mesh, const Partition& part, const py::object& faces) {
         const std::vector<std::int32_t> indices = to_faces(faces);
         const Unlocked unlocked;
-        return set_locked(mesh, part, indices, locked);
+        return set_locked(mesh, part, indices, lock);
       },
       "mesh"_a, "partition"_a, "faces"_a, doc);
 }
@@ -259,14 +259,29 @@ face: row of mesh.triangles. The regions next to it take its faces. Numbers abov
 Raises InvalidInput (no such face, it was left out, its region is locked or the only one of its component) or Cancelled.)");
   bind_split_and_merge(m);
   bind_paint(m);
-  bind_lock(m, "lock_regions", true,
+  bind_lock(m, "lock_regions", kLocked,
             R"(Lock the regions of some faces: edits do not change them. Returns a new Partition.
 
 faces: (K,) integers, rows of mesh.triangles, at least one in each region.
 Raises InvalidInput (no face, no such face, or a face that was left out).)");
-  bind_lock(m, "unlock_regions", false, R"(Unlock the regions of some faces. Returns a new Partition.
+  bind_lock(m, "unlock_regions", 0, R"(Unlock the regions of some faces. Returns a new Partition.
 
+Regions that are left out become ordinary regions again.
 faces: as in lock_regions. Raises InvalidInput (as lock_regions).)");
+  m.def(
+      "leave_out_regions",
+      [](const KeptMesh& mesh, const Partition& part, const py::object& faces, bool box) {
+        const std::vector<std::int32_t> indices = to_faces(faces);
+        const Unlocked unlocked;
+        return set_locked(mesh, part, indices, box ? kBoxed : kLeftOut);
+      },
+      "mesh"_a, "partition"_a, "faces"_a, "box"_a = false,
+      R"(Leave out the regions of some faces: polygonize makes no polygon of them. Returns a new Partition.
+
+The polygons around end there as at a border of the scan. The regions are locked too; unlock_regions restores them. A
+number of regions for a later partition with this one before it does not count them.
+faces: as in lock_regions. box: a box replaces each group of adjacent regions; it stands on the neighbour with the longest
+common border. Raises InvalidInput (as lock_regions).)");
   bind_heuristics(m);
   bind_statistics(m);
 }

@@ -151,6 +151,12 @@ py::array region_locked(const Partition& part) {
   return locked;
 }
 
+py::array region_left_out(const Partition& part) {
+  py::array_t<bool> left_out(part.region_count());
+  for (std::int32_t r = 0; r < part.region_count(); ++r) left_out.mutable_at(r) = part.is_left_out(r);
+  return left_out;
+}
+
 void bind_result(py::module_& m) {
   py::class_<Partition>(m, "Partition", py::module_local(), "A surface split into R connected, near-planar regions.")
       .def_property_readonly("face_region", viewer<Partition>(&Partition::face_region),
@@ -161,6 +167,8 @@ void bind_result(py::module_& m) {
                              "(R, 3) float64: unit, the area-weighted mean; zero for a region without area.")
       .def_property_readonly("region_locked", &region_locked,
                              "(R,) bool: whether a region is locked against edits; see lock_regions.")
+      .def_property_readonly("region_left_out", &region_left_out,
+                             "(R,) bool: whether no polygon is made of a region; see leave_out_regions.")
       .def_property_readonly("history", viewer<Partition>(&Partition::history),
                              "(rounds,) float64: the error after each round.")
       .def_readonly("error", &Partition::error, "Sum of area * |n_face - n_region|^2, scene units squared.")

@@ -14,6 +14,7 @@
 #include "bindings.h"
 #include "call.h"
 #include "isimp/core/errors.h"
+#include "isimp/mesh/part_of.h"
 #include "isimp/mesh/shared_edges.h"
 #include "isimp/simplify/constraints.h"
 #include "isimp/simplify/edges.h"

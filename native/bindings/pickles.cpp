@@ -153,7 +153,7 @@ py::tuple pack_report(const MeshingReport& report) {
   const auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean,
                distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
-               diagonals, rounds, work, capped, planar, rims, let_go] = report;
+               diagonals, rounds, work, capped, planar, rims, boxes, let_go] = report;
   const auto& [work_faces, work_corners, work_polygons] = work;
   const auto& [rim_reach, rim_edges, rim_added, rim_lost] = rims;
   const auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting, left_off] = planar;
@@ -162,7 +162,7 @@ py::tuple pack_report(const MeshingReport& report) {
                   planarity_mean, distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least,
                   without_area, imperfect, diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked,
                   is_planar, whole, added, apart, crossed, turned, meeting, left_off, rim_reach, rim_edges, rim_added,
-                  rim_lost, let_go);
+                  rim_lost, boxes, let_go);
 }
 
 MeshingReport unpack_report(const py::tuple& packed) {
@@ -170,7 +170,7 @@ MeshingReport unpack_report(const py::tuple& packed) {
   auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches, closed_regions,
          repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
          crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds,
-         work, capped, planar, rims, let_go] = report;
+         work, capped, planar, rims, boxes, let_go] = report;
   auto& [work_faces, work_corners, work_polygons] = work;
   auto& [rim_reach, rim_edges, rim_added, rim_lost] = rims;
   auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting, left_off] = planar;
@@ -178,7 +178,7 @@ MeshingReport unpack_report(const py::tuple& packed) {
              closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean,
              distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
              diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar, whole, added, apart,
-             crossed, turned, meeting, left_off, rim_reach, rim_edges, rim_added, rim_lost, let_go);
+             crossed, turned, meeting, left_off, rim_reach, rim_edges, rim_added, rim_lost, boxes, let_go);
   for (const Imperfection& i : imperfect) check(i.flaw <= Flaw::excused);
   return report;
 }

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ._core import PolygonMesh
+from ._core import Mesh, Partition, PolygonMesh, leave_out_regions
 
 MOST = 8  #: polygons of a region that is no clutter
 
@@ -33,3 +33,10 @@ def clutter(polygons: PolygonMesh) -> list[Clutter]:
         x, y, z = np.asarray(polygons.vertices)[np.asarray(polygons.loops)[region == r]].mean(0).tolist()
         found.append(Clutter(int(r), int(counts[r]), (x, y, z)))
     return sorted(found, key=lambda each: -each.polygons)
+
+
+def without_clutter(mesh: Mesh, part: Partition, found: list[Clutter], box: bool = False) -> Partition:
+    """The partition with the regions of `clutter` left out, or with boxes in their place; see leave_out_regions."""
+    if not found:
+        return part
+    return leave_out_regions(mesh, part, part.region_seed[[each.region for each in found]].astype(np.int64), box)

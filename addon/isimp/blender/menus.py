@@ -11,6 +11,7 @@ _SELECT = (
     ("SIZE", "Select Small Regions"),
     ("FLATNESS", "Select Bent Regions"),
     ("DIRECTION", "Select Regions Facing Up"),
+    ("CLUTTER", "Select Clutter"),
 )
 
 
@@ -101,6 +102,7 @@ class ISIMP_MT_chosen_pie(bpy.types.Menu):
             buttons.append(button)
         buttons.append(pie.operator("isimp.merge", icon="AUTOMERGE_ON"))
         buttons.append(pie.operator("isimp.lock", icon="LOCKED"))
+        buttons.append(pie.operator("isimp.leave_out", icon="GHOST_DISABLED"))
         for button in buttons:  # in Edit Mode they would act on the selected faces
             button.face, button.chosen = faces[-1], ",".join(map(str, faces)) if len(faces) > 1 else ""
 

@@ -17,10 +17,6 @@ void check_input(const Mesh& mesh, const Partition& partition, const MeshingOpti
     if (r < kNone || r >= regions)
       throw InvalidInput("face " + std::to_string(f) + " is in region " + std::to_string(r) + ", but there are " +
                          std::to_string(regions) + " regions");
-    for (std::int32_t h = 3 * f; r == kNone && h < 3 * f + 3; ++h)
-      if (const std::int32_t o = mesh.opposite(h); o != kNone && partition.face_region[o / 3] != kNone)
-        throw InvalidInput("face " + std::to_string(f) + " is left out, but face " + std::to_string(o / 3) +
-                           " beside it is not; only whole parts can be left out");
   }
 }
 

@@ -10,6 +10,7 @@
 #include "isimp/core/sorted.h"
 #include "judge/bounds.h"
 #include "judge/findings.h"
+#include "kept_part.h"
 
 namespace isimp {
 namespace {
@@ -48,6 +49,8 @@ double cost_of(const Findings& findings, std::int32_t piece) {
 ExpectedPolygons expected_polygons(const Mesh& mesh, const Partition& partition, const MeshingOptions& options,
                                    Job& job) {
   check_input(mesh, partition, options);
+  if (const auto part = kept_part(mesh, partition, job))
+    return expected_polygons(part->mesh, part->partition, options, job);
   const Job::Part whole(job, "counting polygons", 0.0, 1.0);
   State state(mesh, partition, options, job);
   state.update({});

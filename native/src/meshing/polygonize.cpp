@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 
 #include "check_input.h"
 #include "complex/state.h"
+#include "enclosing_boxes.h"
 #include "isimp/core/errors.h"
 #include "judge/judge.h"
+#include "kept_part.h"
 #include "repair/repair.h"
 
 namespace isimp {
@@ -134,6 +137,14 @@ PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const Meshi
                        std::span<const SurfaceMoments> moments) {
   check_input(mesh, partition, options);
   check_moments(mesh, moments);
+  if (const std::optional<KeptPart> part = kept_part(mesh, partition, job)) {
+    if (!moments.empty())
+      throw InvalidInput("moments are of the faces of the whole mesh, so that only whole components can be left out");
+    PolygonMesh result = polygonize(part->mesh, part->partition, options, job);
+    to_whole(result, *part);
+    add_enclosing_boxes(mesh, partition, result);
+    return result;
+  }
   const auto make = [&](const MeshingOptions& o, double from, double to) {
     Job::Part part(job, "meshing", from, to);
     State state(mesh, partition, o, job, moments);

@@ -105,7 +105,7 @@ class Measure {
     regions.clear();
     const std::int32_t start = mesh_.vertex_halfedge()[vertex];
     for (std::int32_t h = start; h != kNone;) {
-      const std::int32_t region = partition_.face_region[Mesh::face(h)];
+      const std::int32_t region = partition_.kept_region(Mesh::face(h));
       if (region != kNone && std::ranges::find(regions, region) == regions.end()) regions.push_back(region);
       h = mesh_.next_outgoing(h);
       if (h == start) break;

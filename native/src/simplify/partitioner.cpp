@@ -15,6 +15,7 @@
 #include "isimp/core/check.h"
 #include "isimp/core/errors.h"
 #include "isimp/curved/round.h"
+#include "isimp/mesh/part_of.h"
 #include "isimp/partition/soundness.h"
 #include "isimp/simplify/mirror.h"
 #include "isimp/simplify/openings.h"
@@ -264,12 +265,12 @@ Guides guides_of_part(const Guides& whole, const Mesh& part, std::span<const std
   return guides;
 }
 
-/// Nothing more is left out, and locked regions count in the requested number.
+/// No component is left out. Locked regions count in the requested number, except those that are left out.
 PartitionOptions options_of_part(PartitionOptions options, const Constraints& constraints) {
   options.leave_out = 0.0;
   if (constraints.faces || !options.proxies) return options;
   const auto& locked = constraints.before->region_locked;
-  const auto count = std::ranges::count_if(locked, [](std::uint8_t is) { return is != 0; });
+  const auto count = std::ranges::count(locked, kLocked);
   options.proxies = std::max(1, *options.proxies - static_cast<std::int32_t>(count));
   return options;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "isimp/core/least_box.h"
 #include "layout.h"
 
 namespace isimp::detail {
@@ -37,53 +38,6 @@ Plane plane_of(const PolygonMesh& polygons, std::int32_t begin, std::int32_t end
   plane.u = along.norm() > 1e-9 * longest.norm() ? Vec3(along.normalized()) : plane.n.unitOrthogonal();
   plane.v = plane.n.cross(plane.u);
   return plane;
-}
-
-/// The corners of the convex hull, counter-clockwise (Andrew's monotone chain).
-std::vector<Vec2> hull_of(std::vector<Vec2> points) {
-  const auto before = [](const Vec2& a, const Vec2& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); };
-  std::sort(points.begin(), points.end(), before);
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  if (points.size() < 3) return points;
-  std::vector<Vec2> hull;
-  const auto add = [&](const Vec2& p, std::size_t least) {
-    const auto turns_right = [&] {
-      const Vec2 a = hull.back() - hull[hull.size() - 2], b = p - hull.back();
-      return a.x() * b.y() - a.y() * b.x() <= 0;
-    };
-    while (hull.size() > least && turns_right()) hull.pop_back();
-    hull.push_back(p);
-  };
-  for (const Vec2& p : points) add(p, 1);
-  const std::size_t lower = hull.size();
-  for (auto p = points.rbegin() + 1; p != points.rend(); ++p) add(*p, lower);
-  hull.pop_back();
-  return hull;
-}
-
-/// The turn with the smallest bounding box: one edge of the convex hull is level then.
-Eigen::Matrix2d best_turn(const std::vector<Vec2>& points) {
-  const std::vector<Vec2> hull = hull_of(points);
-  Eigen::Matrix2d best = Eigen::Matrix2d::Identity();
-  double least = -1;
-  for (std::size_t i = 0, h = hull.size() - 1; i < hull.size(); h = i++) {
-    const Vec2 e = hull[i] - hull[h];
-    if (!(e.norm() > 0)) continue;
-    const Vec2 d = e.normalized();
-    Eigen::Matrix2d turn;
-    turn << d.x(), d.y(), -d.y(), d.x();
-    Vec2 low = turn * hull[0], high = low;
-    for (const Vec2& p : hull) {
-      low = low.cwiseMin(turn * p);
-      high = high.cwiseMax(turn * p);
-    }
-    const double area = (high - low).prod();
-    if (least < 0 || area < least * (1 - 1e-9)) {  // the first of nearly equal ones, so that rounding does not choose
-      least = area;
-      best = turn;
-    }
-  }
-  return best;
 }
 
 }  // namespace
@@ -126,7 +80,7 @@ void straighten(Layout& layout) {
     for (const std::int32_t q : polygons)
       for (std::int32_t i = layout.start[q]; i < layout.start[q + 1]; ++i) points.push_back(layout.corner(q, i));
     if (points.empty()) continue;
-    Rigid rigid{best_turn(points), Vec2::Zero()};
+    Rigid rigid{least_box_turn(points), Vec2::Zero()};
     Vec2 low = rigid(points[0]);
     for (const Vec2& p : points) low = low.cwiseMin(rigid(p));
     rigid.shift = -low;

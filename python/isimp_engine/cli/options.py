@@ -27,6 +27,9 @@ _NEEDS = {
 _FLAGS: dict[tuple[Options, str], str] = {(RegulariseOptions, "angle"): "regularise"}
 
 
+KEEP_CLUTTER, LEAVE_OUT_CLUTTER, BOX_CLUTTER = CLUTTER = ("keep", "leave-out", "box")
+
+
 def simplify_options() -> argparse.ArgumentParser:
     """The options that apply to any scan, for all commands that simplify."""
     command = argparse.ArgumentParser(add_help=False)
@@ -47,6 +50,13 @@ def simplify_options() -> argparse.ArgumentParser:
     )
     guiding.add_angle(command)
     add_fields(command, MeshingOptions, ("planar", "straight_rims"))
+    command.add_argument(
+        "--clutter",
+        choices=CLUTTER,
+        default=CLUTTER[0],
+        help="the treatment of regions that take more than 8 polygons each, such as foliage: they are kept, left out, "
+        "or boxes replace them. Default: %(default)s",
+    )
     turned = "snap planes: level, upright, parallel, coplanar; each turns by at most ANGLE degrees. Default: %(const)s"
     angle = RegulariseOptions().angle
     command.add_argument("--regularise", type=float, nargs="?", const=angle, metavar="ANGLE", help=turned)

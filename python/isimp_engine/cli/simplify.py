@@ -24,7 +24,7 @@ from .. import (
     exporting,
     regularise,
 )
-from ..clutter import clutter
+from ..clutter import Clutter, clutter, without_clutter
 from ..drafts import save_array
 from ..guided import Guides, partition_guided
 from ..openings import Lengths
@@ -34,7 +34,7 @@ from . import closing, guiding, lods, texturing, words
 from .errors import UsageError
 from .files import STDOUT, Outputs, check, is_same, show
 from .loading import Cleaned, Input, clean_mesh, close_mesh, facts, labels, load
-from .options import options_of
+from .options import BOX_CLUTTER, KEEP_CLUTTER, options_of
 from .progress import Steps, wanted
 
 
@@ -98,6 +98,7 @@ class Model(Regions):
     """The regions of a scan, as they are after meshing, and their polygons."""
 
     found: Within
+    clutter: list[Clutter]  #: regions that took many polygons; with --clutter they are left out since
 
 
 def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Regions:
@@ -161,7 +162,12 @@ def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, clean
         edited = made.regular is not None or (recipe is not None and recipe.edits)
         anew = None if edited else Made(arguments.options, made.guides)
         found = polygonize_within(made.mesh, made.partition, made.meshing, job, anew)
-    return Model(**vars(made) | {"partition": found.partition}, found=found)
+    many = clutter(found.polygons)
+    if many and arguments.clutter != KEEP_CLUTTER:
+        with steps("mesh") as job, refused(arguments):
+            part = without_clutter(made.mesh, found.partition, many, arguments.clutter == BOX_CLUTTER)
+            found = polygonize_within(made.mesh, part, made.meshing, job)
+    return Model(**vars(made) | {"partition": found.partition}, found=found, clutter=many)
 
 
 def _make(
@@ -208,6 +214,7 @@ def _make(
         | {
             "clean": (closed or arguments.clean).as_dict(),
             "keep_openings": closing.kept_places(arguments),
+            "clutter": arguments.clutter,
             "meshing": model.meshing.as_dict(),
             "guides": guiding.as_dict(arguments),
             "recipe": recipe and recipe.values,
@@ -220,7 +227,7 @@ def _make(
         "curved": part.report["curved"],
         "expected": model.expected,
         "output": {"path": str(arguments.output)} | model.found.report,
-        "clutter": [each.as_dict() for each in clutter(poly)],
+        "clutter": [each.as_dict() for each in model.clutter],
         "validity": exporting.validity(poly, surfaces=surfaces),
         "step": step,
         "texture": None if made is None else made.report | {"files": [str(path) for path in written[1:]]},
@@ -305,7 +312,7 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     yield words.flat(out, mesh["diagonal"], sum(report["seconds"].values()))
     if more := words.more_than_regions(out):
         yield f"  {more}"
-    if many := words.clutter(report["clutter"]):
+    if many := words.clutter(report["clutter"], report["options"]["clutter"]):
         yield f"  {many}"
     if straight := words.rims(out, mesh["area"]):
         yield f"  {straight}"

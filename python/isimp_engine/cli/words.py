@@ -91,7 +91,7 @@ def repairs(counts: dict[str, int], where: dict[str, list[int]]) -> Iterator[str
 
 def more_than_regions(out: dict[str, Any]) -> str:
     """`61 more than regions: 40 at holes, 21 to keep them flat and apart`; "" where there are no more."""
-    more = out["polygons"] - out["regions"]
+    more = out["polygons"] - out["regions"] - 6 * out["boxes"]
     if more <= 0:
         return ""
     reasons = {
@@ -105,14 +105,19 @@ def more_than_regions(out: dict[str, Any]) -> str:
     return f"{more:,} more than regions: {why}"
 
 
-def clutter(found: list[dict[str, Any]]) -> str:
-    """`clutter: 2 regions take 35 polygons, the worst 21, at 1.2,0.4,0.9`; "" where no region takes many."""
+def clutter(found: list[dict[str, Any]], treated: str) -> str:
+    """`clutter: 2 regions take 35 polygons, the worst 21, at 1.2,0.4,0.9`; "" where no region takes many.
+
+    treated: the value of --clutter.
+    """
     if not found:
         return ""
     taken, worst = sum(each["polygons"] for each in found), found[0]
     at = ",".join(f"{number:.4g}" for number in worst["center"])
-    take = "takes" if len(found) == 1 else "take"
-    return f"clutter: {count(len(found), 'region')} {take} {taken:,} polygons, the worst {worst['polygons']:,}, at {at}"
+    does = "takes" if len(found) == 1 else "take"
+    if treated != "keep":
+        does = "left out, with" if treated == "leave-out" else "replaced by boxes, with"
+    return f"clutter: {count(len(found), 'region')} {does} {taken:,} polygons, the worst {worst['polygons']:,}, at {at}"
 
 
 def expected(counts: dict[str, int]) -> str:

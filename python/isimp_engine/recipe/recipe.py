@@ -49,12 +49,13 @@ class Recipe:
 
     def _last_lock(self) -> int:
         """The index of the last step that changes which regions are locked; -1 if none is locked after it."""
-        locked, last = set(), -1
+        locked: set[int] = set()
+        last = -1
         for index, step in self.active():
-            if type(step) is LockRegions:
-                locked |= set(step.faces)
-            elif isinstance(step, UnlockRegions):
+            if isinstance(step, UnlockRegions):
                 locked -= set(step.faces)
+            elif isinstance(step, LockRegions):  # and LeaveOutRegions
+                locked |= set(step.faces)
             elif isinstance(step, PaintFaces) and step.lock:
                 locked.add(step.faces[0] if step.onto < 0 else step.onto)
             else:

@@ -275,6 +275,17 @@ class UnlockRegions(LockRegions):
 
 
 @dataclass(frozen=True)
+class LeaveOutRegions(LockRegions):
+    """Make no polygons of the regions of some faces, and protect them from all later steps."""
+
+    box: bool = False  #: a box replaces each group of adjacent regions
+
+    def describe(self) -> str:
+        what = "Replace by boxes" if self.box else "Leave out"
+        return f"{what} the regions at {count_faces(self.faces)}"
+
+
+@dataclass(frozen=True)
 class AddWorst(Step):
     """Add regions at the places of largest error."""
 
@@ -364,6 +375,7 @@ KINDS |= {
     GrowRegion: "grow",
     ShrinkRegion: "shrink",
     LockRegions: "lock",
+    LeaveOutRegions: "leave_out",
     UnlockRegions: "unlock",
     AddWorst: "add_worst",
     DeleteLeast: "delete_least",

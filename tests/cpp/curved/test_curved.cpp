@@ -359,7 +359,7 @@ TEST(Curved, LockedCellsAreNotCutAgain) {
   const Partition part = split(mesh, true);
   Job job;
   const std::vector<std::int32_t> face = {face_of_patch(part)};
-  const Partition locked = set_locked(mesh, part, face, true);
+  const Partition locked = set_locked(mesh, part, face, kLocked);
   EXPECT_THROW(with_segments(mesh, locked, face[0], 20, 0, job), InvalidInput);
   EXPECT_THROW(explode_round(mesh, locked, face[0], job), InvalidInput);
 }

@@ -287,7 +287,7 @@ TEST(Lock, KeepsFacesThroughEveryEdit) {
   Job job;
   Partition p = run(ball(), 40);
   const Faces seeds{p.region_seed[3], p.region_seed[17]};
-  p = set_locked(ball(), p, seeds, true);
+  p = set_locked(ball(), p, seeds, kLocked);
   const std::set<Faces> locked{faces_of(p, 3), faces_of(p, 17)};
   const auto expect_kept = [&](const Partition& after) {
     expect_sound(ball(), after);
@@ -314,10 +314,24 @@ TEST(Lock, KeepsFacesThroughEveryEdit) {
   expect_kept(add_worst(ball(), p, 10, job));
   expect_kept(delete_least(ball(), p, 10, job));
   expect_kept(merge_cheapest(ball(), p, 10, job));
-  EXPECT_TRUE(set_locked(ball(), p, seeds, false).region_locked.empty());
+  EXPECT_TRUE(set_locked(ball(), p, seeds, 0).region_locked.empty());
   const Partition grown = paint_faces(ball(), p, disc(ball(), seeds[0], 12), seeds[0], job);  // onto it is allowed
   EXPECT_EQ(grown.region_locked[grown.face_region[seeds[0]]], 1);
   EXPECT_GT(grown.region_sum[grown.face_region[seeds[0]]].faces, p.region_sum[3].faces);
+}
+
+TEST(Lock, OfALeftOutRegionKeepsItLeftOut) {
+  const Partition p = run(ball(), 40);
+  const Faces seed{p.region_seed[3]}, other{p.region_seed[7]};
+  const Partition out = set_locked(ball(), p, seed, kLeftOut);
+  EXPECT_TRUE(out.is_left_out(3));
+  EXPECT_TRUE(set_locked(ball(), out, seed, kLocked).is_left_out(3));
+  EXPECT_EQ(set_locked(ball(), set_locked(ball(), out, other, kLocked), seed, 0).region_locked[7], kLocked);
+  EXPECT_EQ(message_of([&] { set_locked(ball(), p, {}, kLeftOut); }),
+            "there is no face: name one of each region to leave out");
+  Job job;
+  EXPECT_EQ(message_of([&] { add_proxy(ball(), out, seed[0], job); }),
+            "the region of face " + std::to_string(seed[0]) + " is locked: unlock it first");
 }
 
 TEST(Heuristics, AddAtTheWorstAndDeleteTheLeast) {
@@ -410,7 +424,7 @@ TEST(EvenBorders, StraightensAToothedBorderOnAFlatSideAndLeavesCreases) {
   EXPECT_LE(border_edges(mesh, even) - border_edges(mesh, sides), 12 + 3);
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
     EXPECT_TRUE(middle(mesh, f).z() > 1 - 1e-9 || even.face_region[f] == sides.face_region[f]) << f;
-  const Partition locked = set_locked(mesh, toothed, Faces{half[0]}, true);
+  const Partition locked = set_locked(mesh, toothed, Faces{half[0]}, kLocked);
   EXPECT_EQ(even_borders(mesh, locked, 1.0, job).face_region, toothed.face_region);
 }
 

@@ -255,8 +255,9 @@ TEST(Polygonize, BadInputIsNamed) {
   p = labelled::single(mesh);
   p.face_region[4] = 7;
   EXPECT_EQ(message_of(mesh, p), "face 4 is in region 7, but there are 1 regions");
-  p.face_region[4] = kNone;
-  EXPECT_NE(message_of(mesh, p).find("only whole parts can be left out"), std::string::npos);
+  p = labelled::single(mesh);
+  p.region_locked = {kLeftOut};
+  EXPECT_EQ(message_of(mesh, p), "all regions are left out: there is nothing to make polygons of");
   MeshingOptions options;
   options.reach = -1;
   EXPECT_EQ(message_of(mesh, labelled::single(mesh), options), "reach must be in [0, 1], got -1");

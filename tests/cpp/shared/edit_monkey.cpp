@@ -212,7 +212,11 @@ std::vector<Edit> brush_edits() {
          if (std::string wrong = count_is(after, a.before.region_count()); !wrong.empty()) return wrong;
          return changed_only(a, after, kNone, [&](auto from, auto) { return from == a.region; });
        }},
-      {"lock", [](Act& a) { return set_locked(a.mesh, a.before, std::vector{a.face}, a.random() % 4 != 0); },
+      {"lock",
+       [](Act& a) {
+         return set_locked(a.mesh, a.before, std::vector{a.face},
+                           std::array{std::uint8_t{0}, kLocked, kLocked, kLeftOut}[a.random() % 4]);
+       },
        [](const Act& a, const Partition& after) {
          return changed_only(a, after, kNone, [](auto, auto) { return false; });
        },
@@ -438,7 +442,7 @@ void run_all(const Mesh& mesh, const std::string& name, const std::vector<double
   for (int k = 0; k < 5; ++k) faces.push_back(below(random, static_cast<std::size_t>(mesh.face_count())));
   std::erase_if(faces, [&](std::int32_t f) { return last->face_region[f] == kNone; });
   if (faces.empty()) return;
-  const Partition locked = set_locked(mesh, *last, faces, true);
+  const Partition locked = set_locked(mesh, *last, faces, kLocked);
   Constraints constraints;
   constraints.before = &locked;
   try_it("locked", plain, constraints);

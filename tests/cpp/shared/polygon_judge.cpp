@@ -8,6 +8,8 @@
 #include <set>
 #include <vector>
 
+#include "isimp/mesh/part_of.h"
+
 namespace isimp::judge {
 
 std::vector<Loop> polygons_of(const PolygonMesh& mesh) {
@@ -133,16 +135,16 @@ Verdict look_at(const PolygonMesh& mesh) {
 std::string faults_against(const PolygonMesh& mesh, const Mesh& scan, const Partition& partition) {
   Verdict v = look_at(mesh);
   // The kept part of the scan, as polygons of its own.
+  std::vector<std::int32_t> faces;
+  for (std::int32_t f = 0; f < scan.face_count(); ++f)
+    if (partition.kept_region(f) != kNone) faces.push_back(f);
+  Job job;
+  const Mesh part = part_of(scan, faces, job);
   PolygonMesh kept;
-  std::map<std::int32_t, std::int32_t> index;
-  for (std::int32_t f = 0; f < scan.face_count(); ++f) {
-    if (partition.face_region[f] == kNone) continue;
+  kept.vertices.assign(part.vertices().begin(), part.vertices().end());
+  for (const Triangle& t : part.triangles()) {
     kept.loop_start.push_back(static_cast<std::int32_t>(kept.loops.size()));
-    for (const std::int32_t i : scan.triangles()[f]) {
-      const auto [at, fresh] = index.emplace(i, static_cast<std::int32_t>(kept.vertices.size()));
-      if (fresh) kept.vertices.push_back(scan.vertices()[i]);
-      kept.loops.push_back(at->second);
-    }
+    kept.loops.insert(kept.loops.end(), t.begin(), t.end());
   }
   Verdict s;
   look_at_edges(kept, polygons_of(kept), s);

@@ -14,6 +14,7 @@
 
 #include "isimp/interact/lock.h"
 #include "isimp/mesh/clean.h"
+#include "isimp/mesh/part_of.h"
 #include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
 #include "shapes.h"
@@ -53,7 +54,7 @@ std::int64_t inside(const Mesh& mesh, const Partition& part, const std::vector<V
 Partition with_locked(const Mesh& mesh, const PartitionOptions& options, int count) {
   Job job;
   const Partition part = partition(mesh, options, job);
-  return set_locked(mesh, part, std::span(part.region_seed).first(count), true);
+  return set_locked(mesh, part, std::span(part.region_seed).first(count), kLocked);
 }
 
 std::vector<std::int32_t> faces_of(const Partition& part, std::int32_t region) {
@@ -86,33 +87,6 @@ TEST(Edges, OfACubeAreEighteenAndTwelveOfThemSharp) {
   EXPECT_EQ(sharp_edges(mesh, 1.6, job).size(), 0U);
   EXPECT_EQ(message_of([&] { (void)sharp_edges(mesh, -1, job); }), "angle must be in [0, pi], got -1");
   EXPECT_EQ(message_of([&] { (void)sharp_edges(mesh, NAN, job); }), "angle must be in [0, pi], got nan");
-}
-
-/// Sheets in one place are not one surface as a whole, and no part of them may become one.
-TEST(Parts, KeepAllFacesAndJoinNoOthers) {
-  Job job;
-  const shapes::Arrays sheet = shapes::plane(1);
-  const Mesh mesh = shapes::mesh(shapes::both(shapes::both(sheet, sheet, Vec3::Zero()), shapes::cube(2), {2, 0, 0}));
-  std::vector<std::int32_t> all(static_cast<std::size_t>(mesh.face_count()));
-  std::iota(all.begin(), all.end(), 0);
-  const Mesh same = part_of(mesh, all, job);
-  EXPECT_EQ(same.face_count(), mesh.face_count());
-  EXPECT_EQ(same.component_count(), 3);
-  // Two faces of the cube that share a vertex alone, one of them named twice.
-  const std::int32_t first = 4, at = mesh.triangles()[first][0];
-  std::int32_t other = first;
-  const auto shared = [&](std::int32_t f) {
-    const Triangle &a = mesh.triangles()[first], &b = mesh.triangles()[f];
-    return std::ranges::count_if(a, [&](std::int32_t v) { return std::ranges::count(b, v) > 0; });
-  };
-  for (std::int32_t f = first + 1; f < mesh.face_count(); ++f)
-    if (std::ranges::count(mesh.triangles()[f], at) > 0 && shared(f) == 1) other = f;
-  ASSERT_NE(other, first);
-  const Mesh two = part_of(mesh, std::vector{other, first, other}, job);
-  EXPECT_EQ(two.face_count(), 2);
-  EXPECT_EQ(two.vertex_count(), 6);
-  EXPECT_EQ(two.source_face()[1], 1);
-  EXPECT_EQ(std::ranges::count(two.source_vertex(), at), 2);
 }
 
 TEST(Edges, ThatWereMarkedAreFoundAgainInAPartOfTheMesh) {
@@ -258,11 +232,21 @@ TEST(Constraints, SpecksAreLeftOutNextToLockedRegionsAsWithoutThem) {
   const Mesh mesh = checks::cube_and_speck();
   const Partition base = partition(mesh, {.proxies = 6}, job);
   ASSERT_EQ(base.parts_left_out, 1);
-  const Partition before = set_locked(mesh, base, std::span(base.region_seed).first(1), true);
+  const Partition before = set_locked(mesh, base, std::span(base.region_seed).first(1), kLocked);
   const Partition part = run(mesh, {.proxies = 6}, {.before = &before});
   EXPECT_EQ(part.region_count(), 6);
   EXPECT_EQ(faces_of(part, kNone), faces_of(base, kNone));
   EXPECT_EQ(run(mesh, {.proxies = 12, .leave_out = 0}, {.before = &before}).region_count(), 12);
+}
+
+TEST(Constraints, ANumberDoesNotCountRegionsThatAreLeftOut) {
+  const Mesh& mesh = bumpy();
+  Job job;
+  const Partition base = partition(mesh, {.proxies = 20}, job);
+  const Partition before = set_locked(mesh, base, std::span(base.region_seed).first(2), kLeftOut);
+  const Partition part = run(mesh, {.proxies = 30}, {.before = &before});
+  EXPECT_EQ(part.region_count(), 32);
+  EXPECT_EQ(std::ranges::count(part.region_locked, kLeftOut), 2);
 }
 
 /// Constraints of every kind together.

@@ -184,7 +184,7 @@ TEST(Symmetry, StaysWhenRegionsAreEdited) {
 TEST(Symmetry, KeepsLockedRegions) {
   Job job;
   const Mesh mesh = shapes::mesh(figure());
-  const Partition before = set_locked(mesh, split(mesh, {.proxies = 60}), std::vector<std::int32_t>{100}, true);
+  const Partition before = set_locked(mesh, split(mesh, {.proxies = 60}), std::vector<std::int32_t>{100}, kLocked);
   const Partition part = Partitioner(mesh).run({.proxies = 60, .symmetry = Symmetry::x}, {.before = &before}, job);
   ASSERT_TRUE(part.symmetry);
   const std::int32_t old = before.face_region[100], now = part.face_region[100];

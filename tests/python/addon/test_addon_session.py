@@ -157,6 +157,7 @@ EDITS = [
     rcp.GrowRegion(face=3, rings=2),
     rcp.ShrinkRegion(face=3),
     rcp.LockRegions(faces=(3, 200)),
+    rcp.LeaveOutRegions(faces=(3, 200)),
     rcp.AddWorst(times=3),
     rcp.DeleteLeast(times=2),
     rcp.MergeCheapest(times=2),

@@ -127,6 +127,32 @@ def test_a_locked_region_stays(parted):
     assert count() == 7
 
 
+def test_a_region_is_left_out_and_restored(parted):
+    bpy.ops.isimp.leave_out(face=0)
+    assert store.numbers(scan())["regions_left_out"] == 1
+    assert store.numbers(scan())["locked"] == 0
+    bpy.ops.isimp.mesh()
+    assert len(scans.result().data.polygons) == 5
+    bpy.ops.isimp.leave_out(face=0, box=True)
+    bpy.ops.isimp.mesh()
+    assert len(scans.result().data.polygons) == 5 + 6
+    bpy.ops.isimp.partition(proxies=7)
+    assert (count(), store.numbers(scan())["regions_left_out"]) == (8, 1), "a number does not count it"
+    bpy.ops.isimp.lock(face=0, unlock=True)
+    assert "regions_left_out" not in store.numbers(scan())
+
+
+def test_clutter_is_selected_where_polygons_show_it(parted):
+    with pytest.raises(RuntimeError, match="press Mesh first"):
+        bpy.ops.isimp.select_by(by="CLUTTER")
+    bpy.ops.isimp.mesh()
+    bpy.context.view_layer.objects.active = scan()
+    bpy.ops.isimp.select_by(by="CLUTTER")
+    assert scan().mode == "EDIT"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert not any(polygon.select for polygon in scan().data.polygons), "a cube has no clutter"
+
+
 def test_a_painted_step_can_be_changed_afterwards(parted):
     bpy.ops.isimp.paint_faces(painted="-1:0,1,2,3")
     bpy.ops.isimp.partition(proxies=6)

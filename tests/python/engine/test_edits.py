@@ -52,6 +52,7 @@ EDITS = {
     "even": lambda mesh, part, face, size: engine.even_borders(mesh, part, size / 5),
     "lock": lambda mesh, part, face, size: engine.lock_regions(mesh, part, np.array([face])),
     "unlock": lambda mesh, part, face, size: engine.unlock_regions(mesh, part, np.array([face])),
+    "leave out": lambda mesh, part, face, size: engine.leave_out_regions(mesh, part, np.array([face])),
 }
 step = st.tuples(st.sampled_from(sorted(EDITS)), st.integers(0, 799), st.integers(1, 5))
 
@@ -104,6 +105,27 @@ def test_paint_takes_just_the_faces_and_can_be_locked(mesh, part):
     for face in stroke[:3]:
         with pytest.raises(engine.InvalidInput, match=f"the region of face {face} is locked: unlock it first"):
             engine.delete_proxy(mesh, locked, int(face))
+
+
+def test_no_polygon_is_made_of_a_region_that_is_left_out():
+    mesh = engine.Mesh(*shapes.cube(6))
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=6))
+    without = engine.leave_out_regions(mesh, part, np.array([0]))
+    out = int(part.face_region[0])
+    assert without.region_left_out.tolist() == [region == out for region in range(6)]
+    assert without.region_locked.tolist() == without.region_left_out.tolist()
+    polygons = engine.polygonize(mesh, without)
+    assert sorted(polygons.polygon_region) == [region for region in range(6) if region != out]
+    assert (polygons.report["closed"], polygons.report["manifold"]) == (False, True)
+    away = engine.within.scan_distances(mesh, without, polygons)
+    inside = np.setdiff1d(mesh.triangles[part.face_region == out], mesh.triangles[part.face_region != out])
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(away)), inside)
+    again = engine.partition_from(mesh, np.where(part.face_region == out, -1, part.face_region))
+    same = engine.polygonize(mesh, again)  # its regions have other numbers
+    np.testing.assert_allclose(np.unique(same.vertices, axis=0), np.unique(polygons.vertices, axis=0), atol=1e-12)
+    back = engine.unlock_regions(mesh, without, np.array([0]))
+    assert not back.region_left_out.any()
+    assert engine.polygonize(mesh, back).report["closed"]
 
 
 def test_a_cut_parts_faces_by_the_side_of_the_line():

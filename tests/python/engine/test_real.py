@@ -295,15 +295,29 @@ def test_regions_of_many_polygons_are_clutter():
     assert np.abs(np.array(found.center) - [0.5, 0.5, 0]).max() < 0.1
 
 
-def test_the_report_names_clutter(tmp_path, capsys):
+def test_the_command_names_clutter_and_leaves_it_out_or_boxes_it(tmp_path, capsys):
     wall, faces = real_scans.sheet((0, 0, 0), (1, 0, 0), (0, 1, 0), 120, 120)
     cell = np.floor(wall[faces].mean(1) * 40).astype(int)
-    real.write_ply(tmp_path / "scan.ply", wall, faces[~((cell[:, 0] % 4 == 2) & (cell[:, 1] % 4 == 2))])
-    out, report = tmp_path / "out.obj", tmp_path / "report.json"
-    assert main(["simplify", str(tmp_path / "scan.ply"), str(out), "--proxies", "1", "--report", str(report)]) == 0
-    told = json.loads(report.read_text())
-    assert [each["polygons"] for each in told["clutter"]] == [told["output"]["polygons"]]
-    assert f"clutter: 1 region takes {told['output']['polygons']} polygons" in capsys.readouterr().out
+    sieve = faces[~((cell[:, 0] % 4 == 2) & (cell[:, 1] % 4 == 2))]
+    real.write_ply(tmp_path / "scan.ply", *joined((wall, sieve), (wall + [3, 0, 0], faces)))
+    report = tmp_path / "report.json"
+
+    def run(*more):
+        given = ["simplify", str(tmp_path / "scan.ply"), str(tmp_path / "out.obj"), "--report", str(report)]
+        assert main([*given, "--proxies", "2", "--keep-openings", *more]) == 0
+        return json.loads(report.read_text()), capsys.readouterr().out
+
+    told, said = run()
+    (found,) = told["clutter"]
+    assert found["polygons"] == told["output"]["polygons"] - 1
+    assert f"clutter: 1 region takes {found['polygons']} polygons" in said
+    told, said = run("--clutter", "leave-out")
+    assert (told["output"]["polygons"], told["clutter"]) == (1, [found])
+    assert f"clutter: 1 region left out, with {found['polygons']} polygons" in said
+    told, said = run("--clutter", "box")
+    assert (told["output"]["polygons"], told["output"]["boxes"]) == (7, 1)
+    assert "replaced by boxes" in said
+    assert "more than regions" not in said
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -80,7 +80,7 @@ class ISIMP_OT_lock(_Edit, bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        free = said("Allow changes to the regions of the selected faces again")
+        free = said("Allow changes to the regions of the selected faces again, and make polygons of those left out")
         return free if properties.unlock else said(cls.__doc__)
 
     def wanted(self, context, scan):
@@ -89,6 +89,25 @@ class ISIMP_OT_lock(_Edit, bpy.types.Operator):
 
     def told(self, before, numbers):
         return messages.locked(numbers)
+
+
+class ISIMP_OT_leave_out(_Edit, bpy.types.Operator):
+    """Make no polygons of the regions of the selected faces, such as a table or clutter; Unlock restores them"""
+
+    bl_idname = "isimp.leave_out"
+    bl_label = "Leave Out Regions"
+    adjusted = ("box",)
+
+    may_be_all = True
+
+    box: BoolProperty(name="Box", description="A box replaces each group of adjacent regions", options={"SKIP_SAVE"})
+
+    def wanted(self, context, scan):
+        step = rcp.LeaveOutRegions(faces=tuple(self.each(scan)), box=self.box)
+        return pending.recipe_of(context, scan).then(step)
+
+    def told(self, before, numbers):
+        return messages.left_out(numbers)
 
 
 class ISIMP_OT_grow(_Edit, bpy.types.Operator):
@@ -273,6 +292,7 @@ CLASSES = (
     ISIMP_OT_merge,
     ISIMP_OT_split,
     ISIMP_OT_lock,
+    ISIMP_OT_leave_out,
     ISIMP_OT_grow,
     ISIMP_OT_paint_faces,
     ISIMP_OT_cut_region,

@@ -1,4 +1,4 @@
-"""Regions selected by what they are like: small, not flat, or turned to a side."""
+"""Regions selected by what they are like: small, not flat, turned to a side, or of many polygons."""
 
 import bpy
 import numpy as np
@@ -8,13 +8,14 @@ from ... import messages
 from ... import recipe as rcp
 from ...engine import engine
 from ...language import said
+from ...session import StepFailed
 from .. import reading
-from ..scene import mesh_io, selection, store, targets
+from ..scene import mesh_io, runtime, selection, store, targets
 from ..work.selecting import SelectOperator
 
 
 class ISIMP_OT_select_by(SelectOperator, bpy.types.Operator):
-    """Select the faces of all regions that are small, bent, or turned to a side"""
+    """Select the faces of all regions that are small, bent, turned to a side, or take many polygons"""
 
     bl_idname = "isimp.select_by"
     bl_label = "Select Regions By"
@@ -25,6 +26,7 @@ class ISIMP_OT_select_by(SelectOperator, bpy.types.Operator):
             ("SIZE", "Small", "Regions below a share of the area"),
             ("FLATNESS", "Bent", "Regions whose normals differ by more than an angle on average"),
             ("DIRECTION", "Facing", "Regions that face a direction, up to an angle"),
+            ("CLUTTER", "Clutter", "Regions that take more than 8 polygons each, such as foliage. Press Mesh first"),
         ),
     )
     share: FloatProperty(
@@ -51,7 +53,8 @@ class ISIMP_OT_select_by(SelectOperator, bpy.types.Operator):
         layout = self.layout
         layout.use_property_split = True
         layout.prop(self, "by")
-        layout.prop(self, "share" if self.by == "SIZE" else "angle")
+        if self.by != "CLUTTER":
+            layout.prop(self, "share" if self.by == "SIZE" else "angle")
         if self.by == "DIRECTION":
             layout.prop(self, "direction")
         layout.prop(self, "extend")
@@ -61,7 +64,13 @@ class ISIMP_OT_select_by(SelectOperator, bpy.types.Operator):
         recipe = store.load(scan) or rcp.Recipe()
         arrays = reading.read(context, scan, recipe.layers())
         regions = reading.regions(scan, arrays, recipe)
-        chosen = self.chosen(scan, arrays, regions)
+        if self.by == "CLUTTER":
+            chosen = _cluttered(arrays, recipe)
+            if chosen is None:
+                self.report({"ERROR"}, said("No polygons show which regions are clutter: press Mesh first."))
+                return None
+        else:
+            chosen = self.chosen(scan, arrays, regions)
         faces = np.append(chosen, False)[regions]
         if self.extend:
             faces[selection.selected_faces(scan)] = True
@@ -89,6 +98,19 @@ class ISIMP_OT_select_by(SelectOperator, bpy.types.Operator):
         wanted = np.array(self.direction, np.float64) @ place  # a rotation, or one with a mirror
         wanted /= max(np.linalg.norm(wanted), 1e-30)
         return there & (normal @ wanted > length * np.cos(self.angle))
+
+
+def _cluttered(arrays, recipe) -> np.ndarray | None:
+    """(R,) bool; None: the recipe makes no polygons."""
+    try:
+        outcome = runtime.get().session.replay(arrays, recipe)
+    except StepFailed:
+        return None
+    if outcome.polygons is None:
+        return None
+    chosen = np.zeros(outcome.partition.region_count, bool)
+    chosen[[each.region for each in engine.clutter.clutter(outcome.polygons)]] = True
+    return chosen
 
 
 CLASSES = (ISIMP_OT_select_by,)

@@ -40,6 +40,7 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         sizes[1].shrink = True
         locks = _row(context, column, ("isimp.lock", "Lock", "LOCKED"), ("isimp.lock", "Unlock", "UNLOCKED"))
         locks[1].unlock = True
+        column.operator("isimp.leave_out", text="Leave Out", icon="GHOST_DISABLED")
         column.operator("isimp.paint_faces", text="From Selection", icon="BRUSH_DATA")
         row = side_by_side(context, layout, "Select", "By Error")
         row.menu("ISIMP_MT_select", text="Select")
@@ -47,6 +48,9 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         locked = store.numbers(scan).get("locked", 0)
         if locked:
             layout.label(text=messages.locked({"locked": locked}), icon="LOCKED")
+        away = store.numbers(scan).get("regions_left_out", 0)
+        if away:
+            layout.label(text=messages.left_out({"regions_left_out": away}), icon="GHOST_DISABLED")
 
 
 def _chosen(scan) -> str:
@@ -64,6 +68,14 @@ def _row(context, column, *buttons) -> list:
     return [row.operator(operator, text=name, icon=icon) for operator, name, icon in buttons]
 
 
+_SELECT_BY = (
+    ("SIZE", "Select Small"),
+    ("FLATNESS", "Select Bent"),
+    ("DIRECTION", "Select Level"),
+    ("CLUTTER", "Select Clutter"),
+)
+
+
 class ISIMP_MT_select(bpy.types.Menu):
     """Select regions by size, flatness or direction"""
 
@@ -71,7 +83,7 @@ class ISIMP_MT_select(bpy.types.Menu):
 
     def draw(self, context):
         self.layout.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
-        for by, name in (("SIZE", "Select Small"), ("FLATNESS", "Select Bent"), ("DIRECTION", "Select Level")):
+        for by, name in _SELECT_BY:
             self.layout.operator("isimp.select_by", text=name).by = by
 
 

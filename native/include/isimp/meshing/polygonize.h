@@ -88,6 +88,7 @@ struct MeshingReport {
   bool repair_capped = false;  ///< a remaining flaw needs more splits than repair_budget allows
   PlanarReport planar;
   RimReport rims;
+  std::int32_t boxes = 0;          ///< boxes that replace regions; `polygons`, `corners`, `vertices` count them
   std::int32_t planes_let_go = 0;  ///< size of PolygonMesh::planes_let_go
   bool operator==(const MeshingReport&) const = default;
 };
@@ -112,11 +113,14 @@ struct PolygonMesh {
   }
 };
 
-/// Turns the regions of a partition into polygons that meet edge to edge.
+/// Turns the regions of a partition into polygons that meet edge to edge. Where faces without a region, or of a region
+/// that is left out, border others, the polygons end there as at a border of the scan. Boxes that replace regions follow the
+/// polygons of the others.
 ///
 /// \param moments  (F) moments of the surface that each face of a thinned mesh stands for (tiles/thin.h), in the mesh's
 ///                 own coordinates; planes are fitted to them. Empty: the moments of the faces
-/// \throws InvalidInput  the partition is not one of this mesh; not F moments; an option out of its range
+/// \throws InvalidInput  the partition is not one of this mesh; not F moments, or moments with such faces; an option out
+///                       of its range; all regions are left out
 /// \throws Cancelled     nothing was made
 /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 4.
 PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job,

@@ -37,6 +37,11 @@ constexpr std::uint8_t kPlaneByHand = 2;   ///< set by `align_planes`, which `re
 constexpr std::uint8_t kPlaneFree = 3;     ///< released by `align_planes`: not held, and `regularise` leaves it free
 constexpr std::uint8_t kPlaneRound = 4;    ///< of a cell of a curved patch; `regularise` keeps it
 
+/// Values of Partition::region_locked.
+constexpr std::uint8_t kLocked = 1;   ///< edits do not change the region
+constexpr std::uint8_t kLeftOut = 2;  ///< locked, and no polygon is made of it
+constexpr std::uint8_t kBoxed = 3;    ///< left out, and a box replaces it and adjacent ones of this kind
+
 /// A surface split into connected, near-planar regions.
 struct Partition {
   std::vector<std::int32_t> face_region;  ///< (F) in [0, R); kNone where a speck was left out
@@ -66,7 +71,8 @@ struct Partition {
   std::shared_ptr<const GuidedGraph> guided;  ///< the graph with the guides, so that edits use them too; null without
                                               ///< guides
 
-  std::vector<std::uint8_t> region_locked;  ///< (R) 1 if edits do not change a region; empty: none (interact/lock.h)
+  /// (R) kLocked, kLeftOut or kBoxed where edits do not change a region, else 0; empty: all 0 (interact/lock.h)
+  std::vector<std::uint8_t> region_locked;
 
   /// (R) kPlaneSnapped, kPlaneByHand or kPlaneRound where polygons use the plane of region_normal and region_offset,
   /// kPlaneFree where they never do, else 0; empty: all 0
@@ -82,6 +88,14 @@ struct Partition {
   /// Whether polygons keep to the plane only where it does no harm.
   [[nodiscard]] bool is_snapped(std::int32_t region) const {
     return is_held(region) && region_held[region] != kPlaneByHand;
+  }
+  [[nodiscard]] bool is_left_out(std::int32_t region) const {
+    return !region_locked.empty() && region_locked[region] >= kLeftOut;
+  }
+  /// The region of a face of which polygons are made; kNone if the face has no region or its region is left out.
+  [[nodiscard]] std::int32_t kept_region(std::int32_t face) const {
+    const std::int32_t region = face_region[face];
+    return region == kNone || is_left_out(region) ? kNone : region;
   }
   [[nodiscard]] std::int32_t region_count() const { return static_cast<std::int32_t>(region_seed.size()); }
 };

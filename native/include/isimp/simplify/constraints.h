@@ -36,11 +36,6 @@ struct Constraints {
 std::optional<std::vector<std::int32_t>> open_faces(const Mesh& mesh, const Constraints& constraints,
                                                     std::int32_t proxies, double leave_out, Job& job);
 
-/// Some faces of a mesh as a mesh of their own, without new adjacencies. Its source_face counts in `faces`, its
-/// source_vertex names vertices of the whole mesh.
-/// \throws InvalidInput  no faces, or one out of range (named)
-Mesh part_of(const Mesh& mesh, std::span<const std::int32_t> faces, Job& job);
-
 /// The number of given edges with the same region on both sides. Pairs that are no edges do not count.
 /// \throws InvalidInput  the partition is of another mesh
 std::int64_t inside_regions(const Mesh& mesh, const Partition& partition, std::span<const VertexPair> edges, Job& job);

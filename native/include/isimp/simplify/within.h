@@ -28,7 +28,8 @@ struct DistanceOptions {
   std::int32_t block = 1 << 10;  ///< vertices that a thread takes at a time; the result does not depend on it
 };
 
-/// (V) The distance of each vertex of the scan from the polygons, scene units; NaN where it is in no region.
+/// (V) The distance of each vertex of the scan from the polygons, scene units; NaN where no face of it has a
+/// region of which polygons are made.
 ///
 /// The triangles of its own regions come first; if the distance to them is more than `enough`, all triangles are
 /// searched. So a distance of at most `enough` may be less in truth.

@@ -17,7 +17,7 @@ namespace {
 constexpr std::int32_t kTogether = 8;   ///< most holes that one chain links in the best order; else it links a row
 constexpr std::size_t kMostLoops = 64;  ///< with more, the choice of cuts takes too long
 constexpr double kThrough = 0.1;        ///< cost of the way across a hole, relative to a cut of that length
-constexpr double kLeftOut = 0.3;        ///< cost of a hole that the chain leaves out, in sqrt(area)
+constexpr double kCostLeftOut = 0.3;        ///< cost of a hole that the chain leaves out, in sqrt(area)
 constexpr double kOverlap = 0.5;        ///< least overlap of two holes of a row, as a share of the smaller one
 constexpr double kWide = 0.2;  ///< distance of a path from its straight cut at most, as a share of its length ...
 constexpr double kEdges = 3;   ///< ... but at least this number of edges of the mesh
@@ -27,7 +27,7 @@ constexpr int kTries = 4;      ///< chains that are tried, each without the cuts
 /// A chain of cuts from the outline over holes back to it, as the two ends of each.
 using Chain = std::vector<std::array<LoopPlace, 2>>;
 
-/// The cheapest chain over some holes; holes that cost more than kLeftOut are left out.
+/// The cheapest chain over some holes; holes that cost more than kCostLeftOut are left out.
 class Chains {
  public:
   explicit Chains(const Wall& wall) : wall_(wall) {
@@ -77,7 +77,7 @@ class Chains {
     const auto with = [&](std::size_t set, std::size_t i) { return in_order ? set + 1 : set | std::size_t{1} << i; };
     const auto may_follow = [&](std::size_t set, std::size_t i) { return in_order ? set == i : !(set >> i & 1); };
     std::vector<State> states(sets * n * most);
-    const double left_out = kLeftOut * wall_.size();
+    const double left_out = kCostLeftOut * wall_.size();
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t c = 0; c < wall_.corners(holes[i]).size(); ++c)
         states[index(with(in_order ? i : 0, i), i, c)].price =
