@@ -1,8 +1,9 @@
-"""Dragging the border between two regions; a click instead selects the faces of the region."""
+"""Dragging a border between regions or a corner of several; a click instead selects the faces of the region."""
 
 import bpy
 import numpy as np
 
+from ... import corner_drag
 from ...border_drag import swept
 from ...gestures import is_far
 from ...language import own, said
@@ -12,10 +13,11 @@ from . import under
 from .point import ModalTool, do, miss
 
 _TAKEN = (1.0, 0.85, 0.2, 0.6)
+_NEAR = 12  # pixels from a corner within which a press drags the corner
 
 
 class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
-    """Alt-click: select the faces of the region. Alt-drag: move the border nearest to it by the drag. Esc: cancel"""
+    """Alt-click: select the faces of the region. Alt-drag: move the corner or the border nearest to it. Esc: cancel"""
 
     bl_idname = "isimp.drag_border"
     bl_label = "Drag Border"
@@ -28,7 +30,11 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         if self._hit is None:
             return miss()
         self._from, self._is_dragged = self.place(event), False
-        self._pair, self._faces = None, ()  # the two regions at the border; the faces that the border passes
+        self._pair, self._strokes = None, []  # the two regions at the border; for each region that grows its faces
+        pixel = self._ground.pixel(context.region, context.region_data, self._from, self._hit.place)
+        self._around = self.corner(_NEAR * pixel)
+        if self._around is not None:
+            return self.go(context, own("Drag: move the corner · Release here: select the region · Esc: cancel"))
         return self.go(context, own("Drag: move the border · Release here: select the region · Esc: cancel"))
 
     def modal(self, context, event):
@@ -43,10 +49,8 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
             self.end(context)
             if not self._is_dragged:
                 do("isimp.select_region", face=self._hit.face)
-            elif len(self._faces):
-                start = self._faces[0]
-                joined = self._ground.joined(list(self._faces), start)
-                do("isimp.paint_faces", painted=f"{start}:{','.join(map(str, joined))}")
+            elif self._strokes:
+                do("isimp.paint_faces", painted=";".join(map(self.painted, self._strokes)))
             else:
                 self.report({"INFO"}, said("No border was moved: drag across one into a region that is not locked"))
             return {"FINISHED"}
@@ -55,29 +59,38 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
     def follow(self, event) -> None:
         """Finds and shows the faces that change their region."""
         ground = self._ground
-        triangles = self.moved(event)
-        faces = ground.scan.triangle_face[triangles]
         hover = under.Hover(ground.name, -1, at=self.place(event), stretch=(self._from, self.place(event)))
-        self._faces = tuple(dict.fromkeys(faces.tolist()))
-        if len(triangles):
-            hover.fills.append((ground.points(triangles[ground.label[faces] != ground.label[faces[0]]]), _TAKEN))
+        self._strokes = []
+        for triangles in [self.moved(event)] if self._around is None else self.moved_by_corner(event):
+            faces = ground.scan.triangle_face[triangles]
+            if len(faces):
+                self._strokes.append(tuple(dict.fromkeys(faces.tolist())))
+                hover.fills.append((ground.points(triangles[ground.label[faces] != ground.label[faces[0]]]), _TAKEN))
         runtime.get().hover = hover
         overlay.redraw()
+
+    def painted(self, faces: tuple) -> str:
+        """A stroke of the Paint operator: faces that the region of the first one takes."""
+        return f"{faces[0]}:{','.join(map(str, self._ground.joined(list(faces), faces[0])))}"
+
+    def drag(self, event) -> np.ndarray:
+        """The drag as a vector across the sight, in the scan's space."""
+        place, sight = np.array(self._hit.place), self._ray[1]
+        origin, direction = self.ray(event)
+        moved: np.ndarray = origin + direction * ((place - origin) @ sight / (direction @ sight)) - place
+        return moved
 
     def moved(self, event) -> np.ndarray:
         """The triangles of the growing region, then the triangles that it takes."""
         if self._pair is None and not self.find_pair():
             return np.empty(0, np.int64)
-        ground, place = self._ground, np.array(self._hit.place)
-        origin, direction = self.ray(event)
-        sight = self._ray[1]
-        drag = origin + direction * ((place - origin) @ sight / (direction @ sight)) - place
+        ground, place, drag = self._ground, np.array(self._hit.place), self.drag(event)
         triangles, centers, pairs, ends, near = self._pair
         label = ground.label[ground.scan.triangle_face[triangles]]
         grows = (label == self._hit.region) == bool(drag @ (near - place) > 0)
         if np.isin(label[~grows][:1], ground.locked).any():
             return np.empty(0, np.int64)
-        found = swept(centers, grows, ends, pairs, drag, sight)
+        found = swept(centers, grows, ends, pairs, drag, self._ray[1])
         found = np.concatenate([found[grows[found]], found[~grows[found]]])
         return triangles[found]
 
@@ -94,16 +107,53 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         first = int(np.argmin(np.linalg.norm(ends.mean(axis=1) - place, axis=1)))
         other = int(beside[first].sum()) - region
         ends, near = ends[(beside == other).any(axis=1)], ends[first].mean(axis=0)
-        triangles = np.concatenate([ground.triangles_of(region), ground.triangles_of(other)])
-        corners = scan.vertices[scan.triangles[triangles]].astype(np.float64)
-        toward = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ self._ray[1]
-        seen = toward * toward[np.argmin(np.linalg.norm(corners.mean(axis=1) - place, axis=1))] > 0
-        triangles, corners = triangles[seen], corners[seen]
+        triangles, centers = self.seen((region, other))
         number = np.full(len(scan.triangles), -1)
         number[triangles] = np.arange(len(triangles))
         pairs = number[scan.edges[0]]
-        self._pair = triangles, corners.mean(axis=1), pairs[(pairs >= 0).all(axis=1)], ends, near
+        self._pair = triangles, centers, pairs[(pairs >= 0).all(axis=1)], ends, near
         return True
+
+    def seen(self, regions) -> tuple[np.ndarray, np.ndarray]:
+        """The triangles of some regions that are turned as the one at the press, and (T, 3) their centers."""
+        scan, place = self._ground.scan, np.array(self._hit.place)
+        triangles = np.concatenate([self._ground.triangles_of(region) for region in regions])
+        corners = scan.vertices[scan.triangles[triangles]].astype(np.float64)
+        toward = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ self._ray[1]
+        is_seen = toward * toward[np.argmin(np.linalg.norm(corners.mean(axis=1) - place, axis=1))] > 0
+        return triangles[is_seen], corners[is_seen].mean(axis=1)
+
+    def corner(self, reach: float):
+        """(triangles, what the corner nearest to the press is dragged in); None: no corner is within reach."""
+        ground, scan = self._ground, self._ground.scan
+        faces, edges = ground.between()
+        beside = ground.label[faces]
+        meet = corner_drag.corners(edges, beside)
+        away = np.linalg.norm(scan.vertices[meet] - np.array(self._hit.place), axis=1)
+        if not len(away) or away.min() > reach:
+            return None
+        corner = int(meet[np.argmin(away)])
+        regions = np.unique(beside[(edges == corner).any(axis=1)])
+        regions = regions[regions >= 0]
+        own_edges = np.isin(beside, regions).all(axis=1)
+        triangles, centers = self.seen(regions.tolist())
+        label = ground.label[scan.triangle_face[triangles]]
+        vertices = scan.vertices.astype(np.float64)
+        around = corner_drag.Around(centers, label, vertices, edges[own_edges], beside[own_edges], corner)
+        return triangles, around
+
+    def moved_by_corner(self, event) -> list:
+        """For each region that grows the triangles that it has near the corner, then those that it takes."""
+        ground, (triangles, around), drag = self._ground, self._around, self.drag(event)
+        found, strokes = corner_drag.swept(around, drag, self._ray[1]), []
+        away = np.linalg.norm(around.centers - around.vertices[around.corner], axis=1)
+        for region, passed in found.items():
+            taken = passed[~np.isin(around.label[passed], ground.locked)]
+            home = np.flatnonzero((around.label == region) & (away <= 4 * np.linalg.norm(drag)))
+            if len(taken) and len(home):
+                home = home[np.argsort(away[home], kind="stable")]
+                strokes.append(triangles[np.concatenate([home, taken])])
+        return strokes
 
 
 CLASSES = (ISIMP_OT_drag_border,)

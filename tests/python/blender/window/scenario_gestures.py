@@ -67,11 +67,32 @@ def border(hand):
     same("undone", size_of(0, 0), before)
 
 
+def corner(hand):
+    """An alt-drag that begins at a corner of three regions moves the corner, as one step to undo."""
+    steps_of = np.linspace(-0.5, 0.5, 101)
+    x, z = next(
+        (x, z)
+        for x in steps_of
+        for z in steps_of
+        if len({region_at(x + a, z + b) for a, b in ((0, 0), (0.01, 0), (0, 0.01), (0.01, 0.01))}) > 2
+    )
+    before = {region_at(x + a, z + b) for a in (-0.1, 0, 0.1) for b in (-0.1, 0, 0.1)}
+    there = region_at(x + 0.12, z + 0.06)
+    yield from drag(hand, (x, z), (x + 0.2, z + 0.1), alt=True, shot="gestures-1-corner")
+    same("the corner is moved", last(), "PaintFaces")
+    assert region_at(x + 0.12, z + 0.06) != there
+    assert region_at(x + 0.12, z + 0.06) in before
+    yield from undone_and_redone(hand, "a corner", state)
+    yield from hand.undo()
+    same("undone", region_at(x + 0.12, z + 0.06), there)
+
+
 def split_and_cut(hand):
     yield from tool(hand, "isimp.region_tool.object")
     before = regions()
     yield from chosen(hand)
     yield from border(hand)
+    yield from corner(hand)
     yield from drag(hand, (-0.9, -0.1), (0.9, -0.1), shift=True, shot="gestures-1-cut")
     same("shift-drag cuts", (regions(), last()), (before + 1, "CutRegion"))
     low, high = np.array(steps()[-1].line)

@@ -1,0 +1,83 @@
+"""A corner where three or more regions meet, moved by a drag: the triangles that change their region. numpy only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+_REACH = 3.0  # times the drag: how far along its borders a corner moves them
+
+
+@dataclass(frozen=True)
+class Around:
+    """What a corner is dragged in: the visible triangles of the regions around it, and the borders of these regions."""
+
+    centers: np.ndarray  #: (T, 3) of the triangles
+    label: np.ndarray  #: (T,) regions of the triangles
+    vertices: np.ndarray  #: (V, 3) of the scan
+    edges: np.ndarray  #: (K, 2) vertices of the edges between two of these regions
+    beside: np.ndarray  #: (K, 2) regions of the edges
+    corner: int  #: the vertex where the regions meet
+
+
+def corners(edges: np.ndarray, beside: np.ndarray) -> np.ndarray:
+    """The vertices where three or more regions meet. edges: (K, 2) vertices. beside: (K, 2) regions, -1 for none."""
+    ends = np.repeat(edges.ravel(), 2)
+    pairs = np.stack([ends, np.repeat(beside, 2, axis=0).ravel()], axis=1)
+    found, count = np.unique(np.unique(pairs[pairs[:, 1] >= 0], axis=0)[:, 0], return_counts=True)
+    return found[count >= 3]
+
+
+def swept(around: Around, drag: np.ndarray, sight: np.ndarray) -> dict[int, np.ndarray]:
+    """The triangles that change their region as the corner moves, by the region that takes them.
+
+    Each border from the corner becomes straight up to the point where it is far from the corner, and the triangles
+    between its old and its new line change. Places are compared as seen, without the distance along the sight.
+    drag, sight: (3,) vectors.
+    """
+    axes = np.linalg.svd(sight[None] / np.linalg.norm(sight))[2][1:].T
+    place, step = around.vertices[around.corner] @ axes, drag @ axes
+    far = _REACH * float(np.linalg.norm(step))
+    at = around.centers @ axes
+    near = np.linalg.norm(at - place, axis=1) <= far
+    passed = []  # by border: the region that takes, the one that gives, and the triangles between its two lines
+    for pair in np.unique(np.sort(around.beside, axis=1), axis=0):
+        end = _along(around, pair, far, axes)
+        if end is None:
+            continue
+        sides = [_cross(end - place, at[near & (around.label == region)] - place) for region in pair]
+        if not all(map(len, sides)):
+            continue
+        ahead = int((sides[1].mean() - sides[0].mean()) * _cross(end - place, step) > 0)  # the region in the way
+        passed.append((pair[1 - ahead], pair[ahead], _in_triangle(at, place, place + step, end)))
+    label = around.label.copy()
+    for _ in passed:  # a triangle may be passed by one border after another
+        for taker, giver, inside in passed:
+            label[inside & (label == giver)] = taker
+    changed = np.flatnonzero(label != around.label)
+    return {int(region): changed[label[changed] == region] for region in np.unique(label[changed])}
+
+
+def _along(around: Around, pair: np.ndarray, far: float, axes: np.ndarray) -> np.ndarray | None:
+    """(2,) the last point near enough of the border of two regions, from the corner on; None: no such border."""
+    edges = around.edges[(np.sort(around.beside, axis=1) == pair).all(axis=1)]
+    place, now, before = around.vertices[around.corner] @ axes, around.corner, -1
+    while True:
+        ends = edges[(edges == now).any(axis=1)]
+        others = [int(b if a == now else a) for a, b in ends]
+        ahead = [v for v in others if v not in (before, around.corner)]
+        if not ahead or np.linalg.norm(around.vertices[now] @ axes - place) >= far:
+            return None if now == around.corner else around.vertices[now] @ axes
+        before, now = now, ahead[0]
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    found: np.ndarray = a[0] * b[..., 1] - a[1] * b[..., 0]
+    return found
+
+
+def _in_triangle(at: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    sides = np.stack([_cross(q - p, at - p) for p, q in ((a, b), (b, c), (c, a))])
+    found: np.ndarray = (sides >= 0).all(axis=0) | (sides <= 0).all(axis=0)
+    return found

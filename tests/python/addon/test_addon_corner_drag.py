@@ -1,0 +1,57 @@
+"""A corner of three regions, moved by a drag, without a window."""
+
+import numpy as np
+import pytest
+
+from isimp import corner_drag
+from session_scans import scan_of
+
+SIGHT = np.array([0.0, 0.0, -1.0])
+
+
+def above(at, start, end):
+    """Whether places are on the left of the line between two points."""
+    return (end[0] - start[0]) * (at[:, 1] - start[1]) - (end[1] - start[1]) * (at[:, 0] - start[0]) > 0
+
+
+@pytest.fixture(scope="module")
+def around():
+    """A square of 20 x 20 cells of side .1: region 5 on the left, 1 above and 3 below on the right."""
+    line = np.linspace(-1, 1, 21)
+    x, y = np.meshgrid(line, line, indexing="ij")
+    at = np.arange(441).reshape(21, 21)
+    a, b, c, d = at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]
+    triangles = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3).astype(np.int32)
+    scan = scan_of(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3), triangles)
+    centers = scan.vertices[scan.triangles].mean(axis=1)
+    label = np.where(centers[:, 0] < 0, 5, np.where(centers[:, 1] > 0, 1, 3))
+    pairs, edges = scan.edges
+    border = label[pairs[:, 0]] != label[pairs[:, 1]]
+    corner = int(np.argmin(np.linalg.norm(scan.vertices, axis=1)))
+    vertices = scan.vertices.astype(np.float64)
+    return corner_drag.Around(centers, label, vertices, edges[border], label[pairs[border]], corner)
+
+
+def test_a_corner_is_where_three_regions_meet(around):
+    assert corner_drag.corners(around.edges, around.beside).tolist() == [around.corner]
+    assert len(corner_drag.corners(around.edges, np.minimum(around.beside, 3))) == 0
+
+
+@pytest.mark.parametrize("drag", [(0.33, 0.21), (-0.42, 0.11), (0.12, -0.44), (-0.31, -0.32)])
+def test_borders_run_straight_to_the_new_corner(around, drag):
+    found = corner_drag.swept(around, np.array([*drag, 7.0]), SIGHT)
+    label = around.label.copy()
+    for region, taken in found.items():
+        assert (label[taken] != region).all()
+        label[taken] = region
+    at, to = around.centers[:, :2], np.array(drag)
+    ends = 1.0 if 3 * np.hypot(*drag) > 1 else 0.1 * np.ceil(30 * np.hypot(*drag))
+    on_left = np.where(at[:, 1] > to[1], above(at, to, (0, ends)), above(at, (0, -ends), to))
+    on_left[np.abs(at[:, 1]) > ends] = at[np.abs(at[:, 1]) > ends, 0] < 0
+    wanted = np.where(on_left, 5, np.where(above(at, to, (ends, 0)) | ((at[:, 0] > ends) & (at[:, 1] > 0)), 1, 3))
+    assert np.count_nonzero(label != around.label) > 20
+    assert np.count_nonzero(label != wanted) <= 4  # on a line, or between two of them at the corner
+
+
+def test_a_drag_along_the_sight_moves_nothing(around):
+    assert corner_drag.swept(around, np.array([0.0, 0.0, 1.0]), SIGHT) == {}
