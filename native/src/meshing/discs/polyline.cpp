@@ -1,5 +1,6 @@
 #include "discs/polyline.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -58,20 +59,50 @@ void slide(std::span<const Vec3> line, double reach, std::vector<std::size_t>& k
   }
 }
 
-constexpr double kWithin = 0.9;  // share of a ragged line that is within reach of its chord
+constexpr double kWithin = 0.9;  // share of a ragged line that is within reach of the straight line along it
 
-/// The distance from its chord within which most of a line's length is.
-double most_within(std::span<const Vec3> line, std::size_t first, std::size_t last) {
+struct StraightLine {
+  Vec3 point, direction;
+  [[nodiscard]] double squared_distance(const Vec3& p) const {
+    const Vec3 d = p - point;
+    return (d - direction * direction.dot(d)).squaredNorm();
+  }
+};
+
+/// The straight line of least squares along a polyline.
+StraightLine along(std::span<const Vec3> line) {
+  double all = 0;
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+    const double length = (line[i + 1] - line[i]).norm();
+    mean += length * (line[i] + line[i + 1]) / 2;
+    all += length;
+  }
+  if (!(all > 0)) return {line.front(), Vec3::Zero()};
+  mean /= all;
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+    const Vec3 d = line[i + 1] - line[i], middle = (line[i] + line[i + 1]) / 2 - mean;
+    spread += d.norm() * (middle * middle.transpose() + d * d.transpose() / 12);
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(spread);
+  return {mean, solver.eigenvectors().col(2)};
+}
+
+/// The distance from the straight line along it within which most of a polyline's length is.
+double most_within(std::span<const Vec3> line) {
   struct Part {
     double distance, length;
   };
+  const StraightLine straight = along(line);
   std::vector<Part> parts;
-  double all = 0;
-  for (std::size_t i = first; i < last; ++i) {
-    const double length = (line[i + 1] - line[i]).norm();
-    const Vec3 middle = (line[i] + line[i + 1]) / 2;
-    parts.push_back({squared_distance(middle, line[first], line[last]), length});
+  double all = 0, before = straight.squared_distance(line.front());
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+    const double length = (line[i + 1] - line[i]).norm(), after = straight.squared_distance(line[i + 1]);
+    parts.push_back({std::max(before, after), length});
     all += length;
+    before = after;
   }
   std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.distance < b.distance; });
   double sum = 0;
@@ -144,7 +175,8 @@ std::vector<std::size_t> simplify_ragged(std::span<const Vec3> line, double reac
   const std::size_t least = line.front() == line.back() ? 1 : 0, last = line.size() - 1;
   std::vector<double> without(kept.size());
   const auto measure = [&](std::size_t i) {
-    without[i] = most_within(line, i > 0 ? kept[i - 1] : 0, i + 1 < kept.size() ? kept[i + 1] : last);
+    const std::size_t first = i > 0 ? kept[i - 1] : 0, end = i + 1 < kept.size() ? kept[i + 1] : last;
+    without[i] = most_within(line.subspan(first, end - first + 1));
   };
   for (std::size_t i = 0; i < kept.size(); ++i) measure(i);
   while (kept.size() > least) {

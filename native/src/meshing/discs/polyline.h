@@ -37,7 +37,8 @@ Vec3 area_left_out(std::span<const Vec3> line);
 std::vector<std::size_t> simplify(std::span<const Vec3> line, double reach);
 
 /// The points of a ragged line to keep between its ends, so that nine tenths of the line between two of them are within
-/// `reach` of their chord; at least one if the ends are the same point.
+/// `reach` of the straight line of least squares along it; at least one if the ends are the same point. Corners at these
+/// points are to be moved to where such lines meet: the points themselves may be at its notches.
 /// \return indices in rising order
 std::vector<std::size_t> simplify_ragged(std::span<const Vec3> line, double reach);
 

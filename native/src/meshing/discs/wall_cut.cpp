@@ -17,7 +17,7 @@ namespace {
 constexpr std::int32_t kTogether = 8;   ///< most holes that one chain links in the best order; else it links a row
 constexpr std::size_t kMostLoops = 64;  ///< with more, the choice of cuts takes too long
 constexpr double kThrough = 0.1;        ///< cost of the way across a hole, relative to a cut of that length
-constexpr double kCostLeftOut = 0.3;        ///< cost of a hole that the chain leaves out, in sqrt(area)
+constexpr double kCostLeftOut = 0.3;    ///< cost of a hole that the chain leaves out, in sqrt(area)
 constexpr double kOverlap = 0.5;        ///< least overlap of two holes of a row, as a share of the smaller one
 constexpr double kWide = 0.2;  ///< distance of a path from its straight cut at most, as a share of its length ...
 constexpr double kEdges = 3;   ///< ... but at least this number of edges of the mesh
