@@ -90,8 +90,11 @@ def repairs(counts: dict[str, int], where: dict[str, list[int]]) -> Iterator[str
 
 
 def more_than_regions(out: dict[str, Any]) -> str:
-    """`61 more than regions: 40 at holes, 21 to keep them flat and apart`; "" where there are no more."""
-    more = out["polygons"] - out["regions"] - 6 * out["boxes"]
+    """`61 more than regions: 40 at holes, 21 to keep them flat and apart`; "" where there are no more.
+
+    out: counts of a result, or estimated ones, which have no boxes.
+    """
+    more = out["polygons"] - out["regions"] - 6 * out.get("boxes", 0)
     if more <= 0:
         return ""
     reasons = {

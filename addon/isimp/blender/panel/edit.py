@@ -41,7 +41,6 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         locks = _row(context, column, ("isimp.lock", "Lock", "LOCKED"), ("isimp.lock", "Unlock", "UNLOCKED"))
         locks[1].unlock = True
         column.operator("isimp.leave_out", text="Leave Out", icon="GHOST_DISABLED")
-        column.operator("isimp.paint_faces", text="From Selection", icon="BRUSH_DATA")
         row = side_by_side(context, layout, "Select", "By Error")
         row.menu("ISIMP_MT_select", text="Select")
         row.menu("ISIMP_MT_by_error", text="By Error")
@@ -77,7 +76,7 @@ _SELECT_BY = (
 
 
 class ISIMP_MT_select(bpy.types.Menu):
-    """Select regions by size, flatness or direction"""
+    """Select regions by size, flatness, direction or number of polygons, or make one of the selected faces"""
 
     bl_label = "Select"
 
@@ -85,6 +84,8 @@ class ISIMP_MT_select(bpy.types.Menu):
         self.layout.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
         for by, name in _SELECT_BY:
             self.layout.operator("isimp.select_by", text=name).by = by
+        self.layout.separator()
+        self.layout.operator("isimp.paint_faces", text="From Selection", icon="BRUSH_DATA")
 
 
 class ISIMP_MT_by_error(bpy.types.Menu):
