@@ -69,22 +69,18 @@ def border(hand):
 
 def corner(hand):
     """An alt-drag that begins at a corner of three regions moves the corner, as one step to undo."""
-    steps_of = np.linspace(-0.5, 0.5, 101)
-    x, z = next(
-        (x, z)
-        for x in steps_of
-        for z in steps_of
-        if len({region_at(x + a, z + b) for a, b in ((0, 0), (0.01, 0), (0, 0.01), (0.01, 0.01))}) > 2
-    )
-    before = {region_at(x + a, z + b) for a in (-0.1, 0, 0.1) for b in (-0.1, 0, 0.1)}
-    there = region_at(x + 0.12, z + 0.06)
-    yield from drag(hand, (x, z), (x + 0.2, z + 0.1), alt=True, shot="gestures-1-corner")
-    same("the corner is moved", last(), "PaintFaces")
-    assert region_at(x + 0.12, z + 0.06) != there
-    assert region_at(x + 0.12, z + 0.06) in before
-    yield from undone_and_redone(hand, "a corner", state)
-    yield from hand.undo()
-    same("undone", region_at(x + 0.12, z + 0.06), there)
+    line = np.arange(-47, 48) / 50
+    label = np.array([[region_at(x, z) for z in line] for x in line])
+    met = np.sort(np.stack([label[:-1, :-1], label[1:, :-1], label[:-1, 1:], label[1:, 1:]]), axis=0)
+    corners = line[np.argwhere((np.diff(met, axis=0) != 0).sum(axis=0) > 1)] + 0.01
+    at = corners[np.argmin(np.abs(corners).max(axis=1))]  # the one nearest to the middle
+    inwards = -0.25 * at / np.linalg.norm(at)
+    behind = at + 0.6 * inwards
+    before, count = region_at(*behind), len(steps())
+    yield from drag(hand, at, at + inwards, alt=True, shot="gestures-1-corner")
+    same("the corner is moved", (last(), region_at(*behind) != before), ("PaintFaces", True))
+    yield from hand.undo()  # a step for each region that grows, and one undo for all
+    same("undone", (region_at(*behind), len(steps())), (before, count))
 
 
 def split_and_cut(hand):
