@@ -95,6 +95,8 @@ CHANGES = [
     ("merge", parted, {"face": 0, "other": 120}, {"face": 0, "other": 220}),
     ("split", rounded, {"face": 0}, {"face": 300}),
     ("lock", parted, {"face": 0}, {"face": 120}),
+    ("leave_out", parted, {"face": 0}, {"face": 120}),
+    ("leave_out", parted, {"face": 0}, {"face": 0, "box": True}),
     ("grow", parted, {"face": 0, "rings": 1}, {"face": 0, "rings": 2}),
     ("grow", parted, {"face": 0}, {"face": 0, "shrink": True}),
     ("paint_faces", parted, {"painted": "-1:0,1,2,3"}, {"painted": "-1:0,1"}),
