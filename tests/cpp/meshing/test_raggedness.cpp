@@ -22,6 +22,13 @@ TEST(Raggedness, AnUnevenBorderHasSome) {
   EXPECT_GT(raggedness_of(shapes::noisy(shapes::plane(16), 0.02, 1), 4.0 / 16), 1e-3);
 }
 
+TEST(Raggedness, SmallCleanHolesDoNotOutvoteALongBorder) {
+  shapes::Arrays arrays = shapes::noisy(shapes::plane(16), 0.02, 1), small = shapes::plane(8);
+  for (Vec3& v : small.vertices) v *= 0.15;
+  for (int k = 0; k < 6; ++k) arrays = shapes::both(arrays, small, {3, 1.0 * k, 0});
+  EXPECT_GT(raggedness_of(arrays, 4.0 / 16), 1e-3);
+}
+
 TEST(Raggedness, WindowsAreNoShorterThanAnEdge) {
   const shapes::Arrays uneven = shapes::noisy(shapes::plane(16), 0.02, 1);
   const double of_edges = raggedness_of(uneven, 0);  // as of regions without area

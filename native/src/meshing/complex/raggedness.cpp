@@ -10,7 +10,7 @@ namespace {
 constexpr int kWindows = 16;       // least number per loop: a square has its corners in a quarter of them
 constexpr int kSamples = 33;       // points of a window
 constexpr double kOfRagged = 2.0;  // times the raggedness: the reach
-constexpr double kRagged = 1.0;    // mean edges of the border: one that is more ragged is straightened by itself
+constexpr double kRagged = 0.8;    // mean edges of the border: one that is more ragged is straightened by itself
 
 /// The closed lines of the border, faces in no region left out.
 std::vector<std::vector<Vec3>> border_lines(const Mesh& mesh, std::span<const std::int32_t> face_region) {
@@ -66,7 +66,11 @@ double off_parabola(const std::array<Vec3, kSamples>& points) {
 }  // namespace
 
 double raggedness(const Mesh& mesh, std::span<const std::int32_t> face_region, double window) {
-  std::vector<double> off;
+  struct Window {
+    double off, length;
+  };
+  std::vector<Window> windows;
+  double all = 0;
   for (const std::vector<Vec3>& line : border_lines(mesh, face_region)) {
     const Along along(line);
     if (!(along.length() >= 2 * window) || !std::isfinite(along.length())) continue;
@@ -76,13 +80,16 @@ double raggedness(const Mesh& mesh, std::span<const std::int32_t> face_region, d
     for (double begin = 0; begin < along.length(); begin += length / 2) {
       std::array<Vec3, kSamples> points;
       for (int i = 0; i < kSamples; ++i) points[i] = along.at(begin + length * i / (kSamples - 1));
-      off.push_back(off_parabola(points));
+      windows.push_back({off_parabola(points), length});
+      all += length;
     }
   }
-  if (off.empty()) return 0;
-  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
-  std::nth_element(off.begin(), middle, off.end());
-  return *middle;
+  // By length, since a loop has a least number of windows: else small holes would outvote a long border.
+  std::sort(windows.begin(), windows.end(), [](const Window& a, const Window& b) { return a.off < b.off; });
+  double sum = 0;
+  for (const Window& w : windows)
+    if ((sum += w.length) >= all / 2) return w.off;
+  return 0;
 }
 
 double rim_reach(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, double window) {

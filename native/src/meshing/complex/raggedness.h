@@ -32,8 +32,9 @@ class Along {
   std::vector<double> at_;
 };
 
-/// How ragged the border of a mesh is: the median, over windows along its loops, of the largest distance of the border
-/// from the window's own parabola. 0 for a clean cut, also with corners, as less than half of the windows hold one.
+/// How ragged the border of a mesh is: the median by length, over windows along its loops, of the largest distance of the
+/// border from the window's own parabola. 0 for a clean cut, also with corners, as less than half of the windows hold
+/// one.
 /// \param face_region  (F) borders of faces in no region do not count
 /// \param window  length, scene units; loops shorter than two do not count
 /// Cost: O(V + F).
