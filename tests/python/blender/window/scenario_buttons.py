@@ -82,7 +82,10 @@ def at_selected_faces(hand):
     same("no longer", scan().data.total_face_sel, 1)
     yield from hand.redo()
     select([face, *around(face, label)])
-    yield from pressed(hand, "isimp.paint_faces", 1, "PaintFaces", count)
+    yield from chosen(hand, "isimp.paint_faces")
+    same("From Selection", (regions() - count, last()), (1, "PaintFaces"))
+    yield from undone_and_redone(hand, "From Selection", state)
+    yield from hand.undo()
 
 
 def around(face, label):
@@ -104,6 +107,17 @@ def locks(hand):
     yield from twins(hand, "isimp.lock", True)
     same("Unlock", (last(), locked()), ("UnlockRegions", 0))
     yield from undone_and_redone(hand, "unlocked", locked)
+    yield from hand.press("isimp.leave_out")
+    same("Leave Out", (last(), left_out()), ("LeaveOutRegions", 1))
+    yield from undone_and_redone(hand, "left out", left_out)
+    yield from hand.shot("buttons-1-left-out")
+    yield from hand.undo()
+
+
+def left_out():
+    from isimp.blender.scene import store
+
+    return store.numbers(scan()).get("regions_left_out", 0)
 
 
 def locked():
