@@ -22,6 +22,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy.ma  # noqa: F401  (numpy.unique loads it, which takes longer in each child than most steps of a tile)
+
 from .. import machine
 from .nursery import _RESULT, _SAID, NO_RESULT, NO_SPACE
 
