@@ -2,6 +2,7 @@
 
 native/src/MODULE, and what includes its headers    tests/cpp/MODULE, tests/python/engine/test_{MODULE,FILE}.py
 native/include, native/bindings                     tests/python/engine and project
+python/isimp_engine/children                        tests/python/batch and tiles
 python/isimp_engine/{batch,tiles}                   tests/python of that name
 python/isimp_engine/{cli,exporting}, recipes.py     tests/python/command
 python/isimp_engine/recipe                          tests/python/addon and command
@@ -21,6 +22,7 @@ from affected_sources import ROOT, affected, changed_since
 PYTHON = ROOT / "tests" / "python"
 ROOMS = {
     "batch": ["batch"],
+    "children": ["batch", "tiles"],
     "tiles": ["tiles"],
     "cli": ["command"],
     "exporting": ["command"],

@@ -9,9 +9,9 @@
 A second call skips scans that are done. docs/scale.md describes the rows and the folders.
 """
 
-from .clusters import Cluster
-from .errors import BatchError
-from .nursery import Ending, Limits, Nursery, NurseryEnded
+from ..children.clusters import Cluster
+from ..children.errors import BatchError
+from ..children.nursery import Ending, Limits, Nursery, NurseryEnded
 from .run import Outcome, State, run
 from .scans import Scan, estimated_faces, find_scans, needed_mb
 from .table import read_rows

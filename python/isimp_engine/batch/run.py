@@ -4,33 +4,29 @@ import argparse
 import datetime
 import glob
 import os
-import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from .. import CleanOptions, FileError, PartitionOptions, __version__, exporting, recipes
+from ..children.clusters import Cluster
+from ..children.errors import BatchError
+from ..children.nursery import SIMPLIFY, Ending, Limits
+from ..children.runner import Piece, Where, Workers, clear, endings
 from ..cli.errors import UsageError
 from ..cli.options import settle, simplify_options
 from ..cli.simplify import output_kinds
 from ..folders import WORK, discard
 from . import page
-from .clusters import Cluster
-from .errors import BatchError
-from .local import Local
-from .nursery import SIMPLIFY, Ending, Limits
-from .on_dask import OnDask, on_cluster
 from .scans import Scan, estimated_faces, find_scans, fixed_part, needed_mb
 from .table import MADE, PICTURE, Lock, Row, Table, sync_folder
 
-_TICK = 0.2  # most seconds between two calls of `watch`
 _FACES_OF_A_START = 20_000  # number of faces that take as long as a scan without faces
 _SAME_RESULT = {"threads", "backend"}  # options that change no result, so a change of them repeats no work
-
-Workers = Local | OnDask
 
 
 @dataclass
@@ -138,11 +134,7 @@ def run(
     A failed scan is a row; see `read_rows`. Raises BatchError if the batch as a whole can't be run. KeyboardInterrupt
     passes through; rows that were written stay, and the next run continues from them.
     """
-    if not hasattr(os, "fork"):
-        raise BatchError("a batch needs child processes by fork, which this system does not have")
-    if jobs is not None and jobs < 1:
-        raise BatchError(f"the number of jobs must be at least 1, got {jobs}")
-    check_one(dask, cluster)
+    where = Where(jobs, dask, cluster)
     place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
     given = dict(options or {})
     arguments = _checked_options(given, recipe)
@@ -153,7 +145,8 @@ def run(
     scans = find_scans(inputs, plan.suffix, besides=place)
     _check_outputs(scans, plan)
     with Lock(place):
-        _tidy_folders(plan)
+        clear(plan.parts)
+        plan.pictures_folder.mkdir(exist_ok=True)
         with Table(place) as table:
             todo = [scan for scan in scans if _is_wanted(scan, plan, table, retry_failed)]
             outcome = Outcome([], len(scans), len(scans) - len(todo), bool(table.cut_short))
@@ -161,41 +154,9 @@ def run(
             with _finished(outcome, scans, plan, table, state):
                 if todo:
                     threads = plan.options.get("threads") or None
-                    with workers_of(plan.parts, plan.limits, work, jobs, dask, cluster, threads) as workers:
+                    with where.workers(plan.parts, plan.limits, work, threads) as workers:
                         _Run(plan, table, workers, watch, todo, state).run()
             return outcome
-
-
-def _tidy_folders(plan: Plan) -> None:
-    """Make the work folder, and remove files that a killed run left there."""
-    for file in list((plan.output / WORK).glob("running-*")):
-        file.unlink(missing_ok=True)
-    discard(plan.parts)
-    for folder in (plan.parts, plan.pictures_folder):
-        folder.mkdir(parents=True, exist_ok=True)
-
-
-def check_one(dask: str | None, cluster: Cluster | None) -> None:
-    """Raise BatchError if both a Dask scheduler and a cluster are given."""
-    if dask is not None and cluster is not None:
-        raise BatchError("--dask and --cluster contradict each other; give one of them")
-
-
-def workers_of(
-    parts: Path,
-    limits: Limits,
-    work: str,
-    jobs: int | None,
-    dask: str | None,
-    cluster: Cluster | None,
-    threads: int | None,
-) -> AbstractContextManager[Workers]:
-    """Return the place where children run: the workers of a cluster, or this machine."""
-    if cluster is not None:
-        return on_cluster(cluster, parts, limits, work)
-    if dask is not None:
-        return OnDask(dask, parts, limits, work)
-    return Local(parts, jobs, limits, work, threads)
 
 
 @contextmanager
@@ -212,7 +173,7 @@ def _finished(outcome: Outcome, scans: list[Scan], plan: Plan, table: Table, sta
 
 
 class _Run:
-    """The main loop: starts scans that fit into memory, and collects finished ones."""
+    """Runs scans in children, and keeps their results."""
 
     def __init__(
         self,
@@ -225,50 +186,37 @@ class _Run:
     ) -> None:
         self._plan, self._table, self._workers, self._state = plan, table, workers, state
         self._watch = watch or (lambda state: None)
-        faces = {scan.name: estimated_faces(scan.path) for scan in todo}
-        needs = {scan.name: needed_mb(faces[scan.name], scan.size) for scan in todo}
-        self._scans = sorted(todo, key=lambda scan: -needs[scan.name])  # large scans must not be the last
-        self._needs = [needs[scan.name] for scan in self._scans]
-        self._shares = [_FACES_OF_A_START + faces[scan.name] for scan in self._scans]
-        self._running: dict[int, Scan] = {}
+        self._faces = {scan: estimated_faces(scan.path) for scan in todo}
+        self._begun, self._done = time.monotonic(), 0
 
     def run(self) -> None:
-        begun, following, done, total = time.monotonic(), 0, 0, sum(self._shares)
         self._watch(self._state)
-        while following < len(self._scans) or self._running:
-            following = self._begin_some(following)
-            for number, folder, ending in self._workers.endings(_TICK) if self._running else []:
-                self._keep(self._running.pop(number), folder, ending)
-                done += self._shares[number]
-            self._state.running = [scan.name for scan in self._running.values()]
-            self._state.seconds, self._state.share = time.monotonic() - begun, done / total
-            self._watch(self._state)
+        for scan, folder, ending in endings(self._workers, map(self._piece, self._faces), self._show):
+            self._keep(scan, folder, ending)
+            self._done += self._share(scan)
 
-    def _begin_some(self, following: int) -> int:
-        """Start scans that fit into memory, in order; returns the index of the first that waits."""
-        while following < len(self._scans):
-            scan, need = self._scans[following], self._needs[following]
-            if why := self._workers.refuses(need):
-                self._row(scan, Ending(why, {}), None)
-            else:
-                threads = self._workers.threads(need, len(self._scans) - following)
-                if threads == 0:
-                    break
-                self._running[following] = scan
-                self._workers.start(following, self._plan.task(scan, threads), need)
-            following += 1
-        return following
+    def _piece(self, scan: Scan) -> Piece[Scan]:
+        task = partial(self._plan.task, scan)
+        return Piece(scan, needed_mb(self._faces[scan], scan.size), task)
 
-    def _keep(self, scan: Scan, folder: Path, ending: Ending) -> None:
+    def _share(self, scan: Scan) -> int:
+        return _FACES_OF_A_START + self._faces[scan]
+
+    def _show(self, running: list[Scan]) -> None:
+        self._state.running = [scan.name for scan in running]
+        self._state.seconds = time.monotonic() - self._begun
+        self._state.share = self._done / sum(map(self._share, self._faces))
+        self._watch(self._state)
+
+    def _keep(self, scan: Scan, folder: Path | None, ending: Ending) -> None:
         """Move the result to its place, then add its row."""
         target = None
-        if not ending.why:
+        if folder is not None and not ending.why:
             try:
                 target = self._published(scan, folder)
             except OSError as error:
                 ending = Ending(f"can't be written to {scan.output}: {error.strerror}", {}, ending.seconds)
         self._row(scan, ending, target)
-        shutil.rmtree(folder, ignore_errors=True)
 
     def _published(self, scan: Scan, folder: Path) -> Path:
         """Move the files to their places, the result last. All of them are on disk before they get their names."""

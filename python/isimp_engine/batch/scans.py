@@ -12,8 +12,8 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from .. import __version__
+from ..children.errors import BatchError
 from ..reading import head_of, inner, is_compressed, kind_of
-from .errors import BatchError
 
 READABLE = (".ply", ".obj", ".stl", ".off")  #: kinds of files that count as scans in folders; .gz or .zst may follow
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
 
+from ..children.errors import BatchError
 from ..folders import WORK, NotOwn, Own
-from .errors import BatchError
 
 Row = dict[str, Any]
 

@@ -12,9 +12,9 @@ from typing import Any
 
 from ..batch import BatchError, Outcome, State
 from ..batch import run as run_batch
-from ..batch.clusters import KINDS, checked
 from ..batch.page import NAME, flaws, in_order, totals
 from ..batch.table import NAME as ROWS
+from ..children.clusters import KINDS, checked
 from .ending import Terminated, deferrable
 from .errors import INTERRUPTED, OK, SOME_FAILED, TERMINATED, UsageError
 from .files import show

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..batch import BatchError
-from ..batch.clusters import checked
+from ..children.clusters import checked
 from ..tiles import Outcome, State, TileFailed, TilesError
 from ..tiles import run as run_tiles
 from ..tiles.plan import DETAIL

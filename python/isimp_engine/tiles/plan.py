@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from .. import FileError, InvalidInput, PartitionOptions, __version__, exporting
-from ..batch.errors import BatchError
 from ..batch.run import check_ranges
 from ..batch.scans import READABLE, find_scans
+from ..children.errors import BatchError
 from ..reading import kind_of
 from .errors import TileFailed, TilesError
 from .tileset import Leaf, leaves, tileset_of

@@ -1,7 +1,6 @@
 """A run on a scan in tiles that may be larger than memory: each child process holds one tile at a time."""
 
 import os
-import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from .. import PartitionOptions
-from ..batch.clusters import Cluster
-from ..batch.errors import BatchError
-from ..batch.nursery import Ending, Limits
-from ..batch.run import Workers, check_one, workers_of
 from ..batch.scans import estimated_faces, needed_mb
 from ..batch.table import Lock
+from ..children.clusters import Cluster
+from ..children.errors import BatchError
+from ..children.nursery import Ending, Limits
+from ..children.runner import Piece, Where, Workers, clear, endings
 from ..folders import NotOwn, Own, discard
 from . import steps
 from .errors import TileFailed, TilesError
@@ -35,7 +34,6 @@ _LAST = (10, 8)  # after the last merging
 _OF_ONE_PIECE = 2.0  # its error before the last merging, as a multiple of that of tiles, which merge better patches
 _LIGHT = 0.5  # share of the error that weighs borders in the first rounds with a tolerance
 _FEW = 2e-5  # share of all faces: rounds end if at most this share moves
-_TICK = 0.2  # seconds
 
 
 @dataclass
@@ -94,8 +92,6 @@ def run(
     Raises TilesError (wrong usage) or TileFailed (a tile can't be read, too little memory). KeyboardInterrupt passes
     through.
     """
-    if not hasattr(os, "fork"):
-        raise TilesError("tiles need child processes by fork, which this system does not have")
     plan = plan_of(
         Path(source),
         Path(output),
@@ -103,25 +99,17 @@ def run(
         options_of(options, proxies, weld) | {"group": group},
         tile_faces,
     )
-    if jobs is not None and jobs < 1:
-        raise TilesError(f"the number of jobs must be at least 1, got {jobs}")
     target = None if labels is None else _label_folder(Path(labels), plan)
     own = Own(plan.work, NAMES)
     try:
-        check_one(dask, cluster)
+        where = Where(jobs, dask, cluster)
         own.take(unmarked=work is None or key_of(plan.work) is not None)
         with Lock(plan.work) as lock:
             own.take(unmarked=True)  # a run that has just ended may have removed the mark
             before = begin(plan, own)
-            for path in plan.work.glob("running-*"):  # left by a killed run on a cluster
-                path.unlink()
-            parts = plan.work / "parts"
-            discard(parts)
-            parts.mkdir()
-            with (
-                damage_forgotten(plan.work),
-                workers_of(parts, Limits(), f"{__package__}.tasks:run", jobs, dask, cluster, 1) as workers,
-            ):
+            parts, tasks = plan.work / "parts", f"{__package__}.tasks:run"
+            clear(parts)
+            with damage_forgotten(plan.work), where.workers(parts, Limits(), tasks, 1) as workers:
                 outcome = _Run(plan, workers, watch, before, target is not None).run()
             if target is not None:
                 outcome.report["labels"] = write_labels(plan, target)
@@ -151,7 +139,7 @@ class _Run:
         self._plan, self._workers, self._labels = plan, workers, labels
         self._watch = watch or (lambda state: None)
         self._state = State(before=before)
-        self._begun, self._number = time.monotonic(), 0
+        self._begun = time.monotonic()
         self._faces: list[int] = [estimated_faces(path) for _, path in plan.inputs]
         self._sizes = [path.stat().st_size for _, path in plan.inputs]
         self._tolerance: float | None = None  # scene units; None: the number of regions is given
@@ -378,35 +366,27 @@ class _Run:
         need: Callable[[int], float],
     ) -> None:
         work = self._plan.work
-        waiting = [k for k in tiles if not (of_tile(work, step, k) / "values.json").exists()]
-        waiting.sort(key=lambda k: (-need(k), k))
-        running: dict[int, int] = {}
+        waiting = [k for k in sorted(tiles) if not (of_tile(work, step, k) / "values.json").exists()]
+        shared = task | {"tiles": len(self._faces), "work": str(work)}
         self._state.step, self._state.tiles, self._state.done = task["step"], len(tiles), len(tiles) - len(waiting)
         begun = time.monotonic()
         self._tell()
-        while waiting or running:
-            while waiting and self._workers.threads(need(waiting[0]), len(waiting)):
-                tile = waiting.pop(0)
-                if why := self._workers.refuses(need(tile)):
-                    raise TileFailed(f"{self._name(step, tile)}: {why}")
-                self._number += 1
-                running[self._number] = tile
-                given = task | own.get(tile, {}) | {"tile": tile, "tiles": len(self._faces), "work": str(work)}
-                self._workers.start(self._number, given, need(tile))
-            for number, folder, ending in self._workers.endings(_TICK):
-                self._keep(step, running.pop(number), folder, ending)
-            self._tell()
+
+        def piece(tile: int) -> Piece[int]:
+            return Piece(tile, need(tile), lambda threads: shared | own.get(tile, {}) | {"tile": tile})
+
+        for tile, folder, ending in endings(self._workers, map(piece, waiting), lambda running: self._tell()):
+            self._keep(step, tile, folder, ending)
         self._seconds[task["step"]] = self._seconds.get(task["step"], 0.0) + time.monotonic() - begun
 
-    def _keep(self, step: str, tile: int, folder: Path, ending: Ending) -> None:
-        if ending.why:
+    def _keep(self, step: str, tile: int, folder: Path | None, ending: Ending) -> None:
+        if folder is None or ending.why:
             before = f"{self._name(step, tile)}: "
             raise TileFailed(before + ending.why.removeprefix(before))
         if ending.peak_mb is not None:
             name = self._state.step
             self._peaks[name] = max(self._peaks.get(name, 0.0), ending.peak_mb)
         publish(folder / MADE, of_tile(self._plan.work, step, tile))
-        shutil.rmtree(folder, ignore_errors=True)
         self._state.done += 1
 
     def _name(self, step: str, tile: int) -> str:

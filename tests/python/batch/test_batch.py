@@ -200,7 +200,7 @@ def test_the_process_that_forks_may_be_killed(tmp_path, log):
     def kill_once(state):
         if state.running and len(log()) >= 2 and not killed:
             for stat in Path("/proc").glob("[0-9]*/cmdline"):
-                if b"isimp_engine.batch.children" in stat.read_bytes() and is_child_of(stat.parent.name, os.getpid()):
+                if b"isimp_engine.children.forking" in stat.read_bytes() and is_child_of(stat.parent.name, os.getpid()):
                     killed.append(int(stat.parent.name))
                     os.kill(killed[0], signal.SIGKILL)
 

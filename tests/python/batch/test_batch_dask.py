@@ -13,7 +13,7 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 from isimp_engine import batch
-from isimp_engine.batch import on_dask
+from isimp_engine.children import on_dask
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs fork")
 

@@ -9,7 +9,7 @@ import meshfiles
 import shapes
 from batches import ODD, isimp, scan, whys
 from isimp_engine import batch, machine
-from isimp_engine.batch import local, nursery
+from isimp_engine.children import local, nursery
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs fork")
 

@@ -1,4 +1,4 @@
-"""The process that forks children: `python -m isimp_engine.batch.children MODULE:FUNCTION`; see nursery.py.
+"""The process that forks children: `python -m isimp_engine.children.forking MODULE:FUNCTION`; see nursery.py.
 
 It reads requests from stdin and writes endings to stdout, as JSON lines. When stdin ends, it kills its children and
 ends.

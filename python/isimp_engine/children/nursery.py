@@ -18,7 +18,7 @@ from typing import Any
 
 from .errors import BatchError
 
-SIMPLIFY = f"{__package__}.work:simplify"  #: the default work of a batch
+SIMPLIFY = f"{__package__.removesuffix('.children')}.batch.work:simplify"  #: the default work of a batch
 _RESULT, _SAID = "result.json", "stderr.txt"
 NO_SPACE, NO_RESULT = 74, 73  # exit statuses of a child that can't write its result: full disk, or another reason
 # Large arrays return to the system when they are freed, and use pages of 2 MB. By default glibc keeps freed arrays of
@@ -131,7 +131,7 @@ class Nursery:
         paths = os.pathsep.join(os.path.abspath(path) for path in sys.path)  # noqa: PTH100
         defaults = {"GLIBC_TUNABLES": _ALLOCATOR, "OPENBLAS_NUM_THREADS": "1"}  # otherwise numpy starts threads
         environment = {**defaults, **os.environ, "PYTHONPATH": paths}
-        command = [sys.executable, "-m", f"{__package__}.children", self._work]
+        command = [sys.executable, "-m", f"{__package__}.forking", self._work]
         # Ctrl-C in a terminal must reach the calling process alone. The current folder must not contain modules.
         self._process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, cwd=os.sep, start_new_session=True
