@@ -52,7 +52,7 @@ stage_cpp() { # the C++ tests, including the benchmarks'; the engine as the whee
 stage_python() { # the package as installed
   use_tests_venv
   install_wheel "$tests_venv"
-  "$tests_venv/bin/python" -m pytest tests/python --ignore tests/python/blender --junitxml "$results/pytest.xml"
+  python_tests tests/python --ignore tests/python/blender
 }
 
 stage_blender() { # the add-on as packed, inside Debian's Blender, 3.4 on Debian 12
@@ -156,8 +156,7 @@ stage_quick() { # the stage to run many times an hour while a change is made
   stage_lint
   development_build
   ctest --test-dir build-dev -j2 --timeout 120 --output-on-failure --output-junit "$results/ctest.xml"
-  PYTHONPATH=$root/build-dev/python "$tests_venv/bin/python" -m pytest tests/python --ignore tests/python/blender \
-    -n 2 -m "not slow" --junitxml "$results/pytest.xml"
+  PYTHONPATH=$root/build-dev/python python_tests tests/python --ignore tests/python/blender -n 2 -m "not slow"
 }
 
 stage_changed() { # the tests of changed files, by place; scripts/affected_tests.py has the rules
@@ -170,8 +169,17 @@ stage_changed() { # the tests of changed files, by place; scripts/affected_tests
   [ -z "$labels" ] || ctest --test-dir build-dev -j2 --timeout 120 --output-on-failure -L "$labels" -LE slow \
     --output-junit "$results/ctest.xml"
   mapfile -t tests < <("$python" scripts/affected_tests.py pytest build-dev "$since")
-  [ ${#tests[@]} = 0 ] || PYTHONPATH=$root/build-dev/python "$tests_venv/bin/python" -m pytest "${tests[@]}" \
-    -n 2 -m "not slow" --junitxml "$results/pytest.xml"
+  [ ${#tests[@]} = 0 ] || PYTHONPATH=$root/build-dev/python python_tests "${tests[@]}" -n 2 -m "not slow"
+}
+
+python_tests() { # ARGUMENT... of pytest. Batches and tiles wait for the disk after each file, so files are in memory if 2 GB are free
+  local folder=${TMPDIR:-/tmp} free
+  free=$(df -Pk /dev/shm 2>/dev/null | awk 'NR == 2 { print $4 }')
+  if [ "${free:-0}" -gt 2000000 ] && [ -w /dev/shm ]; then
+    folder=$(mktemp -d /dev/shm/isimp-tests-XXXXXX)
+    trap 'rm -rf "'"$folder"'"' EXIT # each stage has a shell of its own
+  fi
+  TMPDIR=$folder "$tests_venv/bin/python" -m pytest --junitxml "$results/pytest.xml" "$@"
 }
 
 development_build() { # build-dev, with the Python module

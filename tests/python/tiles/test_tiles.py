@@ -51,12 +51,37 @@ def error_of(vertices, triangles, label):
     return judged(vertices, triangles, label)[0]
 
 
+@pytest.fixture(scope="module")
+def four(tmp_path_factory, whole):
+    """The folder of four tiles, their polygons and their labels."""
+    folder = tmp_path_factory.mktemp("four")
+    tilesets.write(folder / "in", tilesets.cut(*whole, 2, 2))
+    return folder / "in", *run_bits(folder / "in", folder / "out.ply")
+
+
+def check_that_no_border_of_regions_follows_a_border_of_tiles(whole, parts, label):
+    tile = np.empty(len(label), int)
+    for k, (_, _, own) in enumerate(parts):
+        tile[own] = k
+    mesh = engine.Mesh(*whole)
+    neighbour = tiles.faces_of(mesh)
+    f = np.repeat(neighbour.mesh_face, 3)
+    g = neighbour.neighbour.ravel()
+    f, g = f[g >= 0], neighbour.mesh_face[g[g >= 0]]
+    crossing = tile[f] != tile[g]
+    cut = label[f] != label[g]
+    assert crossing.sum() >= 2 * 4 * 48
+    assert cut[crossing].mean() < 2 * cut[~crossing].mean() + 0.02
+
+
 @pytest.mark.parametrize(("columns", "rows"), [(1, 1), (3, 1), (3, 3)])
 def test_tiles_give_as_many_regions_and_as_small_an_error_as_one_piece(tmp_path, whole, one_piece, columns, rows):
     parts = tilesets.cut(*whole, columns, rows)
     folder = tilesets.write(tmp_path / "in", parts)
     outcome = tiles.run(folder, tmp_path / "out.obj", proxies=P, labels=tmp_path / "labels")
     label = tilesets.labels_of(tmp_path / "labels", parts, len(whole[1]))
+    if columns == rows == 3:
+        check_that_no_border_of_regions_follows_a_border_of_tiles(whole, parts, label)
     assert sorted(set(label.tolist())) == list(range(P))
     assert tilesets.regions_are_connected(whole[1], label)
     error = error_of(*whole, label)
@@ -70,10 +95,15 @@ def test_tiles_give_as_many_regions_and_as_small_an_error_as_one_piece(tmp_path,
         assert outcome.report["border_edges"] - outcome.report["unmatched_edges"] >= 2 * 48 * (columns - 1)
 
 
+@pytest.fixture(scope="module")
+def town():
+    mesh = tilesets.town()
+    return mesh, judged(*mesh, engine.partition(engine.Mesh(*mesh), engine.PartitionOptions(proxies=60)).face_region)
+
+
 @pytest.mark.parametrize(("columns", "rows"), [(1, 1), (2, 2), (4, 2)])
-def test_error_and_borders_of_a_town_are_those_of_one_piece(tmp_path, columns, rows):
-    town = tilesets.town()
-    one = judged(*town, engine.partition(engine.Mesh(*town), engine.PartitionOptions(proxies=60)).face_region)
+def test_error_and_borders_of_a_town_are_those_of_one_piece(tmp_path, town, columns, rows):
+    town, one = town
     parts = tilesets.cut(*town, columns, rows)
     folder = tilesets.write(tmp_path / "in", parts)
     tiles.run(folder, tmp_path / "out.obj", proxies=60, labels=tmp_path / "labels")
@@ -126,31 +156,8 @@ def test_a_tolerance_is_a_length_and_its_number_is_said(tmp_path):
     assert (by_default["regions"], by_default["options"]["detail"]) == (6, 0.005)
 
 
-def test_no_border_of_regions_follows_a_border_of_tiles(tmp_path, whole):
-    parts = tilesets.cut(*whole, 4, 3)
-    folder = tilesets.write(tmp_path / "in", parts)
-    tiles.run(folder, tmp_path / "out.obj", proxies=P, labels=tmp_path / "labels")
-    label = tilesets.labels_of(tmp_path / "labels", parts, len(whole[1]))
-    tile = np.empty(len(label), int)
-    for k, (_, _, own) in enumerate(parts):
-        tile[own] = k
-    mesh = engine.Mesh(*whole)
-    neighbour = tiles.faces_of(mesh)
-    f = np.repeat(neighbour.mesh_face, 3)
-    g = neighbour.neighbour.ravel()
-    f, g = f[g >= 0], neighbour.mesh_face[g[g >= 0]]
-    crossing = tile[f] != tile[g]
-    cut = label[f] != label[g]
-    assert crossing.sum() > 400
-    assert cut[crossing].mean() < 2 * cut[~crossing].mean() + 0.02
-
-
-def test_the_open_border_is_complete(tmp_path, whole):
-    parts = tilesets.cut(*whole, 2, 2)
-    outcome = tiles.run(tilesets.write(tmp_path / "in", parts), tmp_path / "out.ply", proxies=P)
-    rim = 4 * 48
-    assert outcome.report["unmatched_edges"] == rim
-    vertices, loops, start = engine.read_polygons(tmp_path / "out.ply")
+def test_the_open_border_is_complete(four):
+    vertices, loops, start = engine.read_polygons(four[0].with_name("out.ply"))
     ends = {}
     for q in np.split(loops, start[1:]):
         for a, b in zip(q, np.roll(q, -1), strict=True):
@@ -162,8 +169,11 @@ def test_the_open_border_is_complete(tmp_path, whole):
 
 def run_bits(folder, out, **options):
     tiles.run(folder, out, proxies=P, labels=out.with_suffix(".labels"), **options)
-    labels = [np.load(p).tobytes() for p in sorted(out.with_suffix(".labels").iterdir())]
-    return out.read_bytes(), labels
+    return out.read_bytes(), labels_in(out.with_suffix(".labels"))
+
+
+def labels_in(folder):
+    return [path.read_bytes() for path in sorted(folder.iterdir())]
 
 
 def test_the_result_is_the_same_bits_for_any_number_of_workers(tmp_path, whole):
@@ -172,8 +182,8 @@ def test_the_result_is_the_same_bits_for_any_number_of_workers(tmp_path, whole):
 
 
 @pytest.mark.parametrize("step", ["prepare/000003", "first-01", "thin/000001"])
-def test_a_run_that_was_killed_goes_on_and_gives_the_same_bits(tmp_path, whole, step):
-    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 2, 2))
+def test_a_run_that_was_killed_goes_on_and_gives_the_same_bits(tmp_path, four, step):
+    folder, polygons, labels = four
     command = [sys.executable, "-m", "isimp_engine", "tiles", folder, tmp_path / "a.ply", "--proxies", P]
     command += ["--work", tmp_path / "work", "--labels", tmp_path / "a.labels"]
     process = subprocess.Popen([*map(str, command)], env=ENVIRONMENT, stderr=subprocess.DEVNULL)
@@ -185,9 +195,8 @@ def test_a_run_that_was_killed_goes_on_and_gives_the_same_bits(tmp_path, whole, 
     assert done.returncode == 0, done.stderr
     assert done.stderr.startswith("isimp: goes on from an earlier run, which did ")
     assert len(done.stderr.splitlines()) == 1
-    assert (tmp_path / "a.ply").read_bytes() == run_bits(folder, tmp_path / "b.ply")[0]
-    for path in (tmp_path / "a.labels").iterdir():
-        assert path.read_bytes() == (tmp_path / "b.labels" / path.name).read_bytes()
+    assert (tmp_path / "a.ply").read_bytes() == polygons
+    assert labels_in(tmp_path / "a.labels") == labels
 
 
 def test_other_options_or_other_tiles_begin_anew(tmp_path, whole):
@@ -217,8 +226,8 @@ def test_borders_that_are_off_are_welded(tmp_path, whole, off):
     parts = tilesets.cut(*whole, 2, 2)
     moved = [(v + random.uniform(-off / 4, off / 4, v.shape), t, f) for v, t, f in parts]
     folder = tilesets.write(tmp_path / "in", moved)
-    apart = tiles.run(folder, tmp_path / "a.obj", proxies=P).report
-    assert apart["unmatched_share"] == 1
+    if off == 1e-6:  # vertices that are further apart are not equal either
+        assert tiles.run(folder, tmp_path / "a.obj", proxies=P).report["unmatched_share"] == 1
     report = tiles.run(folder, tmp_path / "b.obj", proxies=P, weld=off, labels=tmp_path / "labels").report
     assert report["unmatched_edges"] == 4 * 48
     assert report["regions"] == P
