@@ -18,7 +18,8 @@ from ..children.errors import BatchError
 from ..children.nursery import SIMPLIFY, Ending, Limits
 from ..children.runner import Piece, Where, Workers, clear, endings
 from ..cli.errors import UsageError
-from ..cli.options import settle, simplify_options
+from ..cli.options import settings_of, simplify_options
+from ..cli.settings import Settings
 from ..cli.simplify import output_kinds
 from ..folders import WORK, discard
 from . import page
@@ -137,10 +138,10 @@ def run(
     where = Where(jobs, dask, cluster)
     place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
     given = dict(options or {})
-    arguments = _checked_options(given, recipe)
-    steps = None if arguments.recipe is None else arguments.recipe.values
+    settings = _checked_options(given, recipe)
+    steps = None if settings.recipe is None else settings.recipe.values
     limits = Limits(_positive(time_limit, "time limit"), _positive(memory_limit, "memory limit"))
-    plan = Plan(place, _suffix(format, arguments), given, steps, limits, labels, reports, pictures)
+    plan = Plan(place, _suffix(format, settings), given, steps, limits, labels, reports, pictures)
     _check_place(inputs, place)
     scans = find_scans(inputs, plan.suffix, besides=place)
     _check_outputs(scans, plan)
@@ -273,9 +274,9 @@ def _state(scans: list[Scan], todo: list[Scan], table: Table) -> State:
     return State(len(scans), len(before), failed=sum(row["status"] != "ok" for row in before))
 
 
-def _suffix(kind: str, arguments: argparse.Namespace) -> str:
+def _suffix(kind: str, settings: Settings) -> str:
     """Return the suffix of a format. Raises BatchError if `isimp simplify` can't write it with these options."""
-    kinds = output_kinds(arguments)
+    kinds = output_kinds(settings)
     suffix = "." + kind.lower().removeprefix(".")
     if suffix not in kinds:
         known = ", ".join(each.removeprefix(".") for each in kinds)
@@ -287,29 +288,26 @@ def _suffix(kind: str, arguments: argparse.Namespace) -> str:
     return suffix
 
 
-def _checked_options(
-    options: dict[str, Any], recipe: str | os.PathLike[str] | dict[str, Any] | None
-) -> argparse.Namespace:
+def _checked_options(options: dict[str, Any], recipe: str | os.PathLike[str] | dict[str, Any] | None) -> Settings:
     """Return options and recipe in the form for the steps. Raises BatchError if they are wrong for all scans."""
     known = vars(simplify_options().parse_args([]))
     del known["recipe"]
     for name in options:
         if name not in known:
             raise BatchError(f"there is no option '{name}'; there are {', '.join(sorted(known))}")
-    arguments = argparse.Namespace(**known | options)
     try:
         if isinstance(recipe, (str, os.PathLike)):
-            arguments.recipe = recipes.read(Path(recipe))
+            steps: recipes.Recipe | None = recipes.read(Path(recipe))
         else:
-            arguments.recipe = None if recipe is None else recipes.parsed(recipe)
-        settle(arguments)
+            steps = None if recipe is None else recipes.parsed(recipe)
+        settings = settings_of(argparse.Namespace(**known | options), steps)
     except (UsageError, recipes.RecipeError, ValueError, TypeError) as error:
         raise BatchError(str(error).splitlines()[0]) from None
     if len(given := [name for name in recipes.COUNTS if options.get(name) is not None]) > 1:
         raise BatchError(f"{' and '.join(given)} each set the number of regions: give one of them")
-    for made in (arguments.options, arguments.clean):
+    for made in (settings.partition, settings.clean):
         check_ranges(made)
-    return arguments
+    return settings
 
 
 def check_ranges(options: PartitionOptions | CleanOptions) -> None:

@@ -6,12 +6,13 @@ from typing import Any
 
 from .. import recipes
 from ..cli import simplify as command
-from ..cli.command import EXPECTED, parser, problem
-from ..cli.options import settle
+from ..cli.command import EXPECTED, problem
+from ..cli.options import settings_of, simplify_options
+from ..cli.settings import Simplification
 from . import picture
 from .table import MADE, PICTURE
 
-_DEFAULTS = vars(parser().parse_args(["simplify", "scan.ply", "result.ply"]))
+_DEFAULTS = vars(simplify_options().parse_args([]))
 _FIGURES = ("polygons", "vertices", "corners", "closed", "manifold", "planarity_max", "planarity_mean")
 _MORE = ("scan_distance", "scan_distance_allowed", "crossing", "flipped", "bent", "intersecting")
 
@@ -20,27 +21,26 @@ def simplify(task: dict[str, Any], folder: Path) -> dict[str, Any]:
     """Simplify `task["input"]` to MADE/`task["output"]` by `task["options"]`; returns the figures, or {"why": ...}."""
     made = folder / MADE
     made.mkdir()
-    arguments = argparse.Namespace(**_DEFAULTS | task["options"])
-    arguments.input, arguments.output = Path(task["input"]), made / task["output"]
-    arguments.quiet = True
-    if task["labels"]:
-        arguments.labels = arguments.output.with_suffix(".labels.npy")
-    if task["reports"]:
-        arguments.report = arguments.output.with_suffix(".report.json")
-    if task["recipe"] is not None:
-        arguments.recipe = recipes.parsed(task["recipe"])
+    source, output = Path(task["input"]), made / task["output"]
+    recipe = None if task["recipe"] is None else recipes.parsed(task["recipe"])
     try:
-        settle(arguments)
-        done = command.run(arguments)
+        one = Simplification(
+            source,
+            output,
+            settings_of(argparse.Namespace(**_DEFAULTS | task["options"]), recipe),
+            labels=output.with_suffix(".labels.npy") if task["labels"] else None,
+            report=output.with_suffix(".report.json") if task["reports"] else None,
+            quiet=True,
+        )
+        done = command.run(one)
         if task["picture"]:
-            source, polygons = done.source, done.polygons
-            scan = (source.vertices, source.triangles)
+            polygons, scan = done.polygons, (done.source.vertices, done.source.triangles)
             model = (polygons.vertices, polygons.loops, polygons.loop_start, polygons.polygon_region)
             (folder / PICTURE).write_bytes(picture.beside(scan, model))
     except MemoryError:
         raise
     except EXPECTED as error:
-        return {"why": _plain(problem(error, arguments.input)[0], arguments, task)}
+        return {"why": _plain(problem(error, source)[0], source, output)}
     return figures(done.report)
 
 
@@ -59,7 +59,7 @@ def figures(report: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _plain(message: str, arguments: argparse.Namespace, task: dict[str, Any]) -> str:
+def _plain(message: str, source: Path, output: Path) -> str:
     """Return the message on one line, with the final name of the result and without the name of the scan."""
-    text = message.replace(str(arguments.output), task["output"])
-    return " ".join(text.removeprefix(f"{arguments.input}: ").split())
+    text = message.replace(str(output), output.name)
+    return " ".join(text.removeprefix(f"{source}: ").split())

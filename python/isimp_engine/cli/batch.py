@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
                     arguments.inputs,
                     arguments.output,
                     options=given_options(arguments),
-                    recipe=None if arguments.recipe is None else arguments.recipe.values,
+                    recipe=arguments.recipe,
                     format=arguments.format,
                     jobs=arguments.jobs,
                     dask=arguments.dask,
@@ -97,7 +97,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"isimp: interrupted, {done}; the same command does the others", file=sys.stderr)
         return TERMINATED if isinstance(error, Terminated) else INTERRUPTED
     if not arguments.quiet:
-        show("\n".join(summary(outcome, arguments)))
+        show("\n".join(summary(outcome, arguments.output, arguments.retry_failed)))
     return SOME_FAILED if outcome.failed else OK
 
 
@@ -129,8 +129,8 @@ def duration(seconds: float) -> str:
     return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02} min"
 
 
-def summary(outcome: Outcome, arguments: argparse.Namespace) -> Iterator[str]:
-    """A table, problems first, and the totals."""
+def summary(outcome: Outcome, output: Path, retried: bool) -> Iterator[str]:
+    """A table, problems first, and the totals. retried: the run did failed scans again."""
     rows = in_order(outcome.rows)
     problems = [row for row in rows if row["status"] != "ok"]
     good = [row for row in rows if row["status"] == "ok"]
@@ -151,6 +151,6 @@ def summary(outcome: Outcome, arguments: argparse.Namespace) -> Iterator[str]:
             yield f"        and {len(good) - _LINES:,} more"
     before = f" ({outcome.before:,} by earlier runs)" if outcome.before else ""
     yield f"{totals(outcome.rows)}{before}"
-    if problems and not arguments.retry_failed:
+    if problems and not retried:
         yield "--retry-failed does the failed ones again"
-    yield f"{arguments.output / NAME}"
+    yield f"{output / NAME}"

@@ -1,23 +1,22 @@
 """Close openings that scanning left: holes and tunnels that are smaller than the regions can show."""
 
-import argparse
 import math
 from collections.abc import Iterator
 from typing import Any
 
 from .. import CleanOptions, Job, Mesh, PartitionOptions, partition
 from ..openings import Lengths, lengths_for
+from .settings import Place, Settings
 
-Place = tuple[float, float, float]
 _NEAR = 0.5  #: share of an opening's length: a place that is further from all openings selects none
 
 
-def is_wanted(arguments: argparse.Namespace) -> bool:
+def is_wanted(settings: Settings) -> bool:
     """False if the user has chosen openings, and with a bound: a bound is a promise for each vertex of the scan."""
-    kept = arguments.keep_openings or (arguments.recipe is not None and not arguments.recipe.close_openings)
-    clean = arguments.clean
+    kept = settings.keep_openings or (settings.recipe is not None and not settings.recipe.close_openings)
+    clean = settings.clean
     given = max(clean.fill_holes, clean.fill_flat_holes, clean.cut_handles) > 0
-    return not (kept or given or arguments.options.bound)
+    return not (kept or given or settings.partition.bound)
 
 
 def place(text: str) -> Place:
@@ -29,12 +28,6 @@ def place(text: str) -> Place:
 
 
 place.__name__ = "place X,Y,Z"  # in argparse's message
-
-
-def kept_places(arguments: argparse.Namespace) -> list[Place]:
-    """Where openings stay open: of the command line and of the recipe."""
-    given: list[Place] = [*(arguments.keep_opening or ())]
-    return given + list(arguments.recipe.keep_openings if arguments.recipe is not None else ())
 
 
 def told(mesh: Mesh) -> list[dict[str, Any]]:

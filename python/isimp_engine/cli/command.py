@@ -16,7 +16,7 @@ from . import batch, flat, guiding, info, lods, report, simplify, tiles
 from .ending import Terminated, terminable
 from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, USAGE, UsageError
 from .files import place
-from .options import settle, simplify_options
+from .options import simplify_options
 
 EXPECTED = (UsageError, FileError, OSError, MemoryError, InvalidInput, RuntimeError)  #: errors that wrong input raises
 
@@ -63,7 +63,7 @@ def parser() -> argparse.ArgumentParser:
     command = commands.add_parser(
         "report", help="tables of the planes and a page about the model", description=report.__doc__, parents=shared
     )
-    command.set_defaults(run=report.run, **guiding.NO_FILES)
+    command.set_defaults(run=report.run)
     report.add_options(command)
 
     command = commands.add_parser(
@@ -77,7 +77,6 @@ def parser() -> argparse.ArgumentParser:
     command.add_argument(
         "--estimate", action="store_true", help="estimate the polygons from the regions, in a fraction of that time"
     )
-    command.set_defaults(**guiding.NO_FILES)
     command.add_argument("--json", action="store_true", help="as JSON")
     return parser
 
@@ -90,8 +89,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _process.expect_interrupts()
         if isinstance(sys.stdout, io.TextIOWrapper):  # file names may be any bytes: they are written unchanged
             sys.stdout.reconfigure(errors="surrogateescape")
-        if parsed.run is not tiles.run:
-            settle(parsed)
         with (
             terminable() if parsed.run in (flat.run, report.run, info.run) else nullcontext()
         ):  # the others have their own

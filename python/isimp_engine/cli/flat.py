@@ -4,6 +4,7 @@ import argparse
 import json
 from collections.abc import Iterator
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from .. import PolygonMesh, __version__, exporting, merge_flat
@@ -13,6 +14,7 @@ from .errors import UsageError
 from .files import STDOUT, Outputs, show
 from .loading import Input, clean_mesh, facts, labels, load
 from .progress import Steps, wanted
+from .settings import Simplification
 
 ANGLE = 0.01  #: degrees; the engine's default
 
@@ -54,29 +56,30 @@ def check(arguments: argparse.Namespace) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Run `isimp simplify`, with --flat or without."""
+    task = simplify.task_of(arguments)
     if arguments.flat is None:
-        simplify.run(arguments)
+        simplify.run(task)
     else:
-        _merge(arguments)
+        check(arguments)
+        _merge(task, arguments.flat)
 
 
-def _merge(arguments: argparse.Namespace) -> None:
-    check(arguments)
-    simplify.check_places(arguments)
-    steps = Steps(wanted(arguments.quiet))
+def _merge(task: Simplification, angle: float) -> None:
+    simplify.check_places(task)
+    settings, steps = task.settings, Steps(wanted(task.quiet))
     with steps("read") as job:
-        source = load(arguments.input, job, arguments.options.threads)
+        source = load(task.input, job, settings.partition.threads)
     with steps("clean") as job:
-        mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, job)
+        mesh, repaired, repaired_at = clean_mesh(source, settings.clean, job)
     with steps("mesh") as job:
-        poly, region = merge_flat(mesh, arguments.flat, job=job)
+        poly, region = merge_flat(mesh, angle, job=job)
     surfaces = exporting.surfaces_of(poly)
     with Outputs() as outputs:
         with steps("write") as job:
-            of = {"crs": arguments.crs, "like": arguments.output, "surfaces": surfaces, "unit": arguments.unit}
-            told = outputs.write(arguments.output, partial(exporting.write, polygons=poly, job=job, **of))
-            if arguments.labels:
-                outputs.write(arguments.labels, lambda path: save_array(path, labels(source, mesh, region)))
+            of: dict[str, Any] = {"crs": settings.crs, "like": task.output, "surfaces": surfaces, "unit": settings.unit}
+            told = outputs.write(task.output, partial(exporting.write, polygons=poly, job=job, **of))
+            if isinstance(task.labels, Path):
+                outputs.write(task.labels, lambda path: save_array(path, labels(source, mesh, region)))
         report = {
             "isimp": __version__,
             "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
@@ -84,19 +87,19 @@ def _merge(arguments: argparse.Namespace) -> None:
             "repair": repaired,
             "repaired_at": repaired_at,
             "mesh": facts(mesh),
-            "options": {"flat": arguments.flat},
+            "options": {"flat": angle},
             "regions": int(poly.report["regions"]),
-            "output": {"path": str(arguments.output)} | poly.report,
+            "output": {"path": str(task.output)} | poly.report,
             "validity": exporting.validity(poly, surfaces=surfaces),
             "step": told or None,
             "seconds": steps.seconds,
             "peak_mb": simplify.peak_mb(),
         }
-        if arguments.report:
-            outputs.write_text(arguments.report, json.dumps(report, indent=2, allow_nan=False) + "\n")
+        if task.report:
+            outputs.write_text(task.report, json.dumps(report, indent=2, allow_nan=False) + "\n")
         outputs.commit()
-    if not arguments.quiet:
-        show("\n".join(_summary(source, poly, report)), beside=arguments.report == STDOUT)
+    if not task.quiet:
+        show("\n".join(_summary(source, poly, report)), beside=task.report == STDOUT)
 
 
 def _summary(source: Input, poly: PolygonMesh, report: dict[str, Any]) -> Iterator[str]:

@@ -10,12 +10,15 @@ from . import closing, simplify, words
 from .errors import UsageError
 from .files import show
 from .loading import Cleaned, Input, clean_mesh, facts, load
+from .options import recipe_of, settings_of
 from .progress import Steps
+from .settings import Settings
 
 
 def run(arguments: argparse.Namespace) -> None:
-    source = load(arguments.input, Job(), arguments.clean.threads)
-    mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, Job(), closing.kept_places(arguments))
+    settings = settings_of(arguments, recipe_of(arguments))
+    source = load(arguments.input, Job(), settings.clean.threads)
+    cleaned = mesh, repaired, repaired_at = clean_mesh(source, settings.clean, Job(), settings.kept_places)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     report = {
         "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
@@ -23,27 +26,27 @@ def run(arguments: argparse.Namespace) -> None:
         "repair": repaired,
         "repaired_at": repaired_at,
         "mesh": facts(mesh) | {"box": [low.tolist(), high.tolist()]},
-        "result": None if arguments.mesh_only else result(arguments, source, (mesh, repaired, repaired_at)),
+        "result": None if arguments.mesh_only else result(settings, source, cleaned, arguments.estimate),
     }
     show(json.dumps(report, indent=2, allow_nan=False) if arguments.json else "\n".join(lines(report)))
 
 
-def result(arguments: argparse.Namespace, source: Input, cleaned: Cleaned) -> dict[str, Any]:
-    """How many polygons `isimp simplify` would make with these options, and why; or why it would refuse."""
+def result(settings: Settings, source: Input, cleaned: Cleaned, estimate: bool) -> dict[str, Any]:
+    """How many polygons `isimp simplify` would make, and why; or why it would refuse. estimate: without meshing."""
     steps = Steps(show=False)
     try:
-        if arguments.estimate:
-            regions = simplify.make_regions(arguments, source, steps, cleaned)
+        if estimate:
+            regions = simplify.make_regions(settings, source, steps, cleaned)
             out: dict[str, Any] = regions.expected
         else:
-            regions = model = simplify.make_model(arguments, source, steps, cleaned)
+            regions = model = simplify.make_model(settings, source, steps, cleaned)
             out = model.found.report
     except UsageError as error:
         return {"refused": str(error).removeprefix(f"{source.path}: ")}
     counts = {key: value for key, value in out.items() if key in ("regions", "polygons") or key.startswith("split_for")}
     return counts | {
         "expected": regions.expected,
-        "estimated": bool(arguments.estimate),
+        "estimated": estimate,
         "closed_below": regions.closed.fill_holes if regions.closed else None,
         "filled_holes": regions.repaired["filled_holes"],
         "cut_handles": regions.repaired["cut_handles"],

@@ -2,6 +2,7 @@
 
 import argparse
 import copy
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from .. import TextureOptions, exporting
 from . import texturing
 from .errors import UsageError
 from .files import STDOUT
+from .settings import Simplification
 
 _COUNTS = ("proxies", "triangles", "detail", "tolerance", "bound")
 
@@ -32,25 +34,25 @@ def check(arguments: argparse.Namespace) -> None:
         raise UsageError(f"--lods says how many regions each level has: leave out --{given[0]}")
 
 
-def levels(arguments: argparse.Namespace) -> list[argparse.Namespace]:
-    """The arguments of each level; the given arguments alone without --lods."""
-    if arguments.lods is None:
-        return [arguments]
-    check(arguments)
-    return [_level(arguments, number, regions) for number, regions in enumerate(arguments.lods)]
+def levels(task: Simplification) -> list[Simplification]:
+    """The run of each level; the given one alone without levels."""
+    if task.lods is None:
+        return [task]
+    return [_level(task, number, regions) for number, regions in enumerate(task.lods)]
 
 
-def _level(arguments: argparse.Namespace, number: int, regions: int) -> argparse.Namespace:
-    level = copy.copy(arguments)
-    level.options = copy.copy(arguments.options)
+def _level(task: Simplification, number: int, regions: int) -> Simplification:
+    partition = copy.copy(task.settings.partition)
     for name in _COUNTS:  # the counts of the recipe
-        setattr(level.options, name, None)
-    level.options.proxies = regions
-    level.output = named(arguments.output, number)
-    if isinstance(arguments.labels, Path):
-        level.labels = named(arguments.labels, number)
-    level.report = arguments.report if number == 0 else None
-    return level
+        setattr(partition, name, None)
+    partition.proxies = regions
+    return replace(
+        task,
+        settings=replace(task.settings, partition=partition),
+        output=named(task.output, number),
+        labels=named(task.labels, number) if isinstance(task.labels, Path) else task.labels,
+        report=task.report if number == 0 else None,
+    )
 
 
 def named(path: Path, number: int) -> Path:
@@ -61,7 +63,10 @@ def named(path: Path, number: int) -> Path:
     return path.with_name(f"{path.name[: len(path.name) - len(suffix)]}_LOD{number}{suffix}")
 
 
-def halved(size: int, times: int) -> int:
-    """The side of a level's image."""
+def with_halved_texture(level: Simplification, size: int, times: int) -> Simplification:
+    """The level with an image whose side is halved so many times. size: side of the first level's image."""
+    assert level.settings.texture is not None
     least = next(field["least"] for field in TextureOptions.fields() if field["name"] == "size")
-    return size if size == texturing.LIKE_THE_SCAN else max(int(least), size >> times)
+    side = size if size == texturing.LIKE_THE_SCAN else max(int(least), size >> times)
+    texture = replace(level.settings.texture, size=side)
+    return replace(level, settings=replace(level.settings, texture=texture))

@@ -1,6 +1,7 @@
 """The options of `isimp simplify`, which batches take too: flags made from the engine's table, and their values."""
 
 import argparse
+import copy
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -10,6 +11,7 @@ from .. import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions, Reg
 from ..exporting import UNITS
 from . import closing, guiding, texturing
 from .errors import UsageError
+from .settings import GuideFiles, Settings, Texturing
 
 Options = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions] | type[RegulariseOptions]
 _COUNTS = ("proxies", "triangles", "detail", "tolerance", "bound")  # at most one of them
@@ -153,11 +155,11 @@ def _snapping() -> list[str]:
     return names(RegulariseOptions, besides=("angle", "length", "up"))
 
 
-def options_of(arguments: argparse.Namespace, kind: Options) -> Any:
+def options_of(arguments: argparse.Namespace, recipe: recipes.Recipe | None, kind: Options) -> Any:
     """The engine's options of this kind as the command line has them; else the recipe's, else its defaults."""
     values = {name: getattr(arguments, _FLAGS.get((kind, name), name), None) for name in names(kind)}
     given = {name: value for name, value in values.items() if value is not None}
-    options = kind(**_of_recipe(arguments.recipe, kind, given))
+    options = kind(**_of_recipe(recipe, kind, given))
     for name, value in given.items():
         try:
             setattr(options, name, value)
@@ -176,21 +178,46 @@ def _of_recipe(recipe: recipes.Recipe | None, kind: Options, given: dict[str, An
     return {name: value for name, value in own.items() if name not in given and not (counted and name in _COUNTS)}
 
 
-def settle(arguments: argparse.Namespace) -> None:
-    """Replace the arguments of the command line by arguments of the steps: the recipe and the engine's options."""
-    if isinstance(arguments.recipe, Path):
-        try:
-            arguments.recipe = recipes.read(arguments.recipe)
-        except recipes.RecipeError as error:
-            raise UsageError(str(error)) from None
-    if arguments.recipe is not None:
-        for name in _OF_RECIPE:
-            if getattr(arguments, name) is None:
-                setattr(arguments, name, getattr(arguments.recipe, name))
+def recipe_of(arguments: argparse.Namespace) -> recipes.Recipe | None:
+    """Read the recipe of the command line."""
+    if arguments.recipe is None:
+        return None
+    try:
+        return recipes.read(arguments.recipe)
+    except recipes.RecipeError as error:
+        raise UsageError(str(error)) from None
+
+
+def settings_of(arguments: argparse.Namespace, recipe: recipes.Recipe | None) -> Settings:
+    """The settings of a command line and its recipe. Nothing else reads the arguments of `simplify_options`."""
+    given = copy.copy(arguments)
+    for name in _OF_RECIPE if recipe is not None else ():
+        if getattr(given, name) is None:
+            setattr(given, name, getattr(recipe, name))
     snapping = {name: ("--" + name.replace("_", "-"), "regularise", "it is about its planes") for name in _snapping()}
     for name, (flag, needed, reason) in (_NEEDS | snapping).items():
-        value = getattr(arguments, name)
-        if value is not None and value is not False and getattr(arguments, needed) is None:  # 0 is a value
+        value = getattr(given, name)
+        if value is not None and value is not False and getattr(given, needed) is None:  # 0 is a value
             raise UsageError(f"{flag} needs --{needed}: {reason}")
-    arguments.clean = options_of(arguments, CleanOptions)
-    arguments.options = options_of(arguments, PartitionOptions)
+    of_recipe = [(x, y, z) for x, y, z in recipe.keep_openings] if recipe is not None else []
+    texture = None
+    if given.texture is not None:
+        texture = Texturing(given.texture, given.tiles, bool(given.materials), bool(given.height), given.ao)
+    return Settings(
+        clean=options_of(given, recipe, CleanOptions),
+        partition=options_of(given, recipe, PartitionOptions),
+        meshing=options_of(given, recipe, MeshingOptions),
+        regularise=None if given.regularise is None else options_of(given, recipe, RegulariseOptions),
+        recipe=recipe,
+        keep_openings=given.keep_openings,
+        kept_places=(given.keep_opening or []) + of_recipe,
+        clutter=given.clutter,
+        angle=given.angle,
+        texture=texture,
+        crs=given.crs,
+        unit=given.unit,
+    )
+
+
+def guide_files(arguments: argparse.Namespace) -> GuideFiles:
+    return GuideFiles(**{name: getattr(arguments, name) for name in guiding.FILES})

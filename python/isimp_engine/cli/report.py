@@ -8,6 +8,7 @@ from . import simplify, words
 from .errors import UsageError
 from .files import Outputs, show
 from .loading import load
+from .options import recipe_of, settings_of
 from .progress import Steps, wanted
 
 ANGLES = "angles.csv"
@@ -39,10 +40,11 @@ def add_options(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     if arguments.output.exists() and not arguments.output.is_dir():
         raise UsageError(f"{arguments.output}: is a file; OUTPUT_FOLDER must be a folder")
+    settings = settings_of(arguments, recipe_of(arguments))
     steps = Steps(wanted(arguments.quiet))
     with steps("read") as job:
-        source = load(arguments.input, job, arguments.options.threads)
-    model = simplify.make_model(arguments, source, steps)
+        source = load(arguments.input, job, settings.partition.threads)
+    model = simplify.make_model(settings, source, steps)
     poly = model.found.polygons
     with steps("measure") as job:
         table = reports.plane_table(model.mesh, model.partition, poly, job)
@@ -52,7 +54,7 @@ def run(arguments: argparse.Namespace) -> None:
         if missing := [number for number in arguments.angles if number not in known]:
             raise UsageError(f"--angles: there is no region {missing[0]}; they are numbered from 0 to {max(known)}")
         angles = reports.angle_rows(table, arguments.angles)
-    texts = reports.texts_of(source.path.name, model.mesh, model.partition, poly, table, arguments.crs)
+    texts = reports.texts_of(source.path.name, model.mesh, model.partition, poly, table, settings.crs)
     if angles is not None:
         texts[ANGLES] = reports.write_csv(angles, ("region", "other", "angle"))
     arguments.output.mkdir(parents=True, exist_ok=True)

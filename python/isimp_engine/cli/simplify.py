@@ -5,7 +5,7 @@ import json
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -34,8 +34,11 @@ from . import closing, guiding, lods, texturing, words
 from .errors import UsageError
 from .files import STDOUT, Outputs, check, is_same, show
 from .loading import Cleaned, Input, clean_mesh, close_mesh, facts, labels, load
-from .options import BOX_CLUTTER, KEEP_CLUTTER, options_of
+from .options import BOX_CLUTTER, KEEP_CLUTTER, guide_files, recipe_of, settings_of
 from .progress import Steps, wanted
+from .settings import GuideFiles, Settings, Simplification
+
+_NO_FILES = GuideFiles()
 
 
 @dataclass(frozen=True)
@@ -48,33 +51,52 @@ class Done:
     report: dict[str, Any]
 
 
-def run(arguments: argparse.Namespace) -> Done:
-    levels = lods.levels(arguments)
+def task_of(arguments: argparse.Namespace) -> Simplification:
+    """The run that a command line describes."""
+    settings = settings_of(arguments, recipe_of(arguments))
+    if arguments.lods is not None:
+        lods.check(arguments)
+    return Simplification(
+        input=arguments.input,
+        output=arguments.output,
+        settings=settings,
+        guides=guide_files(arguments),
+        labels=arguments.labels,
+        report=arguments.report,
+        lods=arguments.lods,
+        quiet=arguments.quiet,
+    )
+
+
+def run(task: Simplification) -> Done:
+    levels = lods.levels(task)
     beside = [check_places(level) for level in levels]
-    steps = Steps(wanted(arguments.quiet))
+    steps = Steps(wanted(task.quiet))
     done: list[Done] = []
+    textured = task.settings.texture is not None
     with steps("read") as job:
-        source = load(arguments.input, job, arguments.options.threads, textured=arguments.texture is not None)
-    if arguments.texture is not None:
+        source = load(task.input, job, task.settings.partition.threads, textured=textured)
+    if textured:
         texturing.check_source(source, [path for files in beside for path in files])
     with Outputs() as outputs:
         cleaned = None
-        for number, level in enumerate(levels):
-            if number > 0 and level.texture is not None:
-                level.texture = lods.halved(done[0].report["texture"]["size"], number)
+        for number, each in enumerate(levels):
+            level = each
+            if number > 0 and textured:
+                level = lods.with_halved_texture(level, done[0].report["texture"]["size"], number)
             if number == 0 and len(levels) > 1:
                 with steps("clean") as job:
-                    cleaned = clean_mesh(source, level.clean, job, closing.kept_places(level))
+                    cleaned = clean_mesh(source, level.settings.clean, job, level.settings.kept_places)
             done.append(_make(level, source, steps, outputs, cleaned))
-            steps = Steps(wanted(arguments.quiet))
+            steps = Steps(wanted(task.quiet))
         report = done[0].report
-        if arguments.lods is not None:
+        if task.lods is not None:
             report = {**report, "lods": [level.report for level in done]}
-        if arguments.report:
-            outputs.write_text(arguments.report, json.dumps(report, indent=2, allow_nan=False) + "\n")
+        if task.report:
+            outputs.write_text(task.report, json.dumps(report, indent=2, allow_nan=False) + "\n")
         outputs.commit()
-    if not arguments.quiet:  # where the report is on stdout, it is alone there
-        show("\n".join(summary(source, done)), beside=arguments.report == STDOUT)
+    if not task.quiet:  # where the report is on stdout, it is alone there
+        show("\n".join(summary(source, done)), beside=task.report == STDOUT)
     return done[0]
 
 
@@ -101,19 +123,18 @@ class Model(Regions):
     clutter: list[Clutter]  #: regions that took many polygons; with --clutter they are left out since
 
 
-def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Regions:
-    """Repair and partition by the arguments, and estimate the number of polygons.
+def make_regions(
+    settings: Settings, source: Input, steps: Steps, cleaned: Cleaned | None = None, files: GuideFiles = _NO_FILES
+) -> Regions:
+    """Repair and partition, and estimate the number of polygons.
 
     cleaned: the repaired scan, if it is known already; a mesh caches data of a partition for the next one.
     """
-    options, recipe = arguments.options, arguments.recipe
-    meshing: MeshingOptions = options_of(arguments, MeshingOptions)
-    regular: RegulariseOptions | None = None
-    if arguments.regularise is not None:
-        regular = options_of(arguments, RegulariseOptions)
-    (mesh, repaired, repaired_at), closed, guides, part = _partition(arguments, source, steps, cleaned, options.proxies)
+    recipe, meshing, regular = settings.recipe, settings.meshing, settings.regularise
+    count = settings.partition.proxies
+    (mesh, repaired, repaired_at), closed, guides, part = _partition(settings, files, source, steps, cleaned, count)
     if recipe:
-        with steps("partition") as job, refused(arguments):
+        with steps("partition") as job, refused(source):
             part = recipe.edited(mesh, part, job, regularised=regular is None)
     if regular is not None:
         with steps("regularise") as job:
@@ -130,77 +151,85 @@ def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cle
 
 
 def _partition(
-    arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None, regions: int | None
+    settings: Settings,
+    files: GuideFiles,
+    source: Input,
+    steps: Steps,
+    cleaned: Cleaned | None,
+    regions: int | None,
 ) -> tuple[Cleaned, CleanOptions | None, Guides, Partition]:
     """Repair and partition. regions: the number for which openings are closed, where it is known."""
-    options, lengths, closed = arguments.options, Lengths(), None
+    options, keep, lengths, closed = settings.partition, settings.kept_places, Lengths(), None
     with steps("clean") as job:
-        keep = closing.kept_places(arguments)
-        cleaned = cleaned or clean_mesh(source, arguments.clean, job, keep)
-        if closing.is_wanted(arguments):
-            with refused(arguments):
+        cleaned = cleaned or clean_mesh(source, settings.clean, job, keep)
+        if closing.is_wanted(settings):
+            with refused(source):
                 lengths = closing.lengths_of(cleaned[0], options, regions, job)
             if lengths:
-                closed = closing.closing_options(arguments.clean, lengths)
+                closed = closing.closing_options(settings.clean, lengths)
                 cleaned = close_mesh(source, cleaned, closed, job, keep)
-    with steps("partition") as job, refused(arguments):
-        guides = guiding.guides_of(arguments, source, cleaned[0], job)
+    with steps("partition") as job, refused(source):
+        guides = guiding.guides_of(files, settings.angle, source, cleaned[0], job)
         found = partition_guided(cleaned[0], options, job, guides)
     if lengths.hold_for(found.region_count):
         return cleaned, closed, guides, found
     regions = found.region_count
     del cleaned, guides, found  # their memory is needed
-    return _partition(arguments, source, steps, None, regions)
+    return _partition(settings, files, source, steps, None, regions)
 
 
-def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Model:
-    """Repair, partition and mesh by the arguments. cleaned: see `make_regions`."""
-    made = make_regions(arguments, source, steps, cleaned)
-    recipe = arguments.recipe
+def make_model(
+    settings: Settings, source: Input, steps: Steps, cleaned: Cleaned | None = None, files: GuideFiles = _NO_FILES
+) -> Model:
+    """Repair, partition and mesh. cleaned: see `make_regions`."""
+    made = make_regions(settings, source, steps, cleaned, files)
+    recipe = settings.recipe
     with steps("mesh") as job:
         # Another partition would lose edits and planes.
         edited = made.regular is not None or (recipe is not None and recipe.edits)
-        anew = None if edited else Made(arguments.options, made.guides)
+        anew = None if edited else Made(settings.partition, made.guides)
         found = polygonize_within(made.mesh, made.partition, made.meshing, job, anew)
     many = clutter(found.polygons)
-    if many and arguments.clutter != KEEP_CLUTTER:
-        with steps("mesh") as job, refused(arguments):
-            part = without_clutter(made.mesh, found.partition, many, arguments.clutter == BOX_CLUTTER)
+    if many and settings.clutter != KEEP_CLUTTER:
+        with steps("mesh") as job, refused(source):
+            part = without_clutter(made.mesh, found.partition, many, settings.clutter == BOX_CLUTTER)
             found = polygonize_within(made.mesh, part, made.meshing, job)
     return Model(**vars(made) | {"partition": found.partition}, found=found, clutter=many)
 
 
 def _make(
-    arguments: argparse.Namespace,
+    task: Simplification,
     source: Input,
     steps: Steps,
     outputs: Outputs,
     cleaned: Cleaned | None,
 ) -> Done:
     """Make and write one result; its files appear when `outputs` are committed."""
-    options, recipe, step = arguments.options, arguments.recipe, None
-    if is_step := exporting.kind_of(arguments.output) in exporting.STEP_KINDS:
-        arguments.planar = True  # its faces are planes
-    model = make_model(arguments, source, steps, cleaned)
+    settings, step = task.settings, None
+    if is_step := exporting.kind_of(task.output) in exporting.STEP_KINDS:  # its faces are planes
+        meshing = MeshingOptions(**settings.meshing.as_dict() | {"planar": True})
+        settings = replace(settings, meshing=meshing)
+    recipe = settings.recipe
+    model = make_model(settings, source, steps, cleaned, task.guides)
     mesh, part, poly, closed = model.mesh, model.partition, model.found.polygons, model.closed
     made, written, surfaces = None, [], exporting.surfaces_of(poly)
-    if arguments.texture is not None:
+    if settings.texture is not None:
         with steps("texture") as job:
-            made = texturing.make(arguments, source, mesh, part, poly, job)
+            made = texturing.make(settings.texture, source, mesh, part, poly, settings.partition.threads, job)
     with steps("write") as job:
         if made is None:
-            of = {"crs": arguments.crs, "like": arguments.output, "surfaces": surfaces, "unit": arguments.unit}
+            of: dict[str, Any] = {"crs": settings.crs, "like": task.output, "surfaces": surfaces, "unit": settings.unit}
             of |= {"partition": part, "mesh": mesh}
-            told = outputs.write(arguments.output, partial(exporting.write, polygons=poly, job=job, **of))
+            told = outputs.write(task.output, partial(exporting.write, polygons=poly, job=job, **of))
             step = told if is_step else None
         else:
-            files = files_of(arguments.output, poly, made, job)
+            files = files_of(task.output, poly, made, job)
             texturing.check_source(source, list(files))  # names of tiles and materials are known only now
             for file, content in files.items():
                 outputs.write(file, partial(Path.write_bytes, data=content))
                 written.append(file)
-        if arguments.labels:
-            outputs.write(arguments.labels, lambda path: save_array(path, labels(source, mesh, part.face_region)))
+        if isinstance(task.labels, Path):
+            outputs.write(task.labels, lambda path: save_array(path, labels(source, mesh, part.face_region)))
     report = {
         "isimp": __version__,
         "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
@@ -210,13 +239,13 @@ def _make(
         "closed_below": closed.fill_holes if closed else None,
         "openings": closing.told(mesh),
         "mesh": facts(mesh),
-        "options": options.as_dict()
+        "options": settings.partition.as_dict()
         | {
-            "clean": (closed or arguments.clean).as_dict(),
-            "keep_openings": closing.kept_places(arguments),
-            "clutter": arguments.clutter,
+            "clean": (closed or settings.clean).as_dict(),
+            "keep_openings": settings.kept_places,
+            "clutter": settings.clutter,
             "meshing": model.meshing.as_dict(),
-            "guides": guiding.as_dict(arguments),
+            "guides": guiding.as_dict(task),
             "recipe": recipe and recipe.values,
             "regularise": model.regular and model.regular.as_dict(),
         },
@@ -226,7 +255,7 @@ def _make(
         "partition": part.report,
         "curved": part.report["curved"],
         "expected": model.expected,
-        "output": {"path": str(arguments.output)} | model.found.report,
+        "output": {"path": str(task.output)} | model.found.report,
         "clutter": [each.as_dict() for each in model.clutter],
         "validity": exporting.validity(poly, surfaces=surfaces),
         "step": step,
@@ -238,33 +267,33 @@ def _make(
 
 
 @contextmanager
-def refused(arguments: argparse.Namespace) -> Iterator[None]:
+def refused(source: Input) -> Iterator[None]:
     """Reports an error of the engine as an error of the options, since the mesh is sound at this point."""
     try:
         yield
     except InvalidInput as error:
-        raise UsageError(f"{arguments.input}: {error}") from None
+        raise UsageError(f"{source.path}: {error}") from None
 
 
-def output_kinds(arguments: argparse.Namespace) -> tuple[str, ...]:
-    """The allowed endings of OUTPUT, with these options."""
-    return exporting.PLAIN if arguments.texture is None else exporting.TEXTURED
+def output_kinds(settings: Settings) -> tuple[str, ...]:
+    """The allowed endings of OUTPUT, with these settings."""
+    return exporting.PLAIN if settings.texture is None else exporting.TEXTURED
 
 
-def check_places(arguments: argparse.Namespace) -> list[Path]:
+def check_places(task: Simplification) -> list[Path]:
     """Check the output paths before the computation; returns the files that can be written next to the output."""
-    if not arguments.output.name.lower().endswith(kinds := output_kinds(arguments)):
-        more = "with a texture " if arguments.texture is not None else ""
-        raise UsageError(f"{arguments.output}: {more}OUTPUT must end in one of {', '.join(kinds)}")
+    if not task.output.name.lower().endswith(kinds := output_kinds(task.settings)):
+        more = "with a texture " if task.settings.texture is not None else ""
+        raise UsageError(f"{task.output}: {more}OUTPUT must end in one of {', '.join(kinds)}")
     try:
-        exporting.require(arguments.output)
+        exporting.require(task.output)
     except FileError as error:
         raise UsageError(str(error)) from None
-    beside = texturing.check_output(arguments)
-    if arguments.labels == STDOUT:
+    beside = texturing.check_output(task)
+    if task.labels == STDOUT:
         raise UsageError("--labels writes a binary file, which can't go to stdout; give ./- for a file called -")
-    taken = [arguments.input]
-    for path in (arguments.output, *beside, arguments.labels, arguments.report):
+    taken = [task.input]
+    for path in (task.output, *beside, task.labels, task.report):
         if not isinstance(path, Path):
             continue
         check(path)

@@ -12,6 +12,7 @@ from . import words
 from .errors import UsageError
 from .files import check, is_same
 from .loading import Input
+from .settings import Simplification, Texturing
 
 LIKE_THE_SCAN = 0
 ANY_DISTANCE = 0.0
@@ -44,13 +45,13 @@ def distance(text: str) -> float:
     return length
 
 
-def check_output(arguments: argparse.Namespace) -> list[Path]:
+def check_output(task: Simplification) -> list[Path]:
     """Returns the files that can be written next to the output; refuses paths that can't be written."""
-    if arguments.texture is None:
+    if task.settings.texture is None:
         return []
-    if why := refusal(arguments.output):
+    if why := refusal(task.output):
         raise UsageError(why)
-    beside = companions(arguments.output, bool(arguments.height))
+    beside = companions(task.output, task.settings.texture.height)
     for path in beside:
         check(path)
     return beside
@@ -71,23 +72,23 @@ def check_source(source: Input, beside: list[Path]) -> None:
 
 
 def make(
-    arguments: argparse.Namespace, source: Input, mesh: Mesh, part: Partition, poly: PolygonMesh, job: Job
+    wanted: Texturing, source: Input, mesh: Mesh, part: Partition, poly: PolygonMesh, threads: int, job: Job
 ) -> Texture:
     """The texture of the polygons."""
-    assert source.soup is not None  # read, since the arguments request a texture
+    assert source.soup is not None  # read, since a texture is requested
     options = TextureOptions(
-        size=arguments.texture or None,
-        tiles=arguments.tiles,
-        materials=bool(arguments.materials),
-        height=bool(arguments.height),
-        occlusion=arguments.ao is not None,
-        occlusion_distance=arguments.ao or None,
-        threads=arguments.options.threads,
+        size=wanted.size or None,
+        tiles=wanted.tiles,
+        materials=wanted.materials,
+        height=wanted.height,
+        occlusion=wanted.occlusion is not None,
+        occlusion_distance=wanted.occlusion or None,
+        threads=threads,
     )
     try:
         return texture(mesh, part, poly, source.soup, options, job)
     except InvalidInput as error:  # too many charts for the size
-        raise UsageError(f"{arguments.input}: {error}") from None
+        raise UsageError(f"{source.path}: {error}") from None
 
 
 def summary(report: dict[str, Any]) -> Iterator[str]:

@@ -135,7 +135,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"isimp: {said}", file=sys.stderr)
         return TERMINATED if isinstance(error, Terminated) else INTERRUPTED
     if not arguments.quiet:
-        show("\n".join(summary(outcome, arguments)), beside=arguments.report == STDOUT)
+        show("\n".join(summary(outcome, arguments.input, arguments.proxies)), beside=arguments.report == STDOUT)
     return OK
 
 
@@ -144,9 +144,9 @@ def progress(state: State) -> str:
     return f"{_WORDS.get(state.step, state.step)}: {state.done:,} of {state.tiles:,} tiles, {state.seconds:.0f} s"
 
 
-def summary(outcome: Outcome, arguments: argparse.Namespace) -> Iterator[str]:
+def summary(outcome: Outcome, source: Path, proxies: int | None) -> Iterator[str]:
     report, out = outcome.report, outcome.report["output"]
-    yield f"{arguments.input}: {words.count(report['faces'], 'face')} in {words.count(report['tiles'], 'tile')}"
+    yield f"{source}: {words.count(report['faces'], 'face')} in {words.count(report['tiles'], 'tile')}"
     for name, count in report["repair"].items():
         yield f"  repaired: {count:,} {name.replace('_', ' ')}"
     if report["welded_vertices"]:
@@ -159,8 +159,8 @@ def summary(outcome: Outcome, arguments: argparse.Namespace) -> Iterator[str]:
     yield from words.left_out(report["parts_left_out"], report["area_left_out"])
     if report["tolerance"] is not None:
         yield f"  {words.found(report)}"
-    else:
-        yield from words.more_proxies(report["regions"], arguments.proxies)
+    elif proxies is not None:
+        yield from words.more_proxies(report["regions"], proxies)
     yield words.polygons(out, report["regions"])
     yield words.flat(out, report["diagonal"], report["seconds"]["all"])
     yield from words.flaws(out)

@@ -1,6 +1,5 @@
 """isimp removes only files that it made and marked, and a run that was ended anywhere can be repeated."""
 
-import argparse
 import json
 import os
 import shutil
@@ -144,6 +143,6 @@ def test_rows_may_hold_anything(tmp_path, status):
     page.write(tmp_path, found, tmp_path)
     assert "<b>" not in (tmp_path / "results.html").read_text()
     outcome = batch.Outcome(found, len(found), 0, cut_short=False)
-    said = "\n".join(command.summary(outcome, argparse.Namespace(output=tmp_path, retry_failed=False)))
+    said = "\n".join(command.summary(outcome, tmp_path, False))
     os.fsencode(said)
     assert all(table._is_key(row["key"]) or row["key"] == "" for row in found)

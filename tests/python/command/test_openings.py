@@ -12,8 +12,8 @@ from isimp import recipe as rcp
 from isimp.prepared import prepared_of
 from isimp.session import Session, StepFailed
 from isimp_engine import batch
-from isimp_engine.cli.command import parser, settle
-from isimp_engine.cli.simplify import run
+from isimp_engine.cli.command import parser
+from isimp_engine.cli.simplify import run, task_of
 from session_scans import scan_of
 from test_cli import isimp
 
@@ -157,8 +157,7 @@ def test_openings_that_are_closed_before_the_regions_are_counted_are_the_same(mo
     assert guessed.closing == counted.closing
     assert np.array_equal(guessed.face_region, counted.face_region)
     arguments = parser().parse_args(["simplify", str(tmp_path / "scan.ply"), str(tmp_path / "p.ply"), "--detail=0.1"])
-    settle(arguments)
-    done = run(arguments)
+    done = run(task_of(arguments))
     assert len(asked) == 2
     assert done.report["closed_below"] == report["closed_below"]
     assert (tmp_path / "p.ply").read_bytes() == (tmp_path / "o.ply").read_bytes()

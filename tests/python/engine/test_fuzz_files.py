@@ -3,7 +3,6 @@
 ISIMP_FUZZ_FILES is the number of cases of each family (150). A case is made from its number, so a failure comes again.
 """
 
-import argparse
 import os
 import random
 import signal
@@ -42,7 +41,7 @@ def read_rows(folder):
     found = batch.read_rows(folder)
     page.write(folder, found, folder)
     outcome = batch.Outcome(found, len(found), 0, cut_short=False)
-    os.fsencode("\n".join(command.summary(outcome, argparse.Namespace(output=folder, retry_failed=False))))
+    os.fsencode("\n".join(command.summary(outcome, folder, False)))
 
 
 FAMILIES = {
