@@ -257,7 +257,7 @@ def run_cluster(faces: int, proxies: int, apart: bool) -> int:
         place = Path(folder)
         count = make_city(place / "city", faces)
         begun, used = time.perf_counter(), processor_seconds()
-        report = tiles.run(place / "city", place / "a.ply", proxies=proxies, jobs=2).report
+        report = tiles.run(place / "city", place / "a.ply", proxies=proxies, children=batch.Children(jobs=2)).report
         seconds, used = time.perf_counter() - begun, processor_seconds() - used
         peaks = report["peak_mb"]
         print(f"{count:,} faces in {report['tiles']} tiles, {report['groups']} groups: {report['regions']:,} regions")
@@ -275,7 +275,9 @@ def run_cluster(faces: int, proxies: int, apart: bool) -> int:
                     done.append(state)
 
             begun = time.perf_counter()
-            tiles.run(place / "city", place / "b.ply", proxies=proxies, dask=address, work=place / "work", watch=kill)
+            children = batch.Children(dask=address)
+            run = {"proxies": proxies, "children": children, "work": place / "work", "watch": kill}
+            tiles.run(place / "city", place / "b.ply", **run)
             print(f"  two workers, one killed after `join`: {time.perf_counter() - begun:.0f} s")
         same = (place / "a.ply").read_bytes() == (place / "b.ply").read_bytes()
         print(f"  killed: {bool(done)}, same bits: {same}")

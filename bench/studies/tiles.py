@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 import isimp_engine as engine
-from isimp_engine import tiles
+from isimp_engine import batch, tiles
 from isimp_engine.tiles.splitting import Boxes
 
 SAMPLES = 3_000_000  # places on the polygons that distances are measured to
@@ -252,7 +252,8 @@ def city(faces: int, proxies: int, kill: bool, jobs: int, group: int) -> None:
         environment = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1])}
         begun = time.perf_counter()
         grouped = {"group": group} if group else {}
-        report = tiles.run(folder, Path(place) / "a.ply", proxies=proxies, jobs=jobs, **grouped).report
+        children = batch.Children(jobs)
+        report = tiles.run(folder, Path(place) / "a.ply", proxies=proxies, children=children, **grouped).report
         seconds = time.perf_counter() - begun
         tile = report["largest_tile"]
         print(f"{faces:,} faces in {report['tiles']} tiles, {report['regions']:,} regions: {seconds:.0f} s with {jobs}")

@@ -132,11 +132,14 @@ py::array texels_of(const std::vector<PolygonTexels>& texels) {
   return counts;
 }
 
+/// The arrays of `_Look` of texturing/baking.py, without its pictures: uv, image, colors, known.
+using Look =
+    std::tuple<Contiguous<float>, Contiguous<std::int32_t>, Contiguous<std::uint8_t>, Contiguous<std::uint8_t>>;
+
 py::tuple bake_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
-                       const Contiguous<float>& uv, const Contiguous<std::int32_t>& image,
-                       const Contiguous<std::uint8_t>& colors, const Contiguous<std::uint8_t>& known,
-                       const py::list& pictures, const py::list& layers, const py::object& relief,
+                       const Look& arrays, const py::list& pictures, const py::list& layers, const py::object& relief,
                        const TextureOptions& options, const py::object& before, Job* job) {
+  const auto& [uv, image, colors, known] = arrays;
   Appearance look{span_of(uv), span_of(image), span_of(colors), span_of(known), {}};
   for (std::size_t i = 0; i < pictures.size(); ++i) look.pictures.push_back(picture_of(pictures[i], i));
   MaterialLayers more;
@@ -255,8 +258,8 @@ void bind_texture(py::module_& m) {
   m.def("_unwrap", &lay_out, "polygons"_a, "options"_a, "density"_a, "group"_a = Contiguous<std::int32_t>(),
         "earlier"_a = py::none(), "job"_a = py::none());
   m.def("_uv", &uv_of, "polygons"_a, "atlas"_a);
-  m.def("_bake", &bake_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "uv"_a, "image"_a, "colors"_a,
-        "known"_a, "pictures"_a, "layers"_a, "relief"_a, "options"_a, "earlier"_a = py::none(), "job"_a = py::none());
+  m.def("_bake", &bake_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "look"_a, "pictures"_a, "layers"_a,
+        "relief"_a, "options"_a, "earlier"_a = py::none(), "job"_a = py::none());
   m.def("_bake_map", &map_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a, "job"_a = py::none());
   m.def("_map_layers", &map_layers, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a,
         "same"_a = Contiguous<std::int32_t>(), "earlier"_a = py::none(), "job"_a = py::none());

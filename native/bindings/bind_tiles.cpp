@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,9 @@ namespace {
 
 template <class T>
 using Table = py::array_t<T, py::array::c_style | py::array::forcecast>;
+using Price = std::tuple<double, double, std::int32_t, double>;  ///< smooth, error, proxies, area
+/// WholeScan of tiles/steps.py: error, area, faces, regions, smooth, sweeps.
+using WholeScan = std::tuple<double, double, std::int64_t, std::int32_t, double, std::int32_t>;
 constexpr py::ssize_t kSumColumns = 5, kMomentColumns = 10;
 constexpr std::int32_t kMostFaces = std::numeric_limits<std::int32_t>::max();
 
@@ -202,30 +206,32 @@ void bind_merging(py::module_& m) {
       "_tile_merge_inside",
       [](const Table<double>& sums, const Table<std::int32_t>& pairs, const Table<double>& lengths,
          const Table<std::int32_t>& component, const Table<std::int32_t>& need, const Table<std::uint8_t>& border,
-         std::int32_t target, double limit, double smooth, double error, std::int32_t proxies, double area, Job* job) {
+         std::int32_t target, double limit, const Price& weight, Job* job) {
         const auto graph = read_graph(sums, pairs, lengths);
         const tiles::Components c = read_components(component, need);
         const auto at_border = rows<std::uint8_t>(border, "border");
+        const auto& [smooth, error, proxies, area] = weight;
         const tiles::BorderPrice price{smooth, error, proxies, area};
         tiles::GroupMerges made =
             call(job, [&](Job& j) { return tiles::merge_inside(graph, c, at_border, target, limit, price, j); });
         return py::make_tuple(owned(std::move(made.merged)), owned(std::move(made.price)));
       },
-      "sums"_a, "pairs"_a, "lengths"_a, "component"_a, "need"_a, "border"_a, "target"_a, "limit"_a, "smooth"_a,
-      "error"_a, "proxies"_a, "area"_a, "job"_a = py::none(), "See tiles.merge_inside.");
+      "sums"_a, "pairs"_a, "lengths"_a, "component"_a, "need"_a, "border"_a, "target"_a, "limit"_a, "price"_a,
+      "job"_a = py::none(), "See tiles.merge_inside.");
 }
 
 void bind_relaxing(py::module_& m) {
   m.def(
       "_tile_relax",
       [](const Table<float>& record, const Table<std::int32_t>& neighbour, std::int32_t owned_faces,
-         const Table<std::int32_t>& label, const Table<std::uint8_t>& frozen, const Table<double>& sums, double error,
-         double smooth, double area, std::int64_t faces, std::int32_t regions, std::int32_t sweeps, Job* job) {
+         const Table<std::int32_t>& label, const Table<std::uint8_t>& frozen, const Table<double>& sums,
+         const WholeScan& whole, Job* job) {
         const tiles::TileFaces tile{rows<FaceRecord>(record, "faces"),
                                     rows<std::array<std::int32_t, 3>>(neighbour, "neighbours"), owned_faces};
         const auto labels = rows<std::int32_t>(label, "labels");
         const auto stays = rows<std::uint8_t>(frozen, "frozen");
         const std::vector<RegionSum> sum = read_sums(sums);
+        const auto& [error, area, faces, regions, smooth, sweeps] = whole;
         const tiles::RelaxOptions options{error, smooth, area, faces, regions, sweeps};
         tiles::Relaxed r = call(job, [&](Job& j) { return tiles::relax(tile, labels, stays, sum, options, j); });
         std::vector<std::int32_t> changed;
@@ -233,8 +239,8 @@ void bind_relaxing(py::module_& m) {
         py::array change = table_of(r.change, kSumColumns, [](const auto& c, double* at) { put(c.second, at); });
         return py::make_tuple(owned(std::move(r.label)), owned(std::move(changed)), change, r.moves);
       },
-      "faces"_a, "neighbours"_a, "owned"_a, "labels"_a, "frozen"_a, "sums"_a, "error"_a, "smooth"_a, "area"_a,
-      "face_count"_a, "regions"_a, "sweeps"_a, "job"_a = py::none(), "See tiles.relax.");
+      "faces"_a, "neighbours"_a, "owned"_a, "labels"_a, "frozen"_a, "sums"_a, "whole"_a, "job"_a = py::none(),
+      "See tiles.relax.");
   m.def(
       "_tile_touching",
       [](const Table<std::int32_t>& neighbour, std::int32_t owned_faces, const Table<std::int32_t>& label,

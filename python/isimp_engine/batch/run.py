@@ -13,10 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from .. import CleanOptions, FileError, PartitionOptions, __version__, exporting, recipes
-from ..children.clusters import Cluster
 from ..children.errors import BatchError
-from ..children.nursery import SIMPLIFY, Ending, Limits
-from ..children.runner import Piece, Where, Workers, clear, endings
+from ..children.nursery import SIMPLIFY, Ending
+from ..children.runner import Children, Piece, Workers, clear, endings
 from ..cli.errors import UsageError
 from ..cli.options import settings_of, simplify_options
 from ..cli.settings import Settings
@@ -65,7 +64,6 @@ class Plan:
     suffix: str
     options: dict[str, Any]
     recipe: dict[str, Any] | None
-    limits: Limits
     labels: bool
     reports: bool
     pictures: bool
@@ -103,11 +101,7 @@ def run(
     options: Mapping[str, Any] | None = None,
     recipe: str | os.PathLike[str] | dict[str, Any] | None = None,
     format: str = "obj",  # noqa: A002  (named as the option of the command)
-    jobs: int | None = None,
-    dask: str | None = None,
-    cluster: Cluster | None = None,
-    time_limit: float | None = None,
-    memory_limit: float | None = None,
+    children: Children | None = None,
     retry_failed: bool = False,
     labels: bool = False,
     reports: bool = False,
@@ -122,10 +116,7 @@ def run(
     options: options of `isimp simplify`, with _ in place of -: {"proxies": 500, "leave_out": 0.0}.
     recipe: the file or the values of a recipe. `options` have precedence.
     format: format of the results, such as "obj" or "ply".
-    jobs: the largest number of scans at once; None: one for each core. Free memory may allow fewer.
-    dask: the address of a Dask scheduler, whose workers do the work. All of them must have access to the same files.
-    cluster: a cluster to start for this batch in place of `dask`; see `Cluster`.
-    time_limit, memory_limit: limits of each scan, in seconds and MB; None: no time limit, the free memory.
+    children: the number of scans at once, the place of the work and its limits; None: this machine, without limits.
     retry_failed: repeat scans that failed before.
     labels, reports: also write NAME.labels.npy and NAME.report.json, as `isimp simplify` does.
     pictures: draw each scan next to its result, for results.html.
@@ -135,13 +126,12 @@ def run(
     A failed scan is a row; see `read_rows`. Raises BatchError if the batch as a whole can't be run. KeyboardInterrupt
     passes through; rows that were written stay, and the next run continues from them.
     """
-    where = Where(jobs, dask, cluster)
+    children = children or Children()
     place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
     given = dict(options or {})
     settings = _checked_options(given, recipe)
     steps = None if settings.recipe is None else settings.recipe.values
-    limits = Limits(_positive(time_limit, "time limit"), _positive(memory_limit, "memory limit"))
-    plan = Plan(place, _suffix(format, settings), given, steps, limits, labels, reports, pictures)
+    plan = Plan(place, _suffix(format, settings), given, steps, labels, reports, pictures)
     _check_place(inputs, place)
     scans = find_scans(inputs, plan.suffix, besides=place)
     _check_outputs(scans, plan)
@@ -155,7 +145,7 @@ def run(
             with _finished(outcome, scans, plan, table, state):
                 if todo:
                     threads = plan.options.get("threads") or None
-                    with where.workers(plan.parts, plan.limits, work, threads) as workers:
+                    with children.workers(plan.parts, work, threads) as workers:
                         _Run(plan, table, workers, watch, todo, state).run()
             return outcome
 
@@ -323,12 +313,6 @@ def check_ranges(options: PartitionOptions | CleanOptions) -> None:
         fits = fits and (high is None or (value < high if option.get("below_most") else value <= high))
         if not fits:
             raise BatchError(f"--{name} must be {option.get('range', 'a finite number')}, got {value:g}")
-
-
-def _positive(value: float | None, name: str) -> float | None:
-    if value is not None and not 0 < value < float("inf"):
-        raise BatchError(f"the {name} must be above 0, got {value:g}")
-    return value
 
 
 def _check_place(inputs: Any, output: Path) -> None:

@@ -22,25 +22,32 @@ Workers = Local | OnDask
 
 
 @dataclass(frozen=True)
-class Where:
-    """The place of children: this machine, or the workers of a cluster. Raises BatchError if none can start."""
+class Children:
+    """The place of children, this machine or the workers of a cluster, and their limits.
+
+    Raises BatchError if no child can start.
+    """
 
     jobs: int | None = None  #: largest number of children at once on this machine; None: one for each core
-    dask: str | None = None  #: address of a Dask scheduler
+    dask: str | None = None  #: address of a Dask scheduler, whose workers have access to the same files
     cluster: Cluster | None = None  #: a cluster to start, in place of `dask`
+    time_limit: float | None = None  #: of each child, seconds; None: no limit
+    memory_limit: float | None = None  #: of each child, MB; None: the free memory
 
     def __post_init__(self) -> None:
         if not hasattr(os, "fork"):
             raise BatchError("child processes need fork, which this system does not have")
         if self.jobs is not None and self.jobs < 1:
             raise BatchError(f"the number of jobs must be at least 1, got {self.jobs}")
+        for name, value in (("time limit", self.time_limit), ("memory limit", self.memory_limit)):
+            if value is not None and not 0 < value < float("inf"):
+                raise BatchError(f"the {name} must be above 0, got {value:g}")
         if self.dask is not None and self.cluster is not None:
             raise BatchError("--dask and --cluster contradict each other; give one of them")
 
-    def workers(
-        self, parts: Path, limits: Limits, work: str, threads: int | None = None
-    ) -> AbstractContextManager[Workers]:
+    def workers(self, parts: Path, work: str, threads: int | None = None) -> AbstractContextManager[Workers]:
         """Return the workers. parts: a folder for the folders of children. work, threads: see Nursery and Local."""
+        limits = Limits(self.time_limit, self.memory_limit)
         if self.cluster is not None:
             return on_cluster(self.cluster, parts, limits, work)
         if self.dask is not None:

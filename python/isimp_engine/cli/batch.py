@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ..batch import BatchError, Outcome, State
+from ..batch import BatchError, Children, Outcome, State
 from ..batch import run as run_batch
 from ..batch.page import NAME, flaws, in_order, totals
 from ..batch.table import NAME as ROWS
@@ -56,6 +56,12 @@ def add_workers(command: argparse.ArgumentParser) -> None:
     )
 
 
+def children_of(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The place of children, as values of `Children`."""
+    cluster = checked(arguments.cluster, arguments.workers, arguments.cluster_option)
+    return {"jobs": arguments.jobs, "dask": arguments.dask, "cluster": cluster}
+
+
 def run(arguments: argparse.Namespace) -> int:
     screen = Screen() if wanted(arguments.quiet) else None
     state = State(0, 0)  # the one that is shown last; the batch keeps it up to date
@@ -76,11 +82,11 @@ def run(arguments: argparse.Namespace) -> int:
                     options=given_options(arguments),
                     recipe=arguments.recipe,
                     format=arguments.format,
-                    jobs=arguments.jobs,
-                    dask=arguments.dask,
-                    cluster=checked(arguments.cluster, arguments.workers, arguments.cluster_option),
-                    time_limit=arguments.time_limit,
-                    memory_limit=arguments.memory_limit,
+                    children=Children(
+                        **children_of(arguments),
+                        time_limit=arguments.time_limit,
+                        memory_limit=arguments.memory_limit,
+                    ),
                     retry_failed=arguments.retry_failed,
                     labels=arguments.labels,
                     reports=arguments.reports,

@@ -11,14 +11,13 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from ..batch import BatchError
-from ..children.clusters import checked
+from ..batch import BatchError, Children
 from ..tiles import Outcome, State, TileFailed, TilesError
 from ..tiles import run as run_tiles
 from ..tiles.plan import DETAIL
 from ..tiles.run import TILE_FACES
 from . import words
-from .batch import add_workers
+from .batch import add_workers, children_of
 from .ending import Terminated, terminable
 from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, UsageError
 from .files import STDOUT, Outputs, check, place, show
@@ -110,9 +109,7 @@ def run(arguments: argparse.Namespace) -> int:
                     weld=arguments.weld,
                     work=arguments.work,
                     labels=arguments.labels,
-                    jobs=arguments.jobs,
-                    dask=arguments.dask,
-                    cluster=checked(arguments.cluster, arguments.workers, arguments.cluster_option),
+                    children=Children(**children_of(arguments)),
                     tile_faces=arguments.tile_faces,
                     options=given,
                     watch=watch,

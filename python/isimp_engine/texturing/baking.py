@@ -133,7 +133,7 @@ def texture(
             digest.result()
         if before is not None and atlas.kept and before.digest == digest.result():
             known = (before.part, before.poly, before.atlas, before.color, before.normal, before.layers, before.texels)
-        args = (look.uv, look.image, look.colors, look.known, look.pictures, shown, relief)
+        args = ((look.uv, look.image, look.colors, look.known), look.pictures, shown, relief)
         color, normal, images, texels, same = _bake(mesh, part, poly, atlas, *args, options, known, job)
     layers: dict[str, NDArray[Any]] = {
         n: np.ascontiguousarray(i[:, :, :3] if n == "emission" else i[:, :, 0])

@@ -12,10 +12,9 @@ import numpy as np
 from .. import PartitionOptions
 from ..batch.scans import estimated_faces, needed_mb
 from ..batch.table import Lock
-from ..children.clusters import Cluster
 from ..children.errors import BatchError
-from ..children.nursery import Ending, Limits
-from ..children.runner import Piece, Where, Workers, clear, endings
+from ..children.nursery import Ending
+from ..children.runner import Children, Piece, Workers, clear, endings
 from ..folders import NotOwn, Own, discard
 from . import steps
 from .errors import TileFailed, TilesError
@@ -63,9 +62,7 @@ def run(
     weld: float = 0.0,
     work: str | os.PathLike[str] | None = None,
     labels: str | os.PathLike[str] | None = None,
-    jobs: int | None = None,
-    dask: str | None = None,
-    cluster: Cluster | None = None,
+    children: Children | None = None,
     tile_faces: int = TILE_FACES,
     group: int = GROUP,
     options: Mapping[str, Any] | None = None,
@@ -81,9 +78,8 @@ def run(
     work: folder for intermediate results, on a disk that all workers share; it stays. None: a folder next to the
           output, which is removed at the end. An interrupted run continues from there.
     labels: folder for the labels: an int32 array for each tile, the region of each face of its file; -1: none.
-    jobs: the largest number of tiles at once; None: one for each core. Free memory may allow fewer.
-    dask: the address of a Dask scheduler, whose workers do the work.
-    cluster: a cluster to start for this run in place of `dask`; see batch.Cluster.
+    children: the number of tiles at once, the place of the work and the limits of each step of a tile; see
+              batch.Children. None: this machine, without limits.
     group: largest number of tiles in a group. A scan of more tiles is merged by groups: no process has the whole graph.
     options: detail, tolerance, noise, snap, smooth, leave_out and seed of PartitionOptions, planar of MeshingOptions.
     watch: called after each step of a tile, and several times a second.
@@ -102,14 +98,14 @@ def run(
     target = None if labels is None else _label_folder(Path(labels), plan)
     own = Own(plan.work, NAMES)
     try:
-        where = Where(jobs, dask, cluster)
+        children = children or Children()
         own.take(unmarked=work is None or key_of(plan.work) is not None)
         with Lock(plan.work) as lock:
             own.take(unmarked=True)  # a run that has just ended may have removed the mark
             before = begin(plan, own)
             parts, tasks = plan.work / "parts", f"{__package__}.tasks:run"
             clear(parts)
-            with damage_forgotten(plan.work), where.workers(parts, Limits(), tasks, 1) as workers:
+            with damage_forgotten(plan.work), children.workers(parts, tasks, 1) as workers:
                 outcome = _Run(plan, workers, watch, before, target is not None).run()
             if target is not None:
                 outcome.report["labels"] = write_labels(plan, target)

@@ -214,7 +214,7 @@ def merge_inside(
     """
     at_border = np.asarray(border, dtype=np.uint8)
     graph = (sums, pairs, lengths, components.component, components.need, at_border)
-    merged, price = _core._tile_merge_inside(*graph, target, limit, smooth, error, proxies, area, job)
+    merged, price = _core._tile_merge_inside(*graph, target, limit, (smooth, error, proxies, area), job)
     return Merges(merged, np.maximum.accumulate(price))
 
 
@@ -264,6 +264,17 @@ def contracted(
     return merged, both, total
 
 
+class WholeScan(NamedTuple):
+    """Values of all tiles that `relax` needs."""
+
+    error: float  #: a share
+    area: float
+    faces: int
+    regions: int  #: number of regions to be made
+    smooth: float = 0.5
+    sweeps: int = 8
+
+
 def relax(
     record: ArrayLike,
     neighbour: ArrayLike,
@@ -271,26 +282,18 @@ def relax(
     label: ArrayLike,
     frozen: ArrayLike,
     sums: ArrayLike,
-    *,
-    error: float,
-    area: float,
-    faces: int,
-    regions: int,
-    smooth: float = 0.5,
-    sweeps: int = 8,
+    whole: WholeScan,
     job: Job | None = None,
 ) -> Relaxed:
     """Move faces of a tile between neighbouring regions, by the error and the engine's weight of borders.
 
     record, neighbour, label: values of the tile's `owned` own faces, then of its halo. frozen: (F + H,) bool, faces
     that stay in this round. A region can't fall apart if, at each vertex, only the tile with the highest rank moves
-    faces. sums: (R, 5) sums of all regions. error (a share), area, faces: values of all tiles. regions:
-    number of regions to be made. Raises InvalidInput or Cancelled. Cost: O(F), and in proportion to the number of
-    moves; 60 bytes a face.
+    faces. sums: (R, 5) sums of all regions. Raises InvalidInput or Cancelled. Cost: O(F), and in proportion to the
+    number of moves; 60 bytes a face.
     """
     stays = np.asarray(frozen, dtype=np.uint8)
-    whole = (error, smooth, area, faces, regions, sweeps)
-    return Relaxed(*_core._tile_relax(record, neighbour, owned, label, stays, sums, *whole, job))
+    return Relaxed(*_core._tile_relax(record, neighbour, owned, label, stays, sums, whole, job))
 
 
 def touching(

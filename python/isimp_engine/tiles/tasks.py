@@ -313,7 +313,7 @@ def _relax(task: Task, work: Path, made: Path) -> dict[str, Any]:
         _labels(task, work),
         borders.frozen_of(halo, own, tile, rank),
         load(of_tile(work, task["sums"], 0), "sums"),
-        **task["whole"],
+        steps.WholeScan(**task["whole"]),
     )
     save(made, label=done.label, fringe_label=done.label[load(folder, "fringe_face")])
     save(made, changed=done.changed, change=done.change)

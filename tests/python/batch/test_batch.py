@@ -87,7 +87,7 @@ def test_what_one_scan_does_is_its_row_alone(tmp_path, log):
     os.mkfifo(tmp_path / "in" / "pipe.ply")
     (tmp_path / "in" / "torn.ply").write_text("ply\nformat ascii 1.0\n")
     limits = {"time_limit": 2.5, "memory_limit": 400}
-    outcome = batch.run(tmp_path / "in", tmp_path / "out", work=ODD, jobs=4, **limits)
+    outcome = batch.run(tmp_path / "in", tmp_path / "out", work=ODD, children=batch.Children(jobs=4, **limits))
     assert {row["name"] for row in outcome.rows if row["status"] == "ok"} == {"good.ply", "slow.ply"}
     assert whys(outcome) == {
         "broken.ply": "there is no such file",
@@ -111,7 +111,7 @@ def test_memory_of_the_engine_is_limited_too(tmp_path):
     meshfiles.ply_binary(tmp_path / "wide.ply", vertices, triangles.tolist())
     scan(tmp_path / "small.ply")
     inputs, out = [tmp_path / "wide.ply", tmp_path / "small.ply"], tmp_path / "out"
-    outcome = batch.run(inputs, out, memory_limit=60, pictures=False)
+    outcome = batch.run(inputs, out, children=batch.Children(memory_limit=60), pictures=False)
     assert whys(outcome) == {"wide.ply": "over the memory limit of 60 MB"}
 
 
@@ -153,7 +153,7 @@ def test_an_option_that_does_not_suit_a_scan_is_its_row(scans, tmp_path):
 DRIVER = """
 import sys
 from isimp_engine import batch
-batch.run(sys.argv[1], sys.argv[2], work="odd_work:run", jobs=2, pictures=False)
+batch.run(sys.argv[1], sys.argv[2], work="odd_work:run", children=batch.Children(jobs=2), pictures=False)
 """
 
 
@@ -204,7 +204,7 @@ def test_the_process_that_forks_may_be_killed(tmp_path, log):
                     killed.append(int(stat.parent.name))
                     os.kill(killed[0], signal.SIGKILL)
 
-    outcome = batch.run(tmp_path / "in", tmp_path / "out", work=ODD, jobs=2, watch=kill_once)
+    outcome = batch.run(tmp_path / "in", tmp_path / "out", work=ODD, children=batch.Children(jobs=2), watch=kill_once)
     assert killed
     assert len(outcome.rows) == 3
     assert not outcome.failed
@@ -345,6 +345,6 @@ def test_a_system_without_room_for_processes_is_a_row(scans, tmp_path, monkeypat
         "from isimp_engine.batch.work import simplify\n"
     )
     monkeypatch.syspath_prepend(tmp_path)
-    outcome = batch.run(scans, tmp_path / "out", work="full:simplify", jobs=1)
+    outcome = batch.run(scans, tmp_path / "out", work="full:simplify", children=batch.Children(jobs=1))
     assert list(whys(outcome).values()) == ["no process can be started: too many processes"]
     assert len(outcome.rows) == 3

@@ -36,7 +36,7 @@ def test_without_the_package_it_is_said_what_to_install(tmp_path, monkeypatch):
     scans = make_scans(tmp_path / "in", "a.ply")
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(batch.BatchError, match=r"--dask needs the package distributed: pip install 'isimp\[batch\]'"):
-        batch.run(scans, tmp_path / "out", dask="tcp://127.0.0.1:1")
+        batch.run(scans, tmp_path / "out", children=batch.Children(dask="tcp://127.0.0.1:1"))
 
 
 @pytest.fixture
@@ -74,7 +74,7 @@ def test_rows_are_as_of_this_machine(cluster, tmp_path):
     with (scans / "giant.ply").open("wb") as file:
         file.write(b"ply\nformat binary_little_endian 1.0\nelement face 4000000\nend_header\n")
         file.truncate(100 << 20)
-    outcome = batch.run(scans, tmp_path / "out", work=ODD, dask=address, time_limit=2)
+    outcome = batch.run(scans, tmp_path / "out", work=ODD, children=batch.Children(dask=address, time_limit=2))
     assert {row["name"]: row["why"] for row in outcome.failed} == {
         "crash.ply": "ended by signal 11",
         "giant.ply": "needs about 1,200 MB, and the largest worker has 300 MB",
@@ -95,7 +95,7 @@ def test_a_worker_that_is_killed_loses_nothing(cluster, tmp_path, monkeypatch):
             killed.append(workers[0].pid)
             os.kill(workers[0].pid, signal.SIGKILL)
 
-    outcome = batch.run(scans, tmp_path / "out", work=ODD, dask=address, watch=kill_one)
+    outcome = batch.run(scans, tmp_path / "out", work=ODD, children=batch.Children(dask=address), watch=kill_one)
     assert killed
     assert len(outcome.rows) == 5
     assert not outcome.failed
@@ -110,11 +110,12 @@ def test_an_interrupt_ends_children_on_the_workers(cluster, tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        batch.run(scans, tmp_path / "out", work=ODD, dask=address, watch=interrupt)
+        batch.run(scans, tmp_path / "out", work=ODD, children=batch.Children(dask=address), watch=interrupt)
     assert batch.read_rows(tmp_path / "out") == []
     for name in ("hang.ply", "hang2.ply"):
         (scans / name).rename(scans / name.replace("hang", "good"))
-    assert len(batch.run(scans, tmp_path / "out", work=ODD, dask=address).rows) == 2, "the worker is free again"
+    rows = batch.run(scans, tmp_path / "out", work=ODD, children=batch.Children(dask=address)).rows
+    assert len(rows) == 2, "the worker is free again"
 
 
 def test_an_address_without_a_scheduler(tmp_path, monkeypatch):
@@ -122,4 +123,4 @@ def test_an_address_without_a_scheduler(tmp_path, monkeypatch):
     monkeypatch.setattr(on_dask, "_CONNECT", 1)
     scans = make_scans(tmp_path / "in", "a.ply")
     with pytest.raises(batch.BatchError, match="nothing:1: there is no scheduler of Dask"):
-        batch.run(scans, tmp_path / "out", dask="nothing:1")
+        batch.run(scans, tmp_path / "out", children=batch.Children(dask="nothing:1"))

@@ -15,7 +15,7 @@ import meshfiles
 import shapes
 import tilesets
 from batches import ENVIRONMENT, isimp, wait_for
-from isimp_engine import tiles
+from isimp_engine import batch, tiles
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="tiles need fork")
 
@@ -172,13 +172,17 @@ def run_bits(folder, out, **options):
     return out.read_bytes(), labels_in(out.with_suffix(".labels"))
 
 
+def run_on(jobs, folder, out):
+    return run_bits(folder, out, children=batch.Children(jobs))
+
+
 def labels_in(folder):
     return [path.read_bytes() for path in sorted(folder.iterdir())]
 
 
 def test_the_result_is_the_same_bits_for_any_number_of_workers(tmp_path, whole):
     folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 3, 1))
-    assert run_bits(folder, tmp_path / "a.ply", jobs=1) == run_bits(folder, tmp_path / "b.ply", jobs=2)
+    assert run_on(1, folder, tmp_path / "a.ply") == run_on(2, folder, tmp_path / "b.ply")
 
 
 @pytest.mark.parametrize("step", ["prepare/000003", "first-01", "thin/000001"])

@@ -10,7 +10,7 @@ import pytest
 import shapes
 import tilesets
 from batches import ENVIRONMENT, wait_for
-from isimp_engine import machine, tiles
+from isimp_engine import batch, machine, tiles
 from isimp_engine.tiles import grouped
 from isimp_engine.tiles.store import values_of
 
@@ -103,7 +103,7 @@ def test_specks_in_groups_are_left_out(tmp_path):
 
 def test_groups_give_the_same_bits_for_any_number_of_workers(tmp_path, folder, by_threes):
     jobs = 1 if machine.cores() > 1 else 2
-    tiles.run(folder, tmp_path / "a.ply", proxies=P, group=3, jobs=jobs, labels=tmp_path / "labels")
+    tiles.run(folder, tmp_path / "a.ply", proxies=P, group=3, children=batch.Children(jobs), labels=tmp_path / "labels")
     assert ((tmp_path / "a.ply").read_bytes(), bits_of(tmp_path / "labels")) == by_threes
 
 
