@@ -399,7 +399,6 @@ _EARLIER: dict[str, tuple[set[str], dict[str, Any]]] = {
     ),
     "mesh": ({"chord_tolerance", "flatten"}, {"join_junctions": 0.0, "straight_rims": 0.0}),
 }
-_TYPES: dict[str, type[Step]] = {kind: cls for cls, kind in KINDS.items()}
 _ACCEPTS: dict[str, type | tuple[type, ...]] = {
     "bool": bool,
     "int": int,
@@ -422,16 +421,17 @@ def step_from_dict(values: Any) -> Step:
         raise RecipeError(said("not a step: {values}", values=short(values)))
     values = dict(values)
     kind = values.pop("step")
-    if not isinstance(kind, str) or kind not in _TYPES:
+    cls = next((cls for cls, name in KINDS.items() if name == kind), None)
+    if cls is None:
         raise RecipeError(said("{kind} is not a step of this version", kind=short(kind)))
-    fields = {field.name: field for field in dataclasses.fields(_TYPES[kind])}
+    fields = {field.name: field for field in dataclasses.fields(cls)}
     for name, value in values.items():
         if name not in fields:
             raise RecipeError(said("{kind} has no setting {name}", kind=kind, name=short(name)))
         wanted = "list" if fields[name].type.startswith("tuple") else fields[name].type.removesuffix(" | None")
         _check_value(said("{name} of {step}", name=name, step=kind), wanted, value, name == "seed")
     names, meant = _EARLIER.get(kind, (set(), {}))
-    return _TYPES[kind](**(meant | values if names <= values.keys() else values))
+    return cls(**(meant | values if names <= values.keys() else values))
 
 
 def _check_value(what: str, wanted: str, value: Any, is_seed: bool) -> None:
