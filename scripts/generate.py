@@ -56,7 +56,7 @@ def type_of(field: dict[str, Any]) -> str:
 
 
 def stub_of(kind: type) -> str:
-    """The class in the stub."""
+    """Return the text of the class in the stub."""
     fields = kind.fields()
     attributes = [f"    {field['name']}: {type_of(field)}" for field in fields]
     keywords = [f"        {field['name']}: {type_of(field)} = ...," for field in fields]

@@ -45,7 +45,7 @@ def draw_low(context, lines) -> None:
 
 
 def draw_beside(context, said, x: float) -> None:
-    """Two texts at the bottom of the viewport, left and right of a line at `x`, as far as there is room for them."""
+    """Draw two texts at the bottom of the viewport, left and right of a line at `x`, if there is room for them."""
     scale = _begin(context)
     left, right = _free(context)
     away = 16 * scale

@@ -192,7 +192,7 @@ def _after_undo(*_):
 
 @bpy.app.handlers.persistent
 def _after_update(scene, depsgraph):
-    """Geometry may have changed, or another object have become active."""
+    """Drop what was read of changed objects, and follow the active one."""
     reading.forget_changed(depsgraph)
     active = bpy.context.view_layer.objects.active if bpy.context.view_layer else None
     scan = targets.scan_of(active) or active

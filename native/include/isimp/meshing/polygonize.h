@@ -33,7 +33,7 @@ struct Imperfection {
 
 /// The work of meshing, as counts that are the same on every machine and any number of threads.
 struct MeshingWork {
-  std::int64_t faces = 0;     ///< visits of faces of the scan, to find the faces of pieces
+  std::int64_t faces = 0;     ///< faces of the scan that were visited to find the faces of pieces
   std::int64_t corners = 0;   ///< placements of corners
   std::int64_t polygons = 0;  ///< judgements of polygons
   bool operator==(const MeshingWork&) const = default;

@@ -46,8 +46,8 @@ class Surface {
   /// \param guided  null: the mesh's own graph
   Surface(const Mesh& mesh, std::shared_ptr<const GuidedGraph> guided) : mesh_(&mesh), guided_(std::move(guided)) {}
 
-  /// \throws InvalidInput  weights not F of them, not finite, below 0, or the largest out of range; a barrier that is
-  ///                       no edge
+  /// \throws InvalidInput  the number of weights is not F; a weight is not finite or below 0; the largest is out of range;
+  ///                       a barrier is not an edge
   Surface(const Mesh& mesh, const Guides& guides, Job& job);
 
   /// This surface with its areas multiplied once more.

@@ -20,8 +20,8 @@ class HashGrid {
   HashGrid(const std::vector<Vec3>& points, std::size_t expected, double tolerance)
       : points_(points), tolerance_(tolerance), heads_(std::bit_ceil(2 * expected + 1), kNone) {}
 
-  /// The nearest stored point within the tolerance of `place`, the first of equals; else kNone, and `place` is stored
-  /// under its index `fresh`.
+  /// Returns the nearest stored point within the tolerance of `place`, the first of equally near ones. If there is none,
+  /// stores `place` by its index `fresh` and returns kNone.
   std::int32_t find_or_keep(const Vec3& place, std::int32_t fresh) {
     const Vec3 home = cell(place);
     Nearest nearest{kNone, tolerance_};

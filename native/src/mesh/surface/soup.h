@@ -52,7 +52,7 @@ class RepairLog {
 
 /// Triangles under repair, and their adjacency as far as it is known.
 struct Soup {
-  std::vector<Vec3> vertices;           ///< the caller's
+  std::vector<Vec3> vertices;           ///< the vertices of the caller
   std::vector<Triangle> named;          ///< the kept faces with the caller's vertices
   std::vector<Triangle> welded;         ///< the triangles after welding; empty as long as it is equal to `named`
   Array<std::int32_t> source_face;      ///< the caller's face of each

@@ -84,7 +84,7 @@ struct Arounds {
 
 /// Two polygons that meet elsewhere than in shared corners and edges.
 struct Hit {
-  std::int32_t a, part_a, b, part_b;    ///< pieces, a <= b, and which of their polygons
+  std::int32_t a, part_a, b, part_b;    ///< two pieces, a <= b, and the polygon of each
   Vec3 where;                           ///< a place where they meet
   std::array<std::int32_t, 6> corners;  ///< corners of the two facets that meet there
   bool excused = false;                 ///< whether their regions meet in the scan itself

@@ -101,7 +101,7 @@ def _ends_of_both(a: Spun, b: Spun, ends_a: list[float], ends_b: list[float]) ->
 
 
 def _profile_of_both(a: Spun, b: Spun, points_a: Array, points_b: Array) -> Array:
-    """The profiles one after the other, in the half plane of `a`."""
+    """Return both profiles as one, in the half plane of `a`."""
     sign, shift = float(np.sign(a.axis @ b.axis)), float((b.point - a.point) @ a.axis)
     parts = []
     for spun, points in ((a, points_a), (b, points_b)):
