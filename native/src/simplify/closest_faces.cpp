@@ -15,7 +15,7 @@ constexpr double kFacing = 0.25;  // cosine of the angle between normals from wh
 
 ClosestFaces::ClosestFaces(const Mesh& mesh, std::span<const std::int32_t> faces)
     : mesh_(mesh), least_(std::max(mean_edge(mesh), 1e-9 * mesh.diagonal())) {
-  std::vector<meshing::Entry> entries;
+  std::vector<meshing::NumberedBox> entries;
   entries.reserve(faces.size());
   for (const std::int32_t f : faces) {
     const auto [a, b, c] = corners(f);
@@ -42,7 +42,7 @@ ClosestFace ClosestFaces::find(const Vec3& place, const Vec3& facing, double gue
   for (double reach = std::max(guess, least_);; reach *= 2) {
     reach = std::min(reach, most);
     const Vec3 around = Vec3::Constant(reach);
-    (void)tree_.any(box_between(place - around, place + around), [&](const meshing::Entry& entry) {
+    (void)tree_.any(box_between(place - around, place + around), [&](const meshing::NumberedBox& entry) {
       if (!any_side && normal(entry.index).dot(facing) < kFacing) return false;
       const double distance = distance_to_triangle(place, corners(entry.index));
       if (distance < best.distance || (distance == best.distance && entry.index < best.face))

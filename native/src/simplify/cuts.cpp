@@ -9,15 +9,15 @@ namespace isimp {
 namespace {
 
 /// An edge between two faces by its ends, the lower first, and the lower of its half-edges.
-struct Cut {
+struct MarkedEdge {
   VertexPair ends;
   std::int32_t halfedge;
-  auto operator<=>(const Cut&) const = default;
+  auto operator<=>(const MarkedEdge&) const = default;
 };
 
 /// The pairs that are edges between two faces, each once, by lower vertex, then by upper vertex.
-std::vector<Cut> inner_cuts(const Mesh& mesh, std::span<const VertexPair> pairs, Job& job) {
-  std::vector<Cut> cuts;
+std::vector<MarkedEdge> inner_cuts(const Mesh& mesh, std::span<const VertexPair> pairs, Job& job) {
+  std::vector<MarkedEdge> cuts;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if ((k & 0xffff) == 0) job.poll();
     const auto [a, b] = pairs[k];
@@ -33,7 +33,7 @@ std::vector<Cut> inner_cuts(const Mesh& mesh, std::span<const VertexPair> pairs,
 /// Splits regions one by one, with the faces and the cuts of each in a list.
 class Splitter {
  public:
-  Splitter(const Mesh& mesh, const Partition& partition, std::vector<Cut> cuts)
+  Splitter(const Mesh& mesh, const Partition& partition, std::vector<MarkedEdge> cuts)
       : mesh_(mesh),
         label_(partition.face_region),
         cuts_(std::move(cuts)),
@@ -42,7 +42,7 @@ class Splitter {
         side_(label_.size(), Side::none),
         inside_(static_cast<std::size_t>(partition.region_count())),
         faces_(inside_.size()) {
-    for (const Cut& cut : cuts_) {
+    for (const MarkedEdge& cut : cuts_) {
       is_cut_[cut.halfedge] = is_cut_[mesh_.opposite(cut.halfedge)] = 1;
       if (const std::int32_t region = region_round(cut); region != kNone) inside_[region].push_back(cut);
     }
@@ -53,7 +53,7 @@ class Splitter {
   /// \return whether a region was split
   bool split_all(Job& job) {
     const std::size_t before = faces_.size();
-    for (const Cut& cut : cuts_)
+    for (const MarkedEdge& cut : cuts_)
       for (std::int32_t region = region_round(cut); region != kNone; region = region_round(cut)) {
         job.poll();
         split(region, job);
@@ -66,7 +66,7 @@ class Splitter {
   enum class Side : std::uint8_t { none, left, right };
 
   /// The region on both sides of a cut; kNone where it is a border.
-  [[nodiscard]] std::int32_t region_round(const Cut& cut) const {
+  [[nodiscard]] std::int32_t region_round(const MarkedEdge& cut) const {
     const std::int32_t region = label_[Mesh::face(cut.halfedge)];
     return region == label_[Mesh::face(mesh_.opposite(cut.halfedge))] ? region : kNone;
   }
@@ -83,21 +83,21 @@ class Splitter {
     }
     faces_[region] = std::move(stay);
     faces_.push_back(std::move(go));
-    const std::vector<Cut> cuts = std::exchange(inside_[region], {});
+    const std::vector<MarkedEdge> cuts = std::exchange(inside_[region], {});
     inside_.emplace_back();
-    for (const Cut& cut : cuts)
+    for (const MarkedEdge& cut : cuts)
       if (const std::int32_t now = region_round(cut); now != kNone) inside_[now].push_back(cut);
   }
 
   /// An unbranched path of the cuts inside a region, from the lowest end if there is one, else from the lowest vertex;
   /// as half-edges in the direction of the path. A path of one cut begins at its lower vertex.
   std::vector<std::int32_t> path_in(std::int32_t region) {
-    for (const Cut& cut : inside_[region])
+    for (const MarkedEdge& cut : inside_[region])
       for (const std::int32_t v : cut.ends) ++degree_[v];
-    const Cut* first = nullptr;
+    const MarkedEdge* first = nullptr;
     std::int32_t vertex = kNone;
     bool is_end = false;
-    for (const Cut& cut : inside_[region])
+    for (const MarkedEdge& cut : inside_[region])
       for (const std::int32_t v : cut.ends) {
         const bool end = degree_[v] == 1;
         if (vertex != kNone && (end != is_end ? is_end : v >= vertex)) continue;
@@ -113,7 +113,7 @@ class Splitter {
       if (next == begin) break;
       path.push_back(next);
     }
-    for (const Cut& cut : inside_[region])
+    for (const MarkedEdge& cut : inside_[region])
       for (const std::int32_t v : cut.ends) degree_[v] = 0;
     if (path.size() == 1 && mesh_.from(begin) > mesh_.to(begin)) path[0] = mesh_.opposite(begin);
     return path;
@@ -169,12 +169,12 @@ class Splitter {
 
   const Mesh& mesh_;
   std::vector<std::int32_t> label_;
-  std::vector<Cut> cuts_;
+  std::vector<MarkedEdge> cuts_;
   std::vector<std::uint8_t> is_cut_;  // by half-edge
   std::vector<std::int32_t> degree_;  // by vertex, cuts inside a region during the search for a path
   std::vector<Side> side_;            // by face, while a region is split
   std::vector<std::int32_t> front_;
-  std::vector<std::vector<Cut>> inside_;          // by region, in the order of `cuts_`
+  std::vector<std::vector<MarkedEdge>> inside_;   // by region, in the order of `cuts_`
   std::vector<std::vector<std::int32_t>> faces_;  // by region; empty for regions without the end of a cut
 };
 
@@ -182,8 +182,8 @@ class Splitter {
 
 std::int64_t inside_regions(const Mesh& mesh, const Partition& partition, std::span<const VertexPair> edges, Job& job) {
   check_is_of(mesh, partition);
-  const std::vector<Cut> cuts = inner_cuts(mesh, edges, job);
-  return std::count_if(cuts.begin(), cuts.end(), [&](const Cut& cut) {
+  const std::vector<MarkedEdge> cuts = inner_cuts(mesh, edges, job);
+  return std::count_if(cuts.begin(), cuts.end(), [&](const MarkedEdge& cut) {
     const std::int32_t region = partition.face_region[Mesh::face(cut.halfedge)];
     return region != kNone && region == partition.face_region[Mesh::face(mesh.opposite(cut.halfedge))];
   });

@@ -84,7 +84,7 @@ struct Targets {
 
 /// Boxes of the triangles, relative to the mesh's origin.
 meshing::BoxTree tree_of(const Targets& targets, const Vec3& origin) {
-  std::vector<meshing::Entry> entries;
+  std::vector<meshing::NumberedBox> entries;
   entries.reserve(targets.all.size());
   for (const Target& target : targets.all) {
     const auto& [a, b, c] = target.corners();
@@ -124,7 +124,7 @@ class Measure {
     const Vec3 reach = Vec3::Constant(known + kMargin * mesh_.diagonal()), place = place_of(vertex);
     const Vec3& at = mesh_.vertices()[vertex];
     double least = known;
-    (void)tree.any(box_between(at - reach, at + reach), [&](const meshing::Entry& entry) {
+    (void)tree.any(box_between(at - reach, at + reach), [&](const meshing::NumberedBox& entry) {
       least = std::min(least, targets_.all[entry.index].distance(place));
       return false;
     });

@@ -282,11 +282,11 @@ class Symmetriser {
   /// Opens the pieces of each region that are much smaller than its largest one, and adds open faces to the regions
   /// around.
   void mend() {
-    struct Piece {
+    struct ConnectedFaces {
       std::int32_t region, first;
       double area;
     };
-    std::vector<Piece> pieces;
+    std::vector<ConnectedFaces> pieces;
     std::vector<double> largest(label_count(), -1.0);
     std::vector<std::uint8_t> seen(label_.size(), 0);
     const auto walk = [&](std::int32_t start, auto visit) {
@@ -312,7 +312,7 @@ class Symmetriser {
       pieces.push_back({label_[f], f, sum});
       largest[label_[f]] = std::max(largest[label_[f]], sum);
     }
-    for (const Piece& p : pieces) {
+    for (const ConnectedFaces& p : pieces) {
       const bool across = p.region < regions_ && joined_[p.region] != 0;
       if (p.area < (across ? kPart : 1.0) * largest[p.region])
         for (const std::int32_t g : walk(p.first, [](std::int32_t) {})) label_[g] = kOpen;

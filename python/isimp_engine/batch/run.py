@@ -15,7 +15,7 @@ from typing import Any
 from .. import CleanOptions, FileError, PartitionOptions, __version__, exporting, recipes
 from ..children.errors import BatchError
 from ..children.nursery import SIMPLIFY, Ending
-from ..children.runner import Children, Piece, Workers, clear, endings
+from ..children.runner import Assignment, Children, Workers, clear, endings
 from ..cli.errors import UsageError
 from ..cli.options import settings_of, simplify_options
 from ..cli.settings import Settings
@@ -182,13 +182,13 @@ class _Run:
 
     def run(self) -> None:
         self._watch(self._state)
-        for scan, folder, ending in endings(self._workers, map(self._piece, self._faces), self._show):
+        for scan, folder, ending in endings(self._workers, map(self._assignment, self._faces), self._show):
             self._keep(scan, folder, ending)
             self._done += self._share(scan)
 
-    def _piece(self, scan: Scan) -> Piece[Scan]:
+    def _assignment(self, scan: Scan) -> Assignment[Scan]:
         task = partial(self._plan.task, scan)
-        return Piece(scan, needed_mb(self._faces[scan], scan.size), task)
+        return Assignment(scan, needed_mb(self._faces[scan], scan.size), task)
 
     def _share(self, scan: Scan) -> int:
         return _FACES_OF_A_START + self._faces[scan]

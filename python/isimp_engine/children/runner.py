@@ -56,7 +56,7 @@ class Children:
 
 
 @dataclass(frozen=True)
-class Piece(Generic[Key]):
+class Assignment(Generic[Key]):
     """A piece of work for a child."""
 
     key: Key  #: what the caller knows it by
@@ -73,7 +73,7 @@ def clear(parts: Path) -> None:
 
 
 def endings(
-    workers: Workers, pieces: Iterable[Piece[Key]], watch: Callable[[list[Key]], None]
+    workers: Workers, pieces: Iterable[Assignment[Key]], watch: Callable[[list[Key]], None]
 ) -> Iterator[tuple[Key, Path | None, Ending]]:
     """Run pieces, the largest first; yields the key, the folder and the ending of each.
 

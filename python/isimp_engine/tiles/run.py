@@ -14,7 +14,7 @@ from ..batch.scans import estimated_faces, needed_mb
 from ..batch.table import Lock
 from ..children.errors import BatchError
 from ..children.nursery import Ending
-from ..children.runner import Children, Piece, Workers, clear, endings
+from ..children.runner import Assignment, Children, Workers, clear, endings
 from ..folders import NotOwn, Own, discard
 from . import steps
 from .errors import TileFailed, TilesError
@@ -368,10 +368,10 @@ class _Run:
         begun = time.monotonic()
         self._tell()
 
-        def piece(tile: int) -> Piece[int]:
-            return Piece(tile, need(tile), lambda threads: shared | own.get(tile, {}) | {"tile": tile})
+        def assignment(tile: int) -> Assignment[int]:
+            return Assignment(tile, need(tile), lambda threads: shared | own.get(tile, {}) | {"tile": tile})
 
-        for tile, folder, ending in endings(self._workers, map(piece, waiting), lambda running: self._tell()):
+        for tile, folder, ending in endings(self._workers, map(assignment, waiting), lambda running: self._tell()):
             self._keep(step, tile, folder, ending)
         self._seconds[task["step"]] = self._seconds.get(task["step"], 0.0) + time.monotonic() - begun
 

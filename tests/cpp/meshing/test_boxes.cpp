@@ -68,16 +68,16 @@ TEST(MovingBoxes, FindsWhatAllPairsFind) {
 TEST(BoxTree, FindsPairsOfTwoTrees) {
   Moving some(1);
   for (const int count : {0, 1, 7, 9, 100, 333}) {
-    std::vector<Entry> a, b;
+    std::vector<NumberedBox> a, b;
     for (int i = 0; i < count; ++i) {
       a.push_back({some.any_box(), i});
       b.push_back({some.any_box(), i});
     }
     std::vector<std::pair<int, int>> found, expected;
-    for (const Entry& x : a)
-      for (const Entry& y : b)
+    for (const NumberedBox& x : a)
+      for (const NumberedBox& y : b)
         if (!x.box.apart(y.box)) expected.emplace_back(x.index, y.index);
-    const bool stopped = BoxTree(a).any_pair(BoxTree(b), [&](const Entry& x, const Entry& y) {
+    const bool stopped = BoxTree(a).any_pair(BoxTree(b), [&](const NumberedBox& x, const NumberedBox& y) {
       found.emplace_back(x.index, y.index);
       return false;
     });

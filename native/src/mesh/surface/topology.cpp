@@ -84,7 +84,7 @@ class RisingHalfedges {
     }
     std::uint32_t sum = 0;
     for (std::uint32_t& end : end_) sum += std::exchange(end, sum);  // now the start of each bucket
-    entries_ = std::make_unique_for_overwrite<Entry[]>(sum + kAtOnce);
+    entries_ = std::make_unique_for_overwrite<HalfEdgeEnd[]>(sum + kAtOnce);
     for (std::uint32_t i = 0; i < kAtOnce; ++i) entries_[sum + i] = {kNone, kNone};
     std::vector<std::int32_t> limit;  // vertices that divide the work of the pieces about equally
     for (std::int32_t piece = 0; piece <= pieces; ++piece) {
@@ -122,7 +122,7 @@ class RisingHalfedges {
   }
 
  private:
-  struct Entry {
+  struct HalfEdgeEnd {
     std::int32_t to, half_edge;
   };
   static constexpr std::uint32_t kAtOnce = 4;  // entries compared before each decision
@@ -133,7 +133,7 @@ class RisingHalfedges {
     for_each_halfedge<true>(
         triangles, all, job, [&](std::int32_t v) { return from.has(v); }, visit);
   }
-  static bool by_end(const Entry& a, const Entry& b) { return a.to < b.to; }
+  static bool by_end(const HalfEdgeEnd& a, const HalfEdgeEnd& b) { return a.to < b.to; }
   [[nodiscard]] std::uint32_t begin(std::size_t v) const { return v == 0 ? 0 : end_[v - 1]; }
 
   /// The place of the first half-edge from one vertex to another; the bucket's end or more if there is none.
@@ -141,7 +141,7 @@ class RisingHalfedges {
     const std::uint32_t last = end_[from];
     std::uint32_t i = begin(static_cast<std::size_t>(from));
     if (last - i > kMany) {
-      const Entry* at = std::lower_bound(&entries_[i], &entries_[last], Entry{to, 0}, by_end);
+      const HalfEdgeEnd* at = std::lower_bound(&entries_[i], &entries_[last], HalfEdgeEnd{to, 0}, by_end);
       return at != &entries_[last] && at->to == to ? static_cast<std::uint32_t>(at - entries_.get()) : last;
     }
     for (; i < last; i += kAtOnce) {
@@ -153,7 +153,7 @@ class RisingHalfedges {
   }
 
   std::vector<std::uint32_t> end_;  // end of each vertex's bucket
-  std::unique_ptr<Entry[]> entries_;
+  std::unique_ptr<HalfEdgeEnd[]> entries_;
 };
 
 /// The half-edges that run from a larger to a smaller vertex: the single ones, and the number of pairs.

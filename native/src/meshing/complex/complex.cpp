@@ -311,11 +311,11 @@ bool Complex::add_third_corners() {
 }
 
 bool Complex::part_multi_edges(std::span<const std::int32_t> pieces) {
-  struct Entry {
+  struct ChordOf {
     std::int32_t a, b, chord;
-    auto operator<=>(const Entry&) const = default;
+    auto operator<=>(const ChordOf&) const = default;
   };
-  std::vector<Entry> entries;
+  std::vector<ChordOf> entries;
   for (const std::int32_t l : pieces) {
     const auto n = chords_[l].size();
     for (std::size_t i = 0; i < n; ++i) {
@@ -345,15 +345,15 @@ bool Complex::part_multi_edges(std::span<const std::int32_t> pieces) {
 }
 
 bool Complex::part_duplicates(std::span<const std::int32_t> pieces) {
-  struct Entry {
+  struct CornersOf {
     std::vector<std::int32_t> corners;
     std::int32_t piece;
-    auto operator<=>(const Entry&) const = default;
+    auto operator<=>(const CornersOf&) const = default;
   };
-  std::vector<Entry> entries;
+  std::vector<CornersOf> entries;
   for (const std::int32_t l : pieces) {
     if (loops_[l].empty()) continue;
-    Entry e{{}, l};
+    CornersOf e{{}, l};
     for (const std::int32_t h : chords_[l]) e.corners.push_back(mesh_.from(h));
     std::sort(e.corners.begin(), e.corners.end());
     entries.push_back(std::move(e));

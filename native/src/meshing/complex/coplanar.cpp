@@ -13,9 +13,9 @@ namespace {
 constexpr double kOneWay = 0.999;          ///< cosine between the normals of two pieces in one plane
 constexpr std::int32_t kStride = 1 << 10;  ///< pieces from one poll to the next
 
-class Joiner {
+class CoplanarJoiner {
  public:
-  Joiner(const State& state, Labels& labels, const Job& job)
+  CoplanarJoiner(const State& state, Labels& labels, const Job& job)
       : s_(state), labels_(labels), job_(job), faces_(s_.labels.pieces.size()), onto_(faces_.size(), kNone) {}
 
   void run() {
@@ -88,6 +88,6 @@ class Joiner {
 
 }  // namespace
 
-void join_coplanar(const State& state, Labels& labels, const Job& job) { Joiner(state, labels, job).run(); }
+void join_coplanar(const State& state, Labels& labels, const Job& job) { CoplanarJoiner(state, labels, job).run(); }
 
 }  // namespace isimp::meshing

@@ -35,7 +35,7 @@ class Ground {
       reach(place_[seeds[i]], i == 0 ? lag : 0, static_cast<std::int32_t>(i));
     std::int32_t last = seeds[0];
     while (!queue_.empty()) {
-      const Entry nearest = queue_.front();
+      const Front nearest = queue_.front();
       std::pop_heap(queue_.begin(), queue_.end());
       queue_.pop_back();
       const Step& from = steps_[nearest.place];
@@ -67,10 +67,10 @@ class Ground {
     std::int32_t seed = 0;
     std::array<std::int32_t, 3> beside{};  // places, kNone across the boundary
   };
-  struct Entry {
+  struct Front {
     double distance;
     std::int32_t face, place;
-    bool operator<(const Entry& other) const {  // std::push_heap puts the largest first; ties by face
+    bool operator<(const Front& other) const {  // std::push_heap puts the largest first; ties by face
       return distance > other.distance || (distance == other.distance && face > other.face);
     }
   };
@@ -88,7 +88,7 @@ class Ground {
   double least_;         // keeps distances rising where faces have no size
   std::int32_t* place_;  // by face of the mesh, valid for faces of the piece
   std::vector<Step> steps_;
-  std::vector<Entry> queue_;
+  std::vector<Front> queue_;
 };
 
 /// The face of each seed's part that is nearest to the part's middle.

@@ -35,14 +35,14 @@ struct Search {
   Marks reached;
 
  private:
-  struct Entry {
+  struct Waiting {
     double distance;
     std::int32_t index;
-    bool operator<(const Entry& other) const {  // std::push_heap puts the largest first; ties by index
+    bool operator<(const Waiting& other) const {  // std::push_heap puts the largest first; ties by index
       return distance > other.distance || (distance == other.distance && index > other.index);
     }
   };
-  std::vector<Entry> queue_;
+  std::vector<Waiting> queue_;
 };
 
 /// The shared data of the cuts: labels, and arrays of the mesh's size that are made once.

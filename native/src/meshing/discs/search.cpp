@@ -21,7 +21,7 @@ bool Search::reach(std::int32_t i, double d, std::int32_t from_via) {
 
 std::int32_t Search::take() {
   while (!queue_.empty()) {
-    const Entry nearest = queue_.front();
+    const Waiting nearest = queue_.front();
     std::pop_heap(queue_.begin(), queue_.end());
     queue_.pop_back();
     if (nearest.distance == distance[nearest.index]) return nearest.index;

@@ -49,7 +49,7 @@ class Chains {
   [[nodiscard]] Chain in_order(std::span<const std::int32_t> holes) { return search(holes, true); }
 
  private:
-  struct State {
+  struct WayThrough {
     double price = std::numeric_limits<double>::infinity();
     std::int32_t before = kNone;  ///< the state before, and the corner at which that hole is left
     std::int32_t left_at = kNone;
@@ -76,13 +76,13 @@ class Chains {
     const auto index = [&](std::size_t set, std::size_t i, std::size_t c) { return (set * n + i) * most + c; };
     const auto with = [&](std::size_t set, std::size_t i) { return in_order ? set + 1 : set | std::size_t{1} << i; };
     const auto may_follow = [&](std::size_t set, std::size_t i) { return in_order ? set == i : !(set >> i & 1); };
-    std::vector<State> states(sets * n * most);
+    std::vector<WayThrough> states(sets * n * most);
     const double left_out = kCostLeftOut * wall_.size();
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t c = 0; c < wall_.corners(holes[i]).size(); ++c)
         states[index(with(in_order ? i : 0, i), i, c)].price =
             out_price(holes[i], c) + left_out * static_cast<double>(n - 1);
-    State last;
+    WayThrough last;
     for (std::size_t set = 1; set < sets; ++set)
       for (std::size_t i = 0; i < n; ++i) {
         const auto corners = wall_.corners(holes[i]);
@@ -92,7 +92,7 @@ class Chains {
           for (std::size_t d = 0; d < corners.size(); ++d) {
             if (d == c) continue;
             const double so_far = states[at].price + kThrough * (corners[c].at - corners[d].at).norm();
-            const auto improve = [&](State& to, double price) {
+            const auto improve = [&](WayThrough& to, double price) {
               if (price < to.price) to = {price, static_cast<std::int32_t>(at), static_cast<std::int32_t>(d)};
             };
             improve(last, so_far + out_price(holes[i], d));
@@ -108,7 +108,8 @@ class Chains {
     return trace(holes, states, last);
   }
 
-  [[nodiscard]] Chain trace(std::span<const std::int32_t> holes, const std::vector<State>& states, State last) const {
+  [[nodiscard]] Chain trace(std::span<const std::int32_t> holes, const std::vector<WayThrough>& states,
+                            WayThrough last) const {
     Chain chain;
     if (!std::isfinite(last.price)) return chain;
     LoopPlace to{kNone, Vec2::Zero()};

@@ -15,7 +15,7 @@ constexpr std::size_t kFew = 32,
                       kShare = 4;  ///< kFew + all / kShare boxes may be new before the tree is rebuilt
 }  // namespace
 
-BoxTree::BoxTree(std::vector<Entry> all) : all_(std::move(all)), leaf_(all_.size()) {
+BoxTree::BoxTree(std::vector<NumberedBox> all) : all_(std::move(all)), leaf_(all_.size()) {
   if (!all_.empty()) make(0, static_cast<std::int32_t>(all_.size()), kNone);
 }
 
@@ -42,7 +42,7 @@ void BoxTree::make(std::int32_t begin, std::int32_t end, std::int32_t parent) {
       if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
     const std::int32_t half = begin + (end - begin) / 2;
     std::nth_element(all_.begin() + begin, all_.begin() + half, all_.begin() + end,
-                     [&](const Entry& x, const Entry& y) {
+                     [&](const NumberedBox& x, const NumberedBox& y) {
                        return x.box.low[axis] + x.box.high[axis] < y.box.low[axis] + y.box.high[axis];
                      });
     make(begin, half, node);
@@ -89,7 +89,7 @@ void MovingBoxes::settle() {
   sort_unique(fresh_);
   // If many boxes have moved, a new tree costs less than the moves.
   if (fresh_.size() > kFew + boxes_.size() / kShare || moved_.size() > kFew + boxes_.size() / kShare) {
-    std::vector<Entry> all;
+    std::vector<NumberedBox> all;
     for (std::size_t i = 0; i < boxes_.size(); ++i)
       if (!boxes_[i].apart(boxes_[i])) all.push_back({boxes_[i], static_cast<std::int32_t>(i)});
     tree_ = BoxTree(std::move(all));
@@ -110,7 +110,7 @@ void MovingBoxes::settle() {
   }
   moved_.clear();
   if (!any_fresh) return;
-  std::vector<Entry> some;
+  std::vector<NumberedBox> some;
   for (const std::int32_t i : fresh_)
     if (!boxes_[i].apart(boxes_[i])) some.push_back({boxes_[i], i});
   fresh_tree_ = BoxTree(std::move(some));

@@ -32,7 +32,7 @@ struct Box {
 };
 
 /// A box and the index of its content, a piece or a face of the scan.
-struct Entry {
+struct NumberedBox {
   Box box;
   std::int32_t index;
 };
@@ -43,7 +43,7 @@ struct Entry {
 class BoxTree {
  public:
   BoxTree() = default;
-  explicit BoxTree(std::vector<Entry> all);
+  explicit BoxTree(std::vector<NumberedBox> all);
 
   [[nodiscard]] std::size_t size() const { return all_.size(); }
   /// Whether some box has a place in common with `a` and passes the test; stops at the first.
@@ -87,7 +87,7 @@ class BoxTree {
     }
     return false;
   }
-  [[nodiscard]] const Entry& at(std::int32_t place) const { return all_[place]; }
+  [[nodiscard]] const NumberedBox& at(std::int32_t place) const { return all_[place]; }
   /// Moves the box at a place, and adapts the boxes around it; the order of the tree does not change.
   /// Cost: O(log n).
   void move(std::int32_t place, const Box& box);
@@ -104,7 +104,7 @@ class BoxTree {
   void make(std::int32_t begin, std::int32_t end, std::int32_t parent);
   [[nodiscard]] Box around(std::int32_t node) const;
 
-  std::vector<Entry> all_;
+  std::vector<NumberedBox> all_;
   std::vector<Node> nodes_;
   std::vector<std::int32_t> leaf_;  // by place
 };
@@ -121,7 +121,7 @@ class MovingBoxes {
   template <class Function>
   void for_each_near(const Box& a, Function fn) const {
     for (const BoxTree* tree : {&tree_, &fresh_tree_})
-      (void)tree->any(a, [&](const Entry& e) {
+      (void)tree->any(a, [&](const NumberedBox& e) {
         fn(e.index);
         return false;
       });

@@ -260,7 +260,7 @@ GivenHits find_given_hits(std::span<const FacetSet* const> pieces, const Arounds
 
 ScanPart::ScanPart(const Mesh& mesh, std::span<const std::int32_t> faces) {
   constexpr std::size_t kAhead = 12;  // faces between the current one and the one whose vertices are prefetched
-  std::vector<Entry> boxes;
+  std::vector<NumberedBox> boxes;
   boxes.reserve(faces.size());
   for (std::size_t i = 0; i < faces.size(); ++i) {
     if (i + kAhead < faces.size())
@@ -275,7 +275,7 @@ bool scan_intersects(const Mesh& mesh, const ScanPart& some, const ScanPart& oth
   std::int32_t last = kNone;  // many pairs in a row have the same first face
   Corners a;
   Facing facing;
-  return some.tree.any_pair(others.tree, [&](const Entry& x, const Entry& y) {
+  return some.tree.any_pair(others.tree, [&](const NumberedBox& x, const NumberedBox& y) {
     if (x.index == y.index) return false;
     if (x.index != last) {
       last = x.index;

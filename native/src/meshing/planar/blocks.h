@@ -26,7 +26,7 @@ class BlockSystem {
   [[nodiscard]] Mat3& diagonal(std::int32_t k) { return diagonal_[place_[k]]; }
   /// Adds to the block of a pair, by its number in the list.
   void add(std::size_t pair, const Mat3& block) {
-    const Entry& e = entry_[pair];
+    const Slot& e = entry_[pair];
     if (e.transposed) {
       block_[e.slot].noalias() += block.transpose();
     } else {
@@ -37,7 +37,7 @@ class BlockSystem {
   [[nodiscard]] const std::vector<Vec3>& solve(std::span<const Vec3> right);
 
  private:
-  struct Entry {
+  struct Slot {
     std::int32_t slot;
     bool transposed;
   };
@@ -50,7 +50,7 @@ class BlockSystem {
 
   std::int32_t count_ = 0;
   std::vector<std::int32_t> place_;  // by unknown: its place in the elimination
-  std::vector<Entry> entry_;         // by pair
+  std::vector<Slot> entry_;          // by pair
   // The blocks above the diagonal, by column, in the order of elimination: the upper half, as rows of the factor are
   // found from it.
   std::vector<std::int32_t> start_, row_;
