@@ -24,6 +24,7 @@ FULL = Recipe(
         rcp.ShrinkRegion(face=2),
         rcp.LockRegions(faces=(1, 30)),
         rcp.UnlockRegions(faces=(1,)),
+        rcp.LeaveOutRegions(faces=(4, 5), box=True),
         rcp.AddWorst(times=5),
         rcp.DeleteLeast(),
         rcp.MergeCheapest(),
