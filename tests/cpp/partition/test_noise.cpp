@@ -72,6 +72,29 @@ TEST(Noise, IsMostlyTakenForShapeOnACoarseCurvedMesh) {
   }
 }
 
+/// Cubes of n by n squares a side, forty of four sizes, as a drawn model has large parts and small ones.
+shapes::Arrays cubes(int n) {
+  shapes::Arrays all;
+  for (int k = 0; k < 40; ++k) {
+    shapes::Arrays one = shapes::cube(n);
+    const auto first = static_cast<std::int32_t>(all.vertices.size());
+    for (const Vec3& v : one.vertices) all.vertices.emplace_back((1 << k % 4) * v + Vec3(20.0 * k, 0, 0));
+    for (Triangle t : one.triangles) {
+      for (std::int32_t& v : t) v += first;
+      all.triangles.push_back(t);
+    }
+  }
+  return all;
+}
+
+TEST(Noise, IsTakenForShapeWhereItGrowsWithTheEdges) {
+  Job job;
+  EXPECT_EQ(estimate_noise(shapes::mesh(cubes(2)), Threads(2), job), 0.0);
+  EXPECT_EQ(estimate_noise(shapes::mesh(cubes(3)), Threads(2), job), 0.0);
+  const double sigma = 0.02;  // as much at edges of .06 as at edges of .5
+  EXPECT_NEAR(estimate_noise(shapes::mesh(shapes::noisy(cubes(16), sigma, 5)), Threads(2), job) / sigma, 1.0, 0.3);
+}
+
 TEST(Noise, IsFoundOnACoarseNoisyScan) {
   Job job;
   for (const double sigma : {0.01, 0.02})

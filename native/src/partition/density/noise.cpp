@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace isimp {
@@ -21,7 +22,10 @@ constexpr double kClear = 2;             // the sample decides if it differs fro
 // The second application of the operator to white noise leaves 1.26 times as much as the first. Where it leaves less,
 // the mesh is a coarse one of a curved shape; where more, of a shape with creases between flat parts.
 constexpr double kShape = 0.85, kNoise = 1.0, kNoiseToo = 1.6, kShapeToo = 2.0;  // twice over once
-constexpr double kFelt = 0.06, kStrong = 0.1;  // shares of an edge's length: from here on it matters, and fully
+// Noise is the same at long edges and at short ones; what a shape leaves grows with them.
+constexpr double kSpread = 2.0;                 // least ratio of the edges of the outer quarters that shows it
+constexpr double kSteady = 0.5, kGrows = 0.75;  // power of the edges' length
+constexpr double kFelt = 0.06, kStrong = 0.1;   // shares of an edge's length: from here on it matters, and fully
 
 struct Ring {
   Vec3 sum = Vec3::Zero();
@@ -86,6 +90,40 @@ double median_along(const Mesh& mesh, std::int32_t step, const Value& value, con
   return median_of(std::move(lengths));
 }
 
+/// The power of the edges' length with which the lengths along the normals grow, from the quarters of the vertices with
+/// the shortest and the longest edges; 0 where these hardly differ, or for too few vertices away from borders.
+/// \param value  value(v) for a vertex
+template <class Value>
+double growth_of(const Mesh& mesh, const Value& value, Job& job) {
+  std::vector<std::pair<double, double>> found;  // mean edge, length along the normal
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    if ((v & kPollEvery) == 0) job.poll();
+    if (!is_inner(mesh, v)) continue;
+    const Vec3 normal = normal_at(mesh, v);
+    if (!(normal.norm() > 0)) continue;
+    double sum = 0;
+    int count = 0;
+    for_each_leaving(mesh, v, [&](std::int32_t h) {
+      sum += (mesh.vertices()[mesh.to(h)] - mesh.vertices()[v]).norm();
+      ++count;
+    });
+    found.emplace_back(sum / count, std::abs(value(v).dot(normal)) / normal.norm());
+  }
+  const std::size_t quarter = found.size() / 4;
+  if (quarter < kFewest / 4) return 0.0;
+  std::sort(found.begin(), found.end());
+  const auto middle = [&](std::size_t first) {
+    std::vector<double> lengths;
+    for (std::size_t i = first; i < first + quarter; ++i) lengths.push_back(found[i].second);
+    std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(quarter / 2), lengths.end());
+    return std::pair{found[first + quarter / 2].first, lengths[quarter / 2]};
+  };
+  const auto [short_edge, at_short] = middle(0);
+  const auto [long_edge, at_long] = middle(found.size() - quarter);
+  if (!(long_edge > kSpread * short_edge) || !(at_long > 0)) return 0.0;
+  return at_short > 0 ? std::log(at_long / at_short) / std::log(long_edge / short_edge) : kGrows;
+}
+
 /// The noise, from the median over some vertices of the remainder when the operator is applied twice; before the doubt
 /// whether it is shape.
 double plain_noise(double of_twice, double edge) {
@@ -132,7 +170,8 @@ double estimate_noise(const Mesh& mesh, const Threads& threads, Job& job) {
   const double doubt = ramp(noise, kFelt * edge, kStrong * edge);
   if (doubt == 0) return noise;
   const double ratio = of_twice / std::max(median_along(mesh, 1, of_once, threads, job), 1e-300);
-  const double trust = ramp(ratio, kShape, kNoise) * (1 - ramp(ratio, kNoiseToo, kShapeToo));
+  const double trust = ramp(ratio, kShape, kNoise) * (1 - ramp(ratio, kNoiseToo, kShapeToo)) *
+                       (1 - ramp(growth_of(mesh, twice, job), kSteady, kGrows));
   return noise * (1 - doubt * (1 - trust));
 }
 

@@ -22,8 +22,9 @@ double mean_edge(const Mesh& mesh);
 /// part along the normal is computed at each vertex away from borders; the median makes creases count little. The
 /// estimate is true within 10 % at noise that matters, up to 45 % too high at very weak noise. Smoothing makes noise at
 /// neighbouring vertices alike, and such noise can't be distinguished from shape. From .06 of an edge's length on, the
-/// remainder after one application must fit white noise too. Else it is the shape of a mesh with few faces, and the
-/// estimate is lowered. An estimate above half an edge's length, or from fewer than 50 vertices, is taken for shape: 0.
+/// remainder after one application must fit white noise too, and the remainder must not grow with the length of the
+/// edges. Else it is the shape of a mesh with few faces, and the estimate is lowered. An estimate above half an edge's
+/// length, or from fewer than 250 vertices, is taken for shape: 0.
 /// Cost: O(V + F).
 double estimate_noise(const Mesh& mesh, const Threads& threads, Job& job);
 
