@@ -27,7 +27,8 @@ py::dict report_of(const MeshReport& report) {
                "closed_components"_a = report.closed_components, "border_edges"_a = report.border_edges,
                "border_loops"_a = report.border_loops, "euler"_a = report.euler,
                "zero_area_faces"_a = report.zero_area_faces, "unused_vertices"_a = report.unused_vertices,
-               "area"_a = report.area, "diagonal"_a = report.diagonal, "closed"_a = report.closed);
+               "area"_a = report.area, "diagonal"_a = report.diagonal, "closed"_a = report.closed,
+               "cell"_a = report.cell);
   py::dict repairs, places;
   for (const Repair& repair : report.repairs) {
     const py::str key(repair.what);
@@ -114,9 +115,10 @@ Raises InvalidInput, which names the first row that can't be used and why; `clea
           "report", [](const KeptMesh& mesh) { return report_of(mesh.report()); }, R"(Properties of the mesh, as a dict.
 
 vertices, faces, components, closed_components, border_edges, border_loops, euler, zero_area_faces, unused_vertices,
-area and diagonal (scene units), closed; after `clean` also the count of each repair (unused_vertices: the number of
-dropped ones). `repairs` holds these counts alone, `repaired_at` the caller's indices of the first few of each: vertices
-for the keys that end so, else faces; both are empty after Mesh(...).)")
+area and diagonal (scene units), closed, cell (of the grid whose stair steps were smoothed, scene units; 0: none); after
+`clean` also the count of each repair (unused_vertices: the number of dropped ones). `repairs` holds these counts alone,
+`repaired_at` the caller's indices of the first few of each: vertices for the keys that end so, else faces; both are
+empty after Mesh(...).)")
       .def_property_readonly("openings", &openings_of,
                              R"(The openings that `clean` was asked to close, as a list of dicts.
 

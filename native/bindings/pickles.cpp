@@ -190,11 +190,11 @@ py::tuple state_of(const KeptMesh& mesh) {
   // In the caller's coordinates: the mesh that is made from them is shifted by the same offset.
   return py::make_tuple(items(mesh.placed_vertices()), items(mesh.triangles()), items(mesh.source_face()),
                         items(mesh.source_vertex()), pack_repairs(mesh.report().repairs),
-                        pack_openings(mesh.openings()));
+                        pack_openings(mesh.openings()), mesh.report().cell);
 }
 
 std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
-  check(state.size() == 6);
+  check(state.size() == 7);
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
   Array<std::int32_t> source_face, source_vertex;
@@ -203,9 +203,11 @@ std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
   check(all_in(source_face, kNone, kAny) && all_in(source_vertex, kNone, kAny));
   RepairReport repairs = unpack_repairs(state[4].cast<py::tuple>());
   std::vector<FoundOpening> openings = unpack_openings(state[5].cast<py::tuple>());
+  const auto cell = state[6].cast<double>();
+  check(cell >= 0 && std::isfinite(cell));
   return call(nullptr, [&](Job& job) {
     return std::make_shared<KeptMesh>(Mesh(std::move(vertices), std::move(triangles), std::move(source_face),
-                                           std::move(source_vertex), std::move(repairs), Threads(0), job),
+                                           std::move(source_vertex), std::move(repairs), cell, Threads(0), job),
                                       std::move(openings));
   });
 }

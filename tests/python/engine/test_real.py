@@ -1,6 +1,7 @@
 """What people scan, by generated twins: openings, rims, triangles, sharp edges, chunks, grids."""
 
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -176,19 +177,26 @@ def test_borders_of_holes_beside_each_other_are_not_stitched():
 
 
 def test_stair_steps_of_a_grid_are_smoothed_within_half_a_cell():
-    vertices, faces = real_scans.grid_house(8, cells=64)
+    vertices, faces = real_scans.grid_house(4, cells=72)
     steps = engine.clean(vertices, faces, engine.CleanOptions(grid=0))
     mesh = engine.clean(vertices, faces)
     assert steps.report["smoothed_vertices"] == 0
     assert mesh.report["smoothed_vertices"] > 0.5 * len(vertices)
     cell = 2 * np.diff(np.unique(vertices[:, 0].round(6))).min()
     assert np.abs(mesh.vertices - steps.vertices).max() <= 0.5 * cell * (1 + 1e-4)
-    distances = engine.Mesh(*real_scans.grid_house(8, binary=False, cells=64))
+    assert mesh.report["cell"] == pytest.approx(cell, rel=1e-4)
+    assert steps.report["cell"] == 0
+    distances = engine.Mesh(*real_scans.grid_house(4, binary=False, cells=72))
     as_preset = engine.PartitionOptions(sharp_edges=0, snap=False)
     before, after, exact = (engine.partition(m, as_preset).region_count for m in (steps, mesh, distances))
-    assert before > 2 * 16
-    assert abs(after - 16) <= 2
-    assert abs(exact - 16) <= 2
+    assert before > 2 * 21
+    assert abs(after - 21) <= 2
+    assert abs(exact - 21) <= 2
+    copy = pickle.loads(pickle.dumps(mesh))  # noqa: S301
+    for same in (mesh, copy, engine.close_openings(mesh, engine.CleanOptions())):
+        part = engine.partition(same, engine.PartitionOptions())
+        assert part.report["noise"] == pytest.approx(0.12 * mesh.report["cell"])
+        assert abs(part.region_count - 21) <= 2
 
 
 @pytest.mark.parametrize("scan", [lambda: real_scans.grid_house(8, binary=False, cells=48), cube, bumpy])

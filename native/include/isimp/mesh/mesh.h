@@ -42,9 +42,10 @@ class Mesh {
   /// Cost: O(V + F) time and memory.
   Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Job& job, std::int32_t threads = 0);
 
-  /// As above, for a mesh made from another one: the sources of its faces and vertices, and the repairs.
+  /// As above, for a mesh made from another one: the sources of its faces and vertices, the repairs, and
+  /// MeshReport::cell.
   Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Array<std::int32_t> source_face,
-       Array<std::int32_t> source_vertex, RepairReport repairs, const Threads& threads, Job& job);
+       Array<std::int32_t> source_vertex, RepairReport repairs, double cell, const Threads& threads, Job& job);
 
   [[nodiscard]] std::int32_t vertex_count() const { return static_cast<std::int32_t>(vertices_.size()); }
   [[nodiscard]] std::int32_t face_count() const { return static_cast<std::int32_t>(triangles_.size()); }

@@ -28,6 +28,7 @@ struct MeshReport {
   double area = 0.0;      ///< scene units squared; faces that count as without area add nothing
   double diagonal = 0.0;  ///< diagonal of the bounding box, scene units
   bool closed = false;    ///< without a border
+  double cell = 0.0;      ///< of the grid whose stair steps were smoothed, scene units; 0: none
   RepairReport repairs;   ///< empty after Mesh(...)
 };
 

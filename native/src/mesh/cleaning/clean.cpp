@@ -176,6 +176,7 @@ Cleaning sound_of(const Mesh& mesh, const Threads& threads, Job& job) {
   arrays.triangles.assign(mesh.triangles().begin(), mesh.triangles().end());
   arrays.source_face.assign(mesh.source_face().begin(), mesh.source_face().end());
   arrays.source_vertex.assign(mesh.source_vertex().begin(), mesh.source_vertex().end());
+  arrays.cell = mesh.report().cell;
   sound.topology = find_topology(arrays.vertices.size(), arrays.triangles, threads, job);
   return sound;
 }

@@ -7,7 +7,6 @@
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "isimp/core/to_integer.h"
@@ -20,7 +19,6 @@ constexpr double kSame = 1e-4;        // share of the extent: values at a smalle
 constexpr std::size_t kLeast = 8;     // values along an axis, with fewer there is no grid to be found
 constexpr double kOffLattice = 0.02;  // share of half a cell
 constexpr double kShare = 0.98;       // least share of the vertices at places of a grid of occupancy
-constexpr int kRounds = 100;
 
 /// The distance that most of the different values of an axis are apart; 0 where few vertices share a value.
 double common_step(std::vector<double> values) {
@@ -120,11 +118,7 @@ std::optional<Eigen::Matrix3d> find_axes(const MeshArrays& arrays) {
   return axes;
 }
 
-/// A grid, with its axes as columns.
-struct Grid {
-  double cell = 0;
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-};
+}  // namespace
 
 Grid find_grid(const MeshArrays& arrays) {
   Grid grid{.cell = find_cell(arrays.vertices)};
@@ -135,60 +129,6 @@ Grid find_grid(const MeshArrays& arrays) {
   along.reserve(arrays.vertices.size());
   for (const Vec3& v : arrays.vertices) along.emplace_back(axes->transpose() * v);
   return {.cell = find_cell(along), .axes = *axes};
-}
-
-/// The neighbours of each vertex, each once for each common face.
-struct Beside {
-  std::vector<std::int32_t> start, vertex;
-
-  Beside(std::size_t count, std::span<const Triangle> triangles) : start(count + 1, 0) {
-    for (const Triangle& t : triangles)
-      for (const std::int32_t v : t) start[v + 1] += 2;
-    for (std::size_t v = 0; v < count; ++v) start[v + 1] += start[v];
-    vertex.resize(static_cast<std::size_t>(start.back()));
-    std::vector<std::int32_t> next(start.begin(), start.end() - 1);
-    for (const Triangle& t : triangles)
-      for (int k = 0; k < 3; ++k) {
-        vertex[next[t[k]]++] = t[(k + 1) % 3];
-        vertex[next[t[k]]++] = t[(k + 2) % 3];
-      }
-  }
-};
-
-}  // namespace
-
-bool smooth_steps(MeshArrays& arrays, const Topology& topology, std::optional<double> cell, RepairLog& log,
-                  const Threads& threads, Job& job) {
-  if (cell == 0.0 || arrays.vertices.size() < kLeast) return false;
-  const Grid grid = cell ? Grid{.cell = *cell} : find_grid(arrays);
-  const double half = grid.cell / 2;
-  if (!(half > 0)) return false;
-  const Beside beside(arrays.vertices.size(), arrays.triangles);
-  std::vector<char> fixed(arrays.vertices.size(), 0);
-  for (const std::int32_t h : topology.border) fixed[arrays.triangles[h / 3][h % 3]] = 1;
-  const std::vector<Vec3> home = arrays.vertices;
-  std::vector<Vec3> before;
-  for (int round = 0; round < kRounds; ++round) {
-    job.poll();
-    before = arrays.vertices;
-    threads.blocks(static_cast<std::int32_t>(home.size()), 4096,
-                   [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-                     for (std::int32_t v = begin; v < end; ++v) {
-                       const std::int32_t count = beside.start[v + 1] - beside.start[v];
-                       if (fixed[v] || count == 0) continue;
-                       Vec3 sum = Vec3::Zero();
-                       for (std::int32_t i = beside.start[v]; i < beside.start[v + 1]; ++i)
-                         sum += before[beside.vertex[i]] - home[v];
-                       const Vec3 step = (grid.axes.transpose() * (sum / count)).cwiseMax(-half).cwiseMin(half);
-                       arrays.vertices[v] = home[v] + grid.axes * step;
-                     }
-                   });
-  }
-  for (std::size_t v = 0; v < home.size(); ++v)
-    if (home[v] != arrays.vertices[v])
-      log.add(RepairKind::smoothed_vertices,
-              arrays.source_vertex.empty() ? static_cast<std::int32_t>(v) : arrays.source_vertex[v]);
-  return true;
 }
 
 }  // namespace isimp::detail

@@ -126,10 +126,10 @@ class VertexSets {
 }  // namespace
 
 Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Job& job, std::int32_t threads)
-    : Mesh(std::move(vertices), std::move(triangles), {}, {}, {}, Threads(threads), job) {}
+    : Mesh(std::move(vertices), std::move(triangles), {}, {}, {}, 0.0, Threads(threads), job) {}
 
 Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Array<std::int32_t> source_face,
-           Array<std::int32_t> source_vertex, RepairReport repairs, const Threads& threads, Job& job)
+           Array<std::int32_t> source_vertex, RepairReport repairs, double cell, const Threads& threads, Job& job)
     : vertices_(std::move(vertices)),
       triangles_(std::move(triangles)),
       source_face_(std::move(source_face)),
@@ -141,6 +141,7 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Array<st
     return detail::find_topology(vertices_.size(), triangles_, threads, job);
   }();
   if (!topology.flaw.empty()) throw InvalidInput(topology.flaw + kHint);
+  report_.cell = cell;
   complete(std::move(topology), std::move(repairs), threads, job);
 }
 
@@ -149,6 +150,7 @@ Mesh::Mesh(detail::MeshArrays arrays, detail::Topology topology, RepairReport re
       triangles_(std::move(arrays.triangles)),
       source_face_(std::move(arrays.source_face)),
       source_vertex_(std::move(arrays.source_vertex)) {
+  report_.cell = arrays.cell;
   complete(std::move(topology), std::move(repairs), threads, job);
 }
 

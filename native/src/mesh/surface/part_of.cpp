@@ -44,6 +44,7 @@ class PartMaker {
             std::move(source_face_),
             std::move(source_vertex),
             RepairReport(),
+            mesh_.report().cell,
             Threads(0),
             job};
   }

@@ -117,6 +117,7 @@ struct MeshArrays {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
   Array<std::int32_t> source_face, source_vertex;
+  double cell = 0.0;  ///< see MeshReport
 };
 
 // separate.cpp

@@ -18,6 +18,7 @@ constexpr std::size_t kFewest = 250;        // vertices; a mesh of fewer is no s
 constexpr std::int32_t kPollEvery = 0xffff;
 constexpr std::int32_t kSample = 20000;  // vertices that show whether there is noise
 constexpr double kClear = 2;             // the sample decides if it differs from the limit by this factor
+constexpr double kOfCell = 0.12;         // share of the cell of a grid that is left of its steps
 
 // The second application of the operator to white noise leaves 1.26 times as much as the first. Where it leaves less,
 // the mesh is a coarse one of a curved shape; where more, of a shape with creases between flat parts.
@@ -152,6 +153,7 @@ double surface_size(const Mesh& mesh) {
 double mean_edge(const Mesh& mesh) { return std::sqrt(mesh.graph().area / mesh.face_count() * 4 / std::sqrt(3.0)); }
 
 double estimate_noise(const Mesh& mesh, const Threads& threads, Job& job) {
+  if (mesh.report().cell > 0) return kOfCell * mesh.report().cell;
   const auto vertices = mesh.vertices();
   const auto place = [&](std::int32_t v) { return vertices[v]; };
   std::vector<Vec3> once(vertices.size(), Vec3::Zero());
@@ -177,7 +179,7 @@ double estimate_noise(const Mesh& mesh, const Threads& threads, Job& job) {
 
 bool is_noisier(const Mesh& mesh, double least, Job& job) {
   const Threads threads(1);
-  if (const std::int32_t step = mesh.vertex_count() / kSample; step > 1) {
+  if (const std::int32_t step = mesh.vertex_count() / kSample; step > 1 && mesh.report().cell == 0) {
     const auto vertices = mesh.vertices();
     const auto place = [&](std::int32_t v) { return vertices[v]; };
     const auto once = [&](std::int32_t v) { return umbrella_at(mesh, v, place); };
