@@ -336,11 +336,17 @@ def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int
         regions = with_regions(prepared, found.partition, carried_colors(before, found.partition), {})
     args = (prepared.mesh, regions.partition, found.polygons, 0.0)
     away = engine_call(watch, end - 0.1 * (end - begin), end, "measuring", engine.within.scan_distances, *args)
+    numbers = _mesh_numbers(found, regions, away) | {"regions_before": before.numbers["regions"]}
+    if before.made is not None:
+        args = (prepared.mesh, found.partition, before.made)
+        nearer = engine_call(watch, end, end, "measuring", engine.nearer.nearer_by_bound, *args)
+        if nearer is not None:
+            numbers |= {"nearer_bound": nearer.bound, "nearer_regions": nearer.regions, "nearer_times": nearer.times}
     return replace(
         regions,
         polygons=found.polygons,
         origin=prepared.mesh.origin,
-        numbers=_mesh_numbers(found, regions, away) | {"regions_before": before.numbers["regions"]},
+        numbers=numbers,
         region_distance=_of_regions(prepared.mesh, regions.partition, away),
     )
 

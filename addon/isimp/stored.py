@@ -177,12 +177,13 @@ _COUNTS = (
         "failed",
     ),
     *("polygons", "corners", "vertices", "triangles", "faces", "components", "border_loops", "kept_open"),
-    *("cluttered", "clutter_polygons"),
+    *("cluttered", "clutter_polygons", "nearer_regions"),
     *("held", "planes", "directions", "let_go", "mirrored_regions", "mirrored_corners"),
 )
 _NUMBERS = (
     *("error", "seconds", "diagonal", "planarity_max", "planarity_mean"),
     *("scan_distance", "scan_distance_allowed", "away_mean", "away_max", "closed_below", "planes_add", "cut_if_planar"),
+    *("nearer_bound", "nearer_times"),
 )
 _FITS = {
     **dict.fromkeys(_COUNTS, _is_count),
@@ -203,6 +204,7 @@ _TOGETHER = {
     "polygons": ("corners", "vertices", "planarity_mean", "planarity_max", "closed", "manifold", "regions"),
     "scan_distance": ("scan_distance_allowed",),
     "planes": ("directions", "planes_add", "regions"),
+    "nearer_bound": ("nearer_regions", "nearer_times"),
     "away_max": ("away_mean",),
     "away_mean": ("away_max",),
     "mirrored_regions": ("regions",),

@@ -8,6 +8,7 @@ from . import clutter as clutter
 from . import exporting as exporting
 from . import guided as guided
 from . import guides as guides
+from . import nearer as nearer
 from . import openings as openings
 from . import within as within
 from ._core import (

@@ -67,6 +67,11 @@ class Made:
         options = self.options.as_dict()
         return self._with(mesh, job, options | {"bound": share * options["bound"]})
 
+    def within_bound(self, mesh: Mesh, bound: float, job: Job | None) -> Partition:
+        """The partition with a bound, in place of another way to choose the number of regions."""
+        counts = dict.fromkeys(("proxies", "triangles", "detail", "tolerance"))
+        return self._with(mesh, job, self.options.as_dict() | counts | {"bound": bound})
+
     def with_count(self, mesh: Mesh, proxies: int, job: Job | None) -> Partition:
         """The partition with another number of regions, in place of one that a number of triangles gives."""
         return self._with(mesh, job, self.options.as_dict() | {"proxies": proxies, "triangles": None})

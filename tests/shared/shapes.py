@@ -49,6 +49,18 @@ def torus(nu=24, nv=12, radius=0.4):
     return vertices, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]).astype(np.int32)
 
 
+def bent_pipe(rings=80, around=24):
+    """A thin pipe whose bend grows along it, open at both ends, as a modeller draws it."""
+    t = np.linspace(0, 1, rings)
+    turn = 2 * np.pi * np.arange(around) / around
+    round_it = 0.05 * np.stack([np.cos(turn), np.sin(turn), 0 * turn], -1)
+    vertices = np.stack([t**2, 0 * t, 2 * t], 1)[:, None] + round_it[None]
+    i, j = (k.ravel() for k in np.meshgrid(np.arange(rings - 1), np.arange(around), indexing="ij"))
+    a, b = i * around + j, i * around + (j + 1) % around
+    faces = np.concatenate([np.stack([a, b, b + around], 1), np.stack([a, b + around, a + around], 1)])
+    return vertices.reshape(-1, 3), faces.astype(np.int32)
+
+
 def bumpy(n=60, seed=1):
     """An open sheet with hills and noise, 2 n^2 faces: curved everywhere, so that partitioning has work to do."""
     vertices, triangles = plane(n)

@@ -27,6 +27,7 @@ from .. import (
 from ..clutter import Clutter, clutter, without_clutter
 from ..drafts import save_array
 from ..guided import Guides, partition_guided
+from ..nearer import Nearer, nearer_by_bound
 from ..openings import Lengths
 from ..texturing.writing import files_of
 from ..within import Made, Within, polygonize_within
@@ -121,6 +122,7 @@ class Model(Regions):
 
     found: Within
     clutter: list[Clutter]  #: regions that took many polygons; with --clutter they are left out since
+    nearer: Nearer | None  #: a bound that would bring the regions of a drawn model nearer to it
 
 
 def make_regions(
@@ -189,12 +191,13 @@ def make_model(
         edited = made.regular is not None or (recipe is not None and recipe.edits)
         anew = None if edited else Made(settings.partition, made.guides)
         found = polygonize_within(made.mesh, made.partition, made.meshing, job, anew)
+        nearer = nearer_by_bound(made.mesh, found.partition, anew, job) if anew else None
     many = clutter(found.polygons)
     if many and settings.clutter != KEEP_CLUTTER:
         with steps("mesh") as job, refused(source):
             part = without_clutter(made.mesh, found.partition, many, settings.clutter == BOX_CLUTTER)
             found = polygonize_within(made.mesh, part, made.meshing, job)
-    return Model(**vars(made) | {"partition": found.partition}, found=found, clutter=many)
+    return Model(**vars(made) | {"partition": found.partition}, found=found, clutter=many, nearer=nearer)
 
 
 def _make(
@@ -256,6 +259,7 @@ def _make(
         "curved": part.report["curved"],
         "expected": model.expected,
         "output": {"path": str(task.output)} | model.found.report,
+        "nearer": model.nearer and model.nearer.as_dict(),
         "clutter": [each.as_dict() for each in model.clutter],
         "validity": exporting.validity(poly, surfaces=surfaces),
         "step": step,
@@ -332,6 +336,8 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     yield from (f"  warning: {text}" for text in report["partition"]["warnings"])
     if report["partition"]["tolerance"] is not None:
         yield f"  {words.found(report['partition'])}"
+    if report["nearer"] is not None:
+        yield f"  {words.nearer(report['nearer'])}"
     yield from words.more_proxies(part.region_count, part.proxies_asked)
     wanted, plane = report["options"]["symmetry"], report["partition"]["symmetry"]
     yield from words.symmetry(wanted, plane, part.region_count, out)

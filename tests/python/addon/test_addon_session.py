@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import shapes
 from isimp import recipe as rcp
 from isimp import view
 from isimp.prepared import face_regions
@@ -481,3 +482,13 @@ def test_a_bound_holds_for_the_polygons_too(quads):
         numbers = Session().replay(quads, Recipe((Partition(bound=bound), Mesh()))).numbers
         assert 0 < numbers["scan_distance"] <= numbers["scan_distance_allowed"] == pytest.approx(1.5 * bound)
     assert "scan_distance" not in Session().replay(quads, Recipe((Partition(proxies=12), Mesh()))).numbers
+
+
+def test_a_bound_that_is_nearer_to_a_drawn_model_is_known_after_mesh():
+    scan = scan_of(*shapes.bent_pipe())
+    drawn = Recipe((Partition(count_by="detail", detail=0.0025, adaptivity=0.0), Mesh()))
+    numbers = Session().replay(scan, drawn).numbers
+    assert numbers["nearer_bound"] > 0
+    assert numbers["nearer_times"] >= engine.nearer.LEAST_TIMES
+    edited = drawn.steps[:1] + (AddProxy(face=0), *drawn.steps[1:])
+    assert "nearer_bound" not in Session().replay(scan, Recipe(edited)).numbers

@@ -57,3 +57,12 @@ def test_planes_that_are_not_held_are_in_the_report():
     numbers = away | {"regions": 4, "polygons": 4, "closed": True, "manifold": True, "diagonal": 1.0, "let_go": 3}
     assert ("3 planes not held, for better polygons", True) in text.report_lines(numbers, "METRIC", 1.0)
     assert len(text.report_lines(numbers | {"let_go": 0}, "METRIC", 1.0)) == 3
+
+
+def test_a_bound_that_is_nearer_to_a_drawn_model_is_in_the_report():
+    away = {"away_mean": 0.01, "away_max": 0.02, "planarity_mean": 0.0, "planarity_max": 0.0}
+    numbers = away | {"regions": 4, "polygons": 4, "closed": True, "manifold": True, "diagonal": 1.0}
+    nearer = {"nearer_bound": 0.25, "nearer_regions": 1, "nearer_times": 2.34}
+    (line, alert) = text.report_lines(numbers | nearer, "NONE", 1.0)[-1]
+    assert line.replace("\N{NO-BREAK SPACE}", " ") == "Bound 0.25: 1 region, 2.3 times nearer to this drawn model"
+    assert not alert
