@@ -161,9 +161,10 @@ class Bends {
     }
     Found now{surface_of(bend, found_[first].surface.side), {}, 0, 0};
     std::vector<bool> is_mine(p_.area.size(), false);
+    const Locator on(now.surface);
     for (std::int32_t i = 0; i < p_.count(); ++i) {
       if (p_.area[i] <= 0 || !bend.is_between(p_.centre[i])) continue;
-      const Residual r = residual(now.surface, p_.centre[i]);
+      const Residual r = on.residual(p_.centre[i]);
       if (r.distance > kReach * near_.distance || r.normal.dot(p_.normal[i]) < std::cos(kReach * near_.turn)) continue;
       is_mine[i] = true;
       now.points.push_back(i);

@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <unordered_map>
 
 #include "isimp/core/to_integer.h"
 
@@ -20,19 +18,27 @@ class Cutter {
       : f_(faces),
         p_(proxy),
         patch_(patch),
+        on_(proxy),
         width_(proxy.span / proxy.segments),
         is_extrusion_(proxy.kind == CurvedKind::extrusion) {}
 
-  Cells run() {
-    Cells cells;
+  Some labels(bool with_corners) {
     for (std::size_t k = 0; k < patch_.face.size(); ++k) {
       const std::int32_t at = knot_before(patch_.along[k]);
       ring_.push_back(is_extrusion_ ? 0 : at);
       segment_.push_back(is_extrusion_ ? at : segment_of(patch_.angle[k]));
     }
-    if (p_.rings > 1) join_corners();
+    if (with_corners && p_.rings > 1) join_corners();
+    Some cell;
+    cell.reserve(ring_.size());
     for (std::size_t k = 0; k < ring_.size(); ++k)
-      cells.of_face.push_back(ring_[k] * p_.segments + (is_cap(ring_[k]) ? 0 : segment_[k]));
+      cell.push_back(ring_[k] * p_.segments + (is_cap(ring_[k]) ? 0 : segment_[k]));
+    return cell;
+  }
+
+  Cells run() {
+    Cells cells;
+    cells.of_face = labels(true);
     set_planes(cells);
     return cells;
   }
@@ -63,57 +69,66 @@ class Cutter {
   /// The vertex nearest to a corner of the grid.
   struct Nearest {
     std::int32_t vertex = kNone;
-    double distance = std::numeric_limits<double>::infinity(), angle = 0, along = 0, rho = 0;
+    double distance = std::numeric_limits<double>::infinity(), angle = 0;
   };
 
   void join_corners() {
-    std::unordered_map<std::int32_t, std::size_t> at;  // index in the patch, by face
-    for (std::size_t k = 0; k < patch_.face.size(); ++k) at[patch_.face[k]] = k;
-    std::map<std::pair<std::int32_t, std::int32_t>, Nearest> nearest;  // by knot and side of a segment
-    std::vector<std::int32_t> vertices;
     const Mesh& mesh = f_.mesh();
     const FaceGraph& graph = f_.graph();
+    for (const double knot : p_.knots) corner_.push_back(on_.place(knot));
+    nearest_.resize(p_.knots.size() * static_cast<std::size_t>(p_.segments + 1));
+    std::vector<bool> met(mesh.vertices().size(), false);
     for (const std::int32_t i : patch_.face)
-      for (const std::int32_t v : mesh.triangles()[graph.mesh_face[i]]) vertices.push_back(v);
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    for (const std::int32_t v : vertices) offer(v, nearest);
-    for (const auto& entry : nearest) {  // not a structured binding: clang 14 captures none
-      const auto& corner = entry.first;
-      const auto& n = entry.second;
-      if (n.distance > std::pow(kNear * width_ * n.rho, 2) || !is_inside(n.vertex, at)) continue;
+      for (const std::int32_t v : mesh.triangles()[graph.mesh_face[i]]) {
+        if (!met[v]) offer(v);
+        met[v] = true;
+      }
+    for (std::size_t c = 0; c < nearest_.size(); ++c) {
+      const Nearest& n = nearest_[c];
+      if (n.vertex == kNone || !is_inside(n.vertex)) continue;
+      const auto knot = static_cast<std::int32_t>(c / (p_.segments + 1)),
+                 side = static_cast<std::int32_t>(c) % (p_.segments + 1);
+      const double along = on_.at(mesh.vertices()[n.vertex]).along;
       for_each_leaving(mesh, n.vertex, [&](std::int32_t h) {
-        const std::size_t k = at.at(graph.graph_face[Mesh::face(h)]);
-        ring_[k] = beyond(patch_.along[k], n.along) > 0 ? corner.first : (corner.first + p_.rings - 1) % p_.rings;
+        const std::size_t k = index_of(graph.graph_face[Mesh::face(h)]);
+        ring_[k] = beyond(patch_.along[k], along) > 0 ? knot : (knot + p_.rings - 1) % p_.rings;
         const bool is_right = turned(patch_.angle[k] - n.angle) > 0;
-        const std::int32_t side = corner.second;
         segment_[k] = is_right ? side % p_.segments : (side + p_.segments - 1) % p_.segments;
       });
     }
   }
 
-  void offer(std::int32_t v, std::map<std::pair<std::int32_t, std::int32_t>, Nearest>& nearest) const {
+  /// Makes a vertex the nearest to a corner, if it is.
+  void offer(std::int32_t v) {
     const Vec3& x = f_.mesh().vertices()[v];
-    const Polar polar = curved::polar(p_, x);
-    const double angle = curved::angle(p_, x), along = curved::along(p_, polar);
-    auto side = to_integer(place(angle) / width_ + 0.5, 0, p_.segments);
-    if (p_.full) side %= p_.segments;
+    const double angle = curved::angle(p_, x), at = place(angle) / width_;
+    auto side = to_integer(at + 0.5, 0, p_.segments);
     if (!p_.full && (side <= 0 || side >= p_.segments)) return;
+    if (std::abs(at - side) > kNear) return;
+    if (p_.full) side %= p_.segments;
+    const Polar polar = curved::polar(p_, x);
     const double to = turned(angle - p_.phase - side * width_) * polar.rho;
-    std::int32_t best = kNone;
-    for (std::int32_t k = p_.closed ? 0 : 1; k < p_.rings; ++k)
-      if (best == kNone || std::abs(beyond(along, p_.knots[k])) < std::abs(beyond(along, p_.knots[best]))) best = k;
-    const double up = beyond(along, p_.knots[best]) * (p_.kind == CurvedKind::sphere ? p_.radius : 1);
-    Nearest& n = nearest[{best, side}];
-    const double d = to * to + up * up;
-    if (d < n.distance) n = {v, d, angle, along, polar.rho};
+    const Vec2 here(polar.rho, polar.z);
+    std::size_t best = p_.closed ? 0 : 1;
+    for (std::size_t k = best + 1; k + 1 < corner_.size(); ++k)
+      if ((here - corner_[k]).squaredNorm() < (here - corner_[best]).squaredNorm()) best = k;
+    const double d = to * to + (here - corner_[best]).squaredNorm();
+    Nearest& n = nearest_[best * static_cast<std::size_t>(p_.segments + 1) + static_cast<std::size_t>(side)];
+    if (d < n.distance && d <= std::pow(kNear * width_ * polar.rho, 2)) n = {v, d, angle};
+  }
+
+  /// The place of a face in the patch; its size if the face is not in it.
+  [[nodiscard]] std::size_t index_of(std::int32_t face) const {
+    const auto at = std::lower_bound(patch_.face.begin(), patch_.face.end(), face);
+    return at == patch_.face.end() || *at != face ? patch_.face.size()
+                                                  : static_cast<std::size_t>(at - patch_.face.begin());
   }
 
   /// Whether all faces at a vertex are in the patch, and the vertex is not on the border of the scan.
-  [[nodiscard]] bool is_inside(std::int32_t v, const std::unordered_map<std::int32_t, std::size_t>& at) const {
+  [[nodiscard]] bool is_inside(std::int32_t v) const {
     bool is = true;
     for_each_leaving(f_.mesh(), v, [&](std::int32_t h) {
-      is = is && f_.mesh().opposite(h) != kNone && at.contains(f_.graph().graph_face[Mesh::face(h)]);
+      is = is && f_.mesh().opposite(h) != kNone && index_of(f_.graph().graph_face[Mesh::face(h)]) < patch_.face.size();
     });
     return is;
   }
@@ -153,12 +168,19 @@ class Cutter {
   const Faces& f_;
   const CurvedProxy& p_;
   const PatchFaces& patch_;
+  Locator on_;
   double width_;
   bool is_extrusion_;
   Some ring_, segment_;
+  std::vector<Vec2> corner_;      // by knot: its place on the profile
+  std::vector<Nearest> nearest_;  // by knot and side of a segment
 };
 
 }  // namespace
+
+Some cells_of_faces(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch) {
+  return Cutter(faces, proxy, patch).labels(false);
+}
 
 Cells cut(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch) {
   return Cutter(faces, proxy, patch).run();

@@ -14,6 +14,9 @@ struct Cells {
   std::vector<double> offset;    ///< the plane is where normal * x is this
 };
 
+/// The cell of each face, as Cells::of_face, where the corners of cells are not at vertices yet.
+Some cells_of_faces(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch);
+
 /// Cuts a patch into cells, so that four meet in one vertex of the scan: by symmetry their planes meet in one point, and
 /// two junctions of three would fall together.
 /// Cost: O(faces of the patch).

@@ -3,7 +3,6 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <unordered_map>
 #include <utility>
 
 #include "cells.h"
@@ -30,7 +29,8 @@ bool is_coaxial(const CurvedProxy& a, const CurvedProxy& b, double distance) {
 
 class Chooser {
  public:
-  Chooser(const Faces& faces, Scene& scene, double distance) : f_(faces), s_(scene), distance_(distance) {}
+  Chooser(const Faces& faces, Scene& scene, double distance)
+      : f_(faces), s_(scene), distance_(distance), cell_(static_cast<std::size_t>(faces.size()), kNone) {}
 
   void run(Job& job) {
     const std::vector<bool> done = choose_pipes(f_, s_, distance_);
@@ -71,7 +71,7 @@ class Chooser {
     }
     for (const std::size_t k : some) {
       const RoundPatch& p = s_.patches[k];
-      for (const double a : p.faces.area) cost += a * p.rough * p.rough;
+      for (const double a : p.faces.area) cost += a * p.faces.rough * p.faces.rough;
     }
     return cost;
   }
@@ -122,30 +122,28 @@ class Chooser {
   static bool is_straight(const CurvedProxy& p) { return p.kind == CurvedKind::cylinder || p.kind == CurvedKind::cone; }
 
   /// The parts of the cells of a patch that are no specks.
-  [[nodiscard]] double pieces_of(const RoundPatch& p) const {
+  double pieces_of(const RoundPatch& p) {
     if (p.proxy.segments == 0) return 0;
-    const Cells cells = cut(f_, p.proxy, p.faces);
-    std::unordered_map<std::int32_t, std::size_t> at;
-    for (std::size_t k = 0; k < p.faces.face.size(); ++k) at[p.faces.face[k]] = k;
-    std::vector<bool> met(p.faces.face.size(), false);
+    const Some cell = cells_of_faces(f_, p.proxy, p.faces);
+    for (std::size_t k = 0; k < cell.size(); ++k) cell_[p.faces.face[k]] = cell[k];
     double all = 0, count = 0;
     for (const double a : p.faces.area) all += a;
     const double speck = kSpeck * all / (p.proxy.segments * p.proxy.rings);
-    std::vector<std::size_t> stack;
-    for (std::size_t k = 0; k < met.size(); ++k) {
-      if (met[k]) continue;
-      met[k] = true;
-      stack.push_back(k);
+    Some stack;
+    for (const std::int32_t first : p.faces.face) {
+      const std::int32_t mine = cell_[first];
+      if (mine == kNone) continue;
+      cell_[first] = kNone;
+      stack.push_back(first);
       double area = 0;
       while (!stack.empty()) {
-        const std::size_t i = stack.back();
+        const std::int32_t i = stack.back();
         stack.pop_back();
-        area += p.faces.area[i];
-        for (const std::int32_t j : f_.graph().neighbours[p.faces.face[i]]) {
-          const auto other = at.find(j);
-          if (other == at.end() || met[other->second] || cells.of_face[other->second] != cells.of_face[i]) continue;
-          met[other->second] = true;
-          stack.push_back(other->second);
+        area += f_.area(i);
+        for (const std::int32_t j : f_.graph().neighbours[i]) {
+          if (j == f_.size() || cell_[j] != mine) continue;
+          cell_[j] = kNone;
+          stack.push_back(j);
         }
       }
       count += area > speck;
@@ -163,7 +161,7 @@ class Chooser {
       const RoundPatch& p = s_.patches[k];
       // Alone a patch keeps to its own number of cells; together they keep to the sum.
       const double mine = some.size() > 1 ? std::max(share * p.cells, cells / 2) : cells;
-      for (Grid& grid : cuts_.at(k).within(mine, p.rough)) by_segments[grid.segments].push_back(std::move(grid));
+      for (Grid& grid : cuts_.at(k).within(mine, p.faces.rough)) by_segments[grid.segments].push_back(std::move(grid));
     }
     const std::vector<Grid>* best = nullptr;
     double least = std::numeric_limits<double>::infinity();
@@ -234,6 +232,7 @@ class Chooser {
   Scene& s_;
   double distance_;
   std::map<std::size_t, Cuts> cuts_;  // by patch
+  Some cell_;                         // (n) by graph index: kNone but within pieces_of
 };
 
 }  // namespace

@@ -159,13 +159,12 @@ Partition make_round(const Mesh& mesh, const Partition& part, std::span<const st
   static_cast<CurvedSurface&>(proxy) = *found;
   if (proxy.kind == CurvedKind::sphere) proxy.axis = Vec3::UnitZ();
   if (proxy.kind != CurvedKind::extrusion) proxy.across = frame(proxy.axis)[0];
-  const double rough = rms(proxy, samples_of(all, some));
   PatchFaces cells(all, proxy, std::move(some));
   set_span(proxy, cells);
   const double count = std::max<double>(proxy.full ? kLeastRound : 3,
                                         static_cast<double>(std::count(chosen.begin(), chosen.end(), true)));
   begin_at_border(all, proxy, cells, count);
-  const std::vector<Grid> cuts = Cuts(proxy, cells).within(count, rough);
+  const std::vector<Grid> cuts = Cuts(proxy, cells).within(count, cells.rough);
   if (cuts.empty()) throw InvalidInput("the faces given can't be cut into segments");
   apply(proxy,
         *std::min_element(cuts.begin(), cuts.end(), [](const Grid& a, const Grid& b) { return a.cost < b.cost; }));

@@ -125,8 +125,9 @@ class Extrusions {
       now.surface = std::move(*surface);
       now.rms = rms(now.surface, s);
       double near = 0;
+      const Locator on(now.surface);
       for (std::size_t i = 0; i < s.size(); ++i)
-        if (std::abs(residual(now.surface, s.place[i]).distance) < kFurther * near_.distance) near += s.weight[i];
+        if (std::abs(on.residual(s.place[i]).distance) < kFurther * near_.distance) near += s.weight[i];
       if (near < kKept || now.rms > kWorst * near_.distance) return std::nullopt;
       take_in(now);
     }
@@ -141,10 +142,11 @@ class Extrusions {
   void take_in(Found& f) const {
     std::vector<bool> is_in(p_.area.size(), false);
     for (const std::int32_t i : f.points) is_in[i] = true;
+    const Locator on(f.surface);
     for (std::size_t k = 0; k < f.points.size(); ++k)
       for (const std::int32_t j : p_.near[f.points[k]]) {
         if (is_in[j] || own_[j] != kNone || p_.area[j] <= 0) continue;
-        const Residual r = residual(f.surface, p_.centre[j]);
+        const Residual r = on.residual(p_.centre[j]);
         if (std::abs(r.distance) >= kReach * near_.distance ||
             r.normal.dot(p_.normal[j]) <= std::cos(kReach * near_.turn))
           continue;

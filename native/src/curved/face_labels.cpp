@@ -44,6 +44,13 @@ std::vector<Vec3> filtered_normals(const Faces& faces, Job& job) {
   return normal;
 }
 
+std::vector<Locator> locators(const std::vector<Found>& found) {
+  std::vector<Locator> all;
+  all.reserve(found.size());
+  for (const Found& f : found) all.emplace_back(f.surface);
+  return all;
+}
+
 class Borders {
  public:
   Borders(const Faces& faces, const Points& points, const std::vector<Found>& found, const Nearness& near, Job& job)
@@ -51,6 +58,7 @@ class Borders {
         graph_(faces.graph()),
         p_(points),
         found_(found),
+        on_(locators(found)),
         near_(near),
         normal_(filtered_normals(faces, job)) {
     Some own(points.area.size(), kNone);
@@ -91,7 +99,7 @@ class Borders {
 
   [[nodiscard]] double cost(std::int32_t i, std::int32_t label) const {
     if (label == kNone) return kNoSurface;
-    const Residual r = residual(found_[label].surface, f_.centre(i));
+    const Residual r = on_[label].residual(f_.centre(i));
     const double d = r.distance / near_.distance;
     return std::min(kMostCost, 0.5 * d * d + (1 - r.normal.dot(normal_[i])) / (1 - std::cos(near_.turn)));
   }
@@ -170,7 +178,7 @@ class Borders {
   [[nodiscard]] double misfit_of(const Some& members, std::int32_t label) const {
     double square = 0, turn = 0, area = 0;
     for (const std::int32_t i : members) {
-      const Residual r = residual(found_[label].surface, f_.centre(i));
+      const Residual r = on_[label].residual(f_.centre(i));
       square += f_.area(i) * r.distance * r.distance;
       turn += f_.area(i) * (1 - r.normal.dot(normal_[i]));
       area += f_.area(i);
@@ -183,6 +191,7 @@ class Borders {
   const FaceGraph& graph_;
   const Points& p_;
   const std::vector<Found>& found_;
+  std::vector<Locator> on_;  // by surface
   const Nearness& near_;
   std::vector<Vec3> normal_;
   Some label_;

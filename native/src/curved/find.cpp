@@ -19,11 +19,14 @@ constexpr double kBent = 0.015;          ///< 1 - |mean normal|: points with les
 constexpr double kLeastTurn = 0.3, kLeastBend = 0.15;  ///< least seen share of a full turn: of a revolution, of a tube
 constexpr double kWorst = 0.35;     ///< share of the score that a surface loses at the greatest mean distance
 constexpr double kStillFree = 0.7;  ///< share of a candidate's area that others have not taken
+constexpr double kGood = 0.2;       ///< times the nearness: no seed within such a surface for another of its kind
 constexpr double kUntouched = 0.999,
                  kNotMuchSmaller = 0.4;  ///< least free share of a second find, and least area over the first
 constexpr double kLargest = 1;           ///< diagonals: the largest radius
 constexpr double kPlaneTurn = 9 * kDegree;
 constexpr std::array kBalls = {10, 30, 80};  ///< points to which a first surface is fitted
+constexpr int kWideBall = 30;                ///< least points for a revolution; others that fit such a ball badly ...
+constexpr double kWorstBall = 2;  ///< ... by this mean distance over the nearness are not tried in larger balls
 constexpr std::array kKinds = {CurvedKind::sphere, CurvedKind::cylinder, CurvedKind::cone, CurvedKind::revolution};
 
 double preference(CurvedKind kind) {
@@ -122,20 +125,37 @@ class Search {
 
   void try_seed(std::int32_t seed, bool revolutions) {
     const Some few = ball(seed, 8);
-    if (const auto plane = fit(CurvedKind::plane, samples_of(p_, few))) add(grow(*plane, seed));
+    if (!is_known(CurvedKind::plane, few))
+      if (const auto plane = fit(CurvedKind::plane, samples_of(p_, few))) add(grow(*plane, seed));
+    std::array<bool, kKinds.size()> is_open{true, true, true, true};
     for (const int size : kBalls) {
       const Some some = ball(seed, static_cast<std::size_t>(size));
       if (some.size() < kLeastPoints) continue;
       const Samples samples = samples_of(p_, some);
-      for (const CurvedKind kind : kKinds) {
-        if (kind == CurvedKind::revolution && (!revolutions || size < 30)) continue;
+      for (std::size_t k = 0; k < kKinds.size(); ++k) {
+        const CurvedKind kind = kKinds[k];
+        if (!is_open[k]) continue;
+        if (kind == CurvedKind::revolution && (!revolutions || size < kWideBall)) continue;
+        if (is_known(kind, some)) continue;
         const auto first = fit(kind, samples);
         if (!first || first->radius > kLargest * near_.size) continue;
+        is_open[k] = size < kWideBall || has_profile(*first) || rms(*first, samples) < kWorstBall * near_.distance;
+        if (!is_open[k]) continue;
         std::optional<Found> grown = grow(*first, seed);
         if (grown && is_curved(*grown)) add(std::move(grown));
       }
       if (some.size() < static_cast<std::size_t>(size)) break;
     }
+  }
+
+  /// Whether points are all on one good surface of a kind already.
+  [[nodiscard]] bool is_known(CurvedKind kind, const Some& ball) const {
+    return std::any_of(pool_.begin(), pool_.end(), [&](const Candidate& c) {
+      const Found& f = c.found;
+      return f.surface.kind == kind && f.rms < kGood * near_.distance &&
+             std::all_of(ball.begin(), ball.end(),
+                         [&](std::int32_t i) { return std::binary_search(f.points.begin(), f.points.end(), i); });
+    });
   }
 
   void add(std::optional<Found> found) {
@@ -155,15 +175,20 @@ class Search {
     return is_seen(f.surface, s) && f.surface.radius >= 2 * near_.distance;
   }
 
-  /// The free points that are on a surface and reached from the seed.
-  [[nodiscard]] Some reached(const CurvedSurface& surface, std::int32_t seed) const {
+  /// A surface with the free points that are on it and reached from the seed.
+  [[nodiscard]] Found reached(const CurvedSurface& surface, std::int32_t seed) const {
     const double least = std::cos(surface.kind == CurvedKind::plane ? kPlaneTurn : near_.turn);
+    const Locator on(surface);
+    Found found{surface, {}, 0, 0};
     const auto is_on = [&](std::int32_t i) {
-      const Residual r = residual(surface, p_.centre[i]);
-      return std::abs(r.distance) < near_.distance && r.normal.dot(p_.normal[i]) > least;
+      const Residual r = on.residual(p_.centre[i]);
+      if (std::abs(r.distance) >= near_.distance || r.normal.dot(p_.normal[i]) <= least) return false;
+      found.area += p_.area[i];
+      found.rms += p_.area[i] * r.distance * r.distance;
+      return true;
     };
-    Some some;
-    if (!is_on(seed)) return some;
+    Some& some = found.points;
+    if (!is_on(seed)) return found;
     std::vector<bool> met(is_free_.size(), false);
     met[seed] = true;
     some.push_back(seed);
@@ -174,21 +199,19 @@ class Search {
         if (is_on(j)) some.push_back(j);
       }
     std::sort(some.begin(), some.end());
-    return some;
+    found.rms = std::sqrt(found.rms / found.area);
+    return found;
   }
 
   [[nodiscard]] std::optional<Found> grow(CurvedSurface surface, std::int32_t seed) const {
     std::optional<Found> best;
     for (int round = 0; round < kGrows; ++round) {
-      Found now{surface, reached(surface, seed), 0, 0};
+      Found now = reached(surface, seed);
       if (now.points.empty()) return best;
-      const Samples samples = samples_of(p_, now.points);
-      now.area = p_.area_of(now.points);
-      now.rms = rms(surface, samples);
       if (best && now.area <= best->area * 1.01) return best->area >= now.area ? best : now;
       best = std::move(now);
       if (best->points.size() < kLeastPoints) return best;
-      const auto again = fit(surface.kind, samples);
+      const auto again = fit(surface.kind, samples_of(p_, best->points));
       if (!again) return best;
       surface = *again;
     }

@@ -233,9 +233,10 @@ CurvedSurface refined(CurvedSurface surface, const Samples& samples, int steps) 
 }
 
 double rms(const CurvedSurface& surface, const Samples& samples) {
+  const Locator on(surface);
   double sum = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const double d = residual(surface, samples.place[i]).distance;
+    const double d = on.residual(samples.place[i]).distance;
     sum += samples.weight[i] * d * d;
   }
   return std::sqrt(sum);

@@ -16,8 +16,9 @@ CurvedSurface tilted(CurvedSurface c, const Samples& s) {
   const Vec3 up = c.axis.cross(c.across);
   Eigen::Matrix2d m = 1e-12 * Eigen::Matrix2d::Identity();
   Vec2 b = Vec2::Zero();
+  const Locator on(c);
   for (std::size_t i = 0; i < s.size(); ++i) {
-    const Residual r = residual(c, s.place[i]);
+    const Residual r = on.residual(s.place[i]);
     const double z = (s.place[i] - c.point).dot(c.axis);
     const Vec2 j = z * Vec2(r.normal.dot(c.across), r.normal.dot(up));
     m += s.weight[i] * j * j.transpose();

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "face_labels.h"
 
@@ -17,47 +18,75 @@ constexpr double kSome = 0.25;        ///< least good share of the border of a f
 constexpr double kLargePlane = 0.02;  ///< share of the whole area: planes of free forms are smaller ...
 constexpr double kFlat = 0.45;        ///< times the nearness: ... or their faces are not so near to them
 constexpr double kDisc = 2.3;         ///< outline of a disc of n equilateral triangles, in edges, over the root of n
+constexpr double kLess = 0.25;        ///< by how much the good share of a border in points may be lower than in faces
 constexpr double kHalfSphere = 0.42;  ///< 1 - |mean normal|, which is half of a half sphere's normals
 
-/// The border of a patch: pairs of a face and its neighbour outside; kNone at the border of the scan.
+/// Some edges of the border of a patch: the point inside, the one outside and its surface; kNone at the border of the scan
+/// and where there is none.
 struct Beside {
-  std::int32_t face, other;
+  std::int32_t point, other, surface;
+  double edges;
 };
+
+/// A patch as the gates see it.
+struct Outline {
+  Samples samples;
+  double faces = 0;
+  std::vector<Beside> border;
+};
+
+std::vector<Outline> outlines(const Faces& faces, const Points& points, const std::vector<Found>& found,
+                              const Some& labels) {
+  const FaceGraph& graph = faces.graph();
+  std::vector<Outline> all(found.size());
+  for (std::int32_t i = 0; i < faces.size(); ++i) {
+    const std::int32_t label = labels[i];
+    if (label == kNone || found[label].is_plane()) continue;
+    all[label].samples.add(faces.area(i), faces.centre(i), faces.normal(i));
+    ++all[label].faces;
+    for (const std::int32_t j : graph.neighbours[i]) {
+      if (j != graph.size() && labels[j] == label) continue;
+      const bool is_rim = j == graph.size();
+      all[label].border.push_back(
+          {points.of_face[i], is_rim ? kNone : points.of_face[j], is_rim ? kNone : labels[j], 1});
+    }
+  }
+  return all;
+}
+
+std::vector<Outline> outlines(const Points& points, const std::vector<Found>& found) {
+  std::vector<Outline> all(found.size());
+  Some own(points.area.size(), kNone);
+  for (std::size_t k = 0; k < found.size(); ++k)
+    for (const std::int32_t i : found[k].points) {
+      own[i] = static_cast<std::int32_t>(k);
+      all[k].samples.add(points.area[i], points.centre[i], points.normal[i]);
+      all[k].faces += points.faces[i];
+      all[k].border.push_back({i, kNone, kNone, static_cast<double>(points.rim[i])});
+    }
+  for (const Points::Beside& s : points.beside) {
+    if (own[s.a] == own[s.b]) continue;
+    if (own[s.a] != kNone) all[own[s.a]].border.push_back({s.a, s.b, own[s.b], static_cast<double>(s.edges)});
+    if (own[s.b] != kNone) all[own[s.b]].border.push_back({s.b, s.a, own[s.a], static_cast<double>(s.edges)});
+  }
+  return all;
+}
 
 class Gates {
  public:
-  Gates(const Faces& faces, const Points& points, const std::vector<Found>& found, const Some& labels,
-        const Nearness& near)
-      : f_(faces),
-        p_(points),
-        found_(found),
-        labels_(labels),
-        near_(near),
-        members_(found.size()),
-        border_(found.size()) {
-    const FaceGraph& graph = faces.graph();
-    for (std::int32_t i = 0; i < faces.size(); ++i) {
-      const std::int32_t label = labels[i];
-      if (label == kNone || found[label].is_plane()) continue;
-      members_[label].push_back(i);
-      for (const std::int32_t j : graph.neighbours[i]) {
-        if (j == graph.size())
-          border_[label].push_back({i, kNone});
-        else if (labels[j] != label)
-          border_[label].push_back({i, j});
-      }
-    }
+  /// \param less  by how much the good share of a border may be lower
+  Gates(std::vector<Outline> outlines, const Points& points, const std::vector<Found>& found, double less)
+      : outlines_(std::move(outlines)), p_(points), found_(found), less_(less) {
+    for (Outline& o : outlines_) o.samples.normalise();
   }
 
-  std::vector<bool> run() {
-    std::vector<bool> kept(found_.size(), true);
+  /// \param planes  of each surface whether it is kept if it is a plane
+  std::vector<bool> run(const std::vector<bool>& planes) {
+    std::vector<bool> kept = planes;
     std::vector<double> round(found_.size(), 0.0);
     for (std::size_t k = 0; k < found_.size(); ++k) {
-      if (found_[k].is_plane()) {
-        kept[k] = found_[k].area > kLargePlane && found_[k].rms < kFlat * near_.distance;
-        continue;
-      }
-      kept[k] = !members_[k].empty();
+      if (found_[k].is_plane()) continue;
+      kept[k] = outlines_[k].faces > 0;
       round[k] = round_of(k);
     }
     for (;;) {  // the worst first, as patches hold each other up
@@ -69,7 +98,7 @@ class Gates {
         const bool is_round = round[k] > (is_sphere ? kHalfSphere : kAllRound);
         const bool is_easier = is_sphere || found_[k].surface.closed || along_planes(k, kept) > kHalf;
         const double most = is_easier ? kMost : kNearlyAll;
-        const double more = good_share(k, kept) - (is_round ? kSome : most);
+        const double more = good_share(k, kept) - (is_round ? kSome : most) + less_;
         if (more > least) continue;
         least = more;
         worst = k;
@@ -84,7 +113,7 @@ class Gates {
   /// The covered share of a full turn; of a sphere, 1 - |mean normal|, which is 1 if all of it is covered.
   [[nodiscard]] double round_of(std::size_t k) const {
     if (found_[k].surface.kind == CurvedKind::extrusion) return found_[k].surface.closed ? 1 : 0;
-    const Samples s = samples_of(f_, members_[k]);
+    const Samples& s = outlines_[k].samples;
     if (found_[k].surface.kind != CurvedKind::sphere) return turn_share(found_[k].surface, s);
     Vec3 sum = Vec3::Zero();
     for (std::size_t i = 0; i < s.size(); ++i) sum += s.weight[i] * s.normal[i];
@@ -95,47 +124,49 @@ class Gates {
   [[nodiscard]] double along_planes(std::size_t k, const std::vector<bool>& kept) const {
     const CurvedSurface& s = found_[k].surface;
     if (s.kind != CurvedKind::cylinder) return 0;
-    double count = 0;
-    for (const Beside& b : border_[k]) {
-      const std::int32_t other = b.other == kNone ? kNone : labels_[b.other];
-      count += other != kNone && kept[other] && found_[other].is_plane() &&
-                       std::abs(found_[other].surface.axis.dot(s.axis)) < kAlong
-                   ? 1
-                   : 0;
+    double along = 0, count = 0;
+    for (const Beside& b : outlines_[k].border) {
+      count += b.edges;
+      if (b.surface != kNone && kept[b.surface] && found_[b.surface].is_plane() &&
+          std::abs(found_[b.surface].surface.axis.dot(s.axis)) < kAlong)
+        along += b.edges;
     }
-    return count / static_cast<double>(border_[k].size());
+    return count > 0 ? along / count : 0;
   }
 
   [[nodiscard]] double good_share(std::size_t k, const std::vector<bool>& kept) const {
-    // A patch with a shorter border than a disc of as many faces is nearly closed, as a torus with a small hole.
-    const double least = kDisc * std::sqrt(static_cast<double>(members_[k].size()));
-    const double count = std::max(least, static_cast<double>(border_[k].size()));
-    double good = count - static_cast<double>(border_[k].size());
-    for (const auto& [face, other] : border_[k]) {
-      if (other == kNone || (labels_[other] != kNone && kept[labels_[other]])) {
-        ++good;
-        continue;
-      }
-      const std::int32_t a = p_.of_face[face], b = p_.of_face[other];
-      good += b == kNone || p_.normal[a].dot(p_.normal[b]) < kCrease ? 1 : 0;
+    double bad = 0, count = 0;
+    for (const Beside& b : outlines_[k].border) {
+      count += b.edges;
+      const bool is_good = b.other == kNone || (b.surface != kNone && kept[b.surface]) ||
+                           p_.normal[b.point].dot(p_.normal[b.other]) < kCrease;
+      bad += is_good ? 0 : b.edges;
     }
-    return good / count;
+    // A patch with a shorter border than a disc of as many faces is nearly closed, as a torus with a small hole.
+    return 1 - bad / std::max({count, kDisc * std::sqrt(outlines_[k].faces), 1.0});
   }
 
-  const Faces& f_;
+  std::vector<Outline> outlines_;
   const Points& p_;
   const std::vector<Found>& found_;
-  const Some& labels_;
-  const Nearness& near_;
-  std::vector<Some> members_;
-  std::vector<std::vector<Beside>> border_;
+  double less_;
 };
 
 }  // namespace
 
 std::vector<bool> kept_surfaces(const Faces& faces, const Points& points, const std::vector<Found>& found,
                                 const Some& labels, const Nearness& near) {
-  return Gates(faces, points, found, labels, near).run();
+  std::vector<bool> planes(found.size());
+  for (std::size_t k = 0; k < found.size(); ++k)
+    planes[k] = found[k].is_plane() && found[k].area > kLargePlane && found[k].rms < kFlat * near.distance;
+  return Gates(outlines(faces, points, found, labels), points, found, 0).run(planes);
+}
+
+std::vector<bool> perhaps_kept(const Points& points, const std::vector<Found>& found) {
+  std::vector<bool> kept =
+      Gates(outlines(points, found), points, found, kLess).run(std::vector<bool>(found.size(), true));
+  for (std::size_t k = 0; k < found.size(); ++k) kept[k] = kept[k] && !found[k].is_plane();
+  return kept;
 }
 
 }  // namespace isimp::curved

@@ -202,18 +202,24 @@ void begin_at(CurvedProxy& proxy, double at) {
 }  // namespace
 
 PatchFaces::PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some) : face(std::move(some)) {
+  const Locator surface(proxy);
+  double square = 0, all = 0;
   for (const std::int32_t i : face) {
     const Vec3 x = faces.centre(i);
-    const Polar p = polar(proxy, x);
-    const Vec3 n = residual(proxy, x).normal;
+    const OnSurface on = surface.at(x);
+    const Polar& p = on.polar;
+    const Vec3& n = on.residual.normal;
     area.push_back(faces.area(i));
     angle.push_back(curved::angle(proxy, x));
     rho.push_back(p.rho);
     z.push_back(p.z);
-    along.push_back(curved::along(proxy, p));
+    along.push_back(on.along);
     out.push_back(n.dot(p.out));
     up.push_back(n.dot(p.up));
+    square += area.back() * on.residual.distance * on.residual.distance;
+    all += area.back();
   }
+  rough = all > 0 ? std::sqrt(square / all) : 0;
 }
 
 void set_span(CurvedProxy& proxy, const PatchFaces& f) {

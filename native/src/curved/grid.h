@@ -19,6 +19,7 @@ struct PatchFaces {
   Some face;  ///< by graph index
   std::vector<double> area, angle, rho, z, along;
   std::vector<double> out, up;  ///< parts of the surface's normal: away from the axis, and along it
+  double rough = 0;             ///< root mean square distance of the faces from the surface
 
   PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some);
 };

@@ -51,13 +51,14 @@ class Joiner {
   /// The share of the area of some points that a surface explains.
   [[nodiscard]] double explained(const CurvedSurface& s, const Some& some, double turn) const {
     double area = 0;
+    const Locator on(s);
     for (const std::int32_t i : some)
-      if (is_explained(s, i, turn)) area += p_.area[i];
+      if (is_explained(on, i, turn)) area += p_.area[i];
     return area / p_.area_of(some);
   }
 
-  [[nodiscard]] bool is_explained(const CurvedSurface& s, std::int32_t i, double turn) const {
-    const Residual r = residual(s, p_.centre[i]);
+  [[nodiscard]] bool is_explained(const Locator& on, std::int32_t i, double turn) const {
+    const Residual r = on.residual(p_.centre[i]);
     return std::abs(r.distance) < kFurther * near_.distance && r.normal.dot(p_.normal[i]) > std::cos(turn);
   }
 
@@ -91,7 +92,8 @@ class Joiner {
     if (explained(*surface, a.points, turn) < kKept || explained(*surface, b.points, turn) < kKept) return false;
     // A long region along a parallel has its centre inside the surface, and the profile would end there.
     Some near = both.points;
-    std::erase_if(near, [&](std::int32_t k) { return !is_explained(*surface, k, turn); });
+    const Locator on(*surface);
+    std::erase_if(near, [&](std::int32_t k) { return !is_explained(on, k, turn); });
     const Samples rest = samples_of(p_, near);
     both.surface = fit(CurvedKind::revolution, rest).value_or(*surface);
     both.area = a.area + b.area;
@@ -108,10 +110,11 @@ class Joiner {
     for (std::size_t k = 0; k < found_.size(); ++k) {
       Found& f = found_[k];
       if (f.is_plane()) continue;
+      const Locator on(f.surface);
       for (std::size_t at = 0; at < f.points.size(); ++at)
         for (const std::int32_t j : p_.near[f.points[at]]) {
           if (own[j] != kNone || p_.area[j] <= 0) continue;
-          const Residual r = residual(f.surface, p_.centre[j]);
+          const Residual r = on.residual(p_.centre[j]);
           if (std::abs(r.distance) >= kReach * near_.distance ||
               r.normal.dot(p_.normal[j]) <= std::cos(kReach * near_.turn))
             continue;
@@ -162,8 +165,9 @@ class Joiner {
     std::array<Some, 2> halves;
     double length = 0;
     for (std::size_t i = 1; i < corners(surface); ++i) length += (corner(surface, i) - corner(surface, i - 1)).norm();
+    const Locator on(surface);
     for (const std::int32_t i : found_[k].points) {
-      const double beyond = along(surface, polar(surface, p_.centre[i])) - *at;
+      const double beyond = on.at(p_.centre[i]).along - *at;
       // Regions across the break are on neither.
       if (std::abs(beyond) > kAtBreak * length) halves[beyond < 0 ? 0 : 1].push_back(i);
     }

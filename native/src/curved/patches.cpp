@@ -168,7 +168,10 @@ Scene find_patches(const Faces& faces, const Partition& part, std::span<const st
   // Bends first: a pipe and a part of its bend may pass for one surface of revolution.
   scene.found = with_bends(find_surfaces(scene.points, near, job), scene.points, near);
   scene.found = joined(std::move(scene.found), scene.points, near, job);
-  if (std::all_of(scene.found.begin(), scene.found.end(), [](const Found& f) { return f.is_plane(); })) return scene;
+  if (const std::vector<bool> perhaps = perhaps_kept(scene.points, scene.found);
+      std::find(perhaps.begin(), perhaps.end(), true) == perhaps.end() &&
+      !with_extrusions(faces, scene.points, scene.found, perhaps, near))
+    return scene;
   scene.label = face_labels(faces, scene.points, scene.found, near, job);
   fit_planes(faces, scene);
   std::vector<bool> kept = kept_surfaces(faces, scene.points, scene.found, scene.label, near);
@@ -190,12 +193,11 @@ Scene find_patches(const Faces& faces, const Partition& part, std::span<const st
     const auto beside = planes_beside(faces, scene, members[k]);
     if (proxy.kind == CurvedKind::sphere) proxy.axis = sphere_axis(scene, beside);
     if (proxy.kind != CurvedKind::extrusion) proxy.across = across(scene, proxy.axis);
-    const double rough = rms(proxy, samples_of(faces, members[k]));
     const double cells = std::max(1.0, std::round(before.regions_in(members[k]))), cost = before.cost(members[k]);
     PatchFaces patch(faces, proxy, std::move(members[k]));
     set_span(proxy, patch);
     begin_at_border(faces, proxy, patch, cells);
-    scene.patches.push_back({std::move(proxy), static_cast<std::int32_t>(k), std::move(patch), cells, cost, rough});
+    scene.patches.push_back({std::move(proxy), static_cast<std::int32_t>(k), std::move(patch), cells, cost});
     set_tangents(scene, beside, near.distance, scene.patches.back());
   }
   return scene;

@@ -19,7 +19,6 @@ struct RoundPatch {
   PatchFaces faces;
   double cells = 0;   ///< regions that the partition has there
   double before = 0;  ///< sum of area times squared distance of its faces from the planes of these regions
-  double rough = 0;   ///< root mean square distance of its faces from the surface
   std::array<std::int32_t, 2> tangent{kNone,
                                       kNone};  ///< surfaces: planes that touch it where its segments begin and end
   double first_angle = 0, last_angle = 0;      ///< where they touch it

@@ -152,7 +152,7 @@ class Pipes {
     for (std::int32_t n = 3; n <= kMostOfPipe; ++n)
       for (std::int32_t m = 1; m <= kMostOfPipe; ++m) {
         if (n * (m + static_cast<double>(run.pipes.size())) > kMoreCells * cells + kHalfCell) break;
-        if (rings > 0 && tube.radius * (1 - std::cos(std::numbers::pi / n)) < bend.rough) break;
+        if (rings > 0 && tube.radius * (1 - std::cos(std::numbers::pi / n)) < bend.faces.rough) break;
         const double cost = all * tube.radius * tube.radius * of_chord(kTurn / n) +
                             area(run.bend) * tube.middle.squaredNorm() / 2 * of_chord(bend.proxy.span / m);
         if (rings > 0 && cost >= least) continue;

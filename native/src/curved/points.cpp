@@ -19,6 +19,8 @@ Points points_of(const Faces& faces, std::span<const std::int32_t> small, std::s
   points.area.assign(count, 0.0);
   points.centre.assign(count, Vec3::Zero());
   points.normal.assign(count, Vec3::Zero());
+  points.rim.assign(count, 0);
+  points.faces.assign(count, 0);
   points.of_face.resize(static_cast<std::size_t>(faces.size()));
   for (std::int32_t i = 0; i < faces.size(); ++i) {
     if ((i & 0xffff) == 0) job.poll();
@@ -26,6 +28,7 @@ Points points_of(const Faces& faces, std::span<const std::int32_t> small, std::s
     const std::int32_t p = points.of_face[i] = is_free ? small[graph.mesh_face[i]] : kNone;
     if (p == kNone) continue;
     const double a = faces.area(i);
+    ++points.faces[p];
     points.area[p] += a;
     points.centre[p] += a * faces.centre(i);
     points.normal[p] += a * faces.normal(i);
@@ -40,12 +43,19 @@ Points points_of(const Faces& faces, std::span<const std::int32_t> small, std::s
     if (p == kNone) continue;
     for (const std::int32_t j : graph.neighbours[i]) {
       const std::int32_t q = j == graph.size() ? kNone : points.of_face[j];
-      if (q != kNone && p < q) points.edges.push_back({p, q});
+      if (q == kNone) ++points.rim[p];
+      if (p < q) points.edges.push_back({p, q});
     }
   }
   std::sort(points.edges.begin(), points.edges.end());
-  points.edges.erase(std::unique(points.edges.begin(), points.edges.end()), points.edges.end());
-  std::erase_if(points.edges, [&](const auto& e) { return points.normal[e[0]].dot(points.normal[e[1]]) <= kJoins; });
+  for (const auto& [p, q] : points.edges) {
+    const bool is_same = !points.beside.empty() && points.beside.back().a == p && points.beside.back().b == q;
+    if (!is_same) points.beside.push_back({p, q, 0});
+    ++points.beside.back().edges;
+  }
+  points.edges.clear();
+  for (const Points::Beside& s : points.beside)
+    if (points.normal[s.a].dot(points.normal[s.b]) > kJoins) points.edges.push_back({s.a, s.b});
   points.near.resize(count);
   for (const auto& [p, q] : points.edges) {
     points.near[p].push_back(q);

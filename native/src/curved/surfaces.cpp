@@ -12,37 +12,6 @@ namespace {
 constexpr double kTiny = 1e-300;
 constexpr double kBeyond = 3;  ///< times its first and its last edge: an open profile is extended by this
 
-/// The place on a profile that is nearest to a point.
-struct OnProfile {
-  double square = std::numeric_limits<double>::infinity(), at = 0;  ///< squared distance; share of the edge
-  Vec2 away = Vec2::Zero();                                         ///< from that place to the point
-  std::size_t edge = 0;
-};
-
-OnProfile nearest_on_profile(const CurvedSurface& s, const Vec2& p) {
-  OnProfile best;
-  const std::size_t n = corners(s), ends = s.closed ? n : n - 1;
-  for (std::size_t i = 0; i < ends; ++i) {
-    const Vec2 a = corner(s, i), t = corner(s, (i + 1) % n) - a;
-    const double square = t.squaredNorm();
-    // An open profile is extended straight at its ends, since its corners are means of points.
-    const double from = !s.closed && i == 0 ? -kBeyond : 0, to = !s.closed && i + 1 == ends ? 1 + kBeyond : 1;
-    const double u = square > 0 ? std::clamp((p - a).dot(t) / square, from, to) : 0.0;
-    const Vec2 away = p - a - u * t;
-    const double d = away.squaredNorm();
-    if (d < best.square) best = {d, u, away, i};
-  }
-  return best;
-}
-
-Vec2 edge_of(const CurvedSurface& s, std::size_t i) { return corner(s, (i + 1) % corners(s)) - corner(s, i); }
-
-double length_to(const CurvedSurface& s, const OnProfile& at) {
-  double length = 0;
-  for (std::size_t i = 0; i < at.edge; ++i) length += edge_of(s, i).norm();
-  return length + at.at * edge_of(s, at.edge).norm();
-}
-
 }  // namespace
 
 std::array<Vec3, 2> frame(const Vec3& axis) {
@@ -64,30 +33,94 @@ Polar polar(const CurvedSurface& surface, const Vec3& p) {
   return {rho, z, out / std::max(rho, kTiny), surface.axis};
 }
 
-Residual residual(const CurvedSurface& s, const Vec3& x) {
-  if (s.kind == CurvedKind::plane) return {(x - s.point).dot(s.axis), s.axis};
+Locator::Locator(const CurvedSurface& s) : surface_(&s) {
+  if (!has_profile(s)) return;
+  const std::size_t n = corners(s), ends = s.closed ? n : n - 1;
+  double length = 0;
+  for (std::size_t i = 0; i < ends; ++i) {
+    const Vec2 a = corner(s, i), t = corner(s, (i + 1) % n) - a;
+    const double square = t.squaredNorm();
+    x_.push_back(a.x());
+    y_.push_back(a.y());
+    dx_.push_back(t.x());
+    dy_.push_back(t.y());
+    inverse_.push_back(square > 0 ? 1 / square : 0);
+    // An open profile is extended straight at its ends, since its corners are means of points.
+    from_.push_back(!s.closed && i == 0 ? -kBeyond : 0);
+    to_.push_back(!s.closed && i + 1 == ends ? 1 + kBeyond : 1);
+    length_.push_back(length);
+    length += std::sqrt(square);
+  }
+}
+
+Locator::OnProfile Locator::nearest(double x, double y) const {
+  constexpr std::size_t kBlock = 32;
+  double least = std::numeric_limits<double>::infinity();
+  std::size_t best = 0;
+  for (std::size_t begin = 0; begin < x_.size(); begin += kBlock) {
+    std::array<double, kBlock> square;
+    const std::size_t count = std::min(kBlock, x_.size() - begin);
+    for (std::size_t k = 0; k < count; ++k) {  // without a branch, so that compilers use vectors
+      const std::size_t i = begin + k;
+      const double px = x - x_[i], py = y - y_[i];
+      const double u = std::min(std::max((px * dx_[i] + py * dy_[i]) * inverse_[i], from_[i]), to_[i]);
+      const double ax = px - u * dx_[i], ay = py - u * dy_[i];
+      square[k] = ax * ax + ay * ay;
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      if (square[k] >= least) continue;
+      least = square[k];
+      best = begin + k;
+    }
+  }
+  const double px = x - x_[best], py = y - y_[best];
+  const double u = std::clamp((px * dx_[best] + py * dy_[best]) * inverse_[best], from_[best], to_[best]);
+  return {best, u, {px - u * dx_[best], py - u * dy_[best]}};
+}
+
+double Locator::length_to(const OnProfile& on) const {
+  return length_[on.edge] + on.share * std::hypot(dx_[on.edge], dy_[on.edge]);
+}
+
+double Locator::along(const Polar& p) const {
+  if (surface_->kind == CurvedKind::sphere) return std::atan2(p.rho, -p.z);
+  return has_profile(*surface_) ? length_to(nearest(p.rho, p.z)) : p.z;
+}
+
+Vec2 Locator::place(double along) const {
+  if (!has_profile(*surface_)) return surface_->radius * Vec2(std::sin(along), -std::cos(along));
+  const auto after = std::upper_bound(length_.begin() + 1, length_.end(), along);
+  const auto i = static_cast<std::size_t>(after - length_.begin() - 1);
+  const double length = std::hypot(dx_[i], dy_[i]);
+  const double share = length > 0 ? (along - length_[i]) / length : 0;
+  return {x_[i] + share * dx_[i], y_[i] + share * dy_[i]};
+}
+
+OnSurface Locator::at(const Vec3& x) const {
+  const CurvedSurface& s = *surface_;
+  if (s.kind == CurvedKind::plane) return {{}, {(x - s.point).dot(s.axis), s.axis}, 0};
+  const Polar p = polar(s, x);
+  if (has_profile(s)) {
+    const OnProfile on = nearest(p.rho, p.z);
+    const Vec2 edge(dx_[on.edge], dy_[on.edge]);
+    const Vec2 tangent = edge.squaredNorm() > 0 ? Vec2(edge.normalized()) : Vec2::UnitX();
+    const Vec2 normal = s.side * Vec2(tangent.y(), -tangent.x());
+    const bool is_inside = s.kind == CurvedKind::extrusion && on.away.dot(normal) < 0;
+    const double distance = on.away.norm();
+    return {p, {is_inside ? -distance : distance, normal.x() * p.out + normal.y() * p.up}, length_to(on)};
+  }
   if (s.kind == CurvedKind::sphere) {
     const Vec3 v = x - s.point;
     const double l = std::max(v.norm(), kTiny);
-    return {l - s.radius, s.side * v / l};
-  }
-  const Polar p = polar(s, x);
-  if (has_profile(s)) {
-    const OnProfile at = nearest_on_profile(s, {p.rho, p.z});
-    const Vec2 edge = edge_of(s, at.edge), tangent = edge.squaredNorm() > 0 ? Vec2(edge.normalized()) : Vec2::UnitX();
-    const Vec2 normal = s.side * Vec2(tangent.y(), -tangent.x());
-    const bool is_inside = s.kind == CurvedKind::extrusion && at.away.dot(normal) < 0;
-    return {is_inside ? -std::sqrt(at.square) : std::sqrt(at.square), normal.x() * p.out + normal.y() * p.up};
+    return {p, {l - s.radius, s.side * v / l}, std::atan2(p.rho, -p.z)};
   }
   const double c = 1 / std::sqrt(1 + s.slope * s.slope);
-  return {(p.rho - s.radius - s.slope * p.z) * c, s.side * c * (p.out - s.slope * s.axis)};
+  return {p, {(p.rho - s.radius - s.slope * p.z) * c, s.side * c * (p.out - s.slope * s.axis)}, p.z};
 }
 
-double along(const CurvedSurface& s, const Polar& p) {
-  if (s.kind == CurvedKind::sphere) return std::atan2(p.rho, -p.z);
-  if (has_profile(s)) return length_to(s, nearest_on_profile(s, {p.rho, p.z}));
-  return p.z;
-}
+Residual residual(const CurvedSurface& surface, const Vec3& p) { return Locator(surface).residual(p); }
+
+double along(const CurvedSurface& surface, const Polar& p) { return Locator(surface).along(p); }
 
 double angle(const CurvedProxy& proxy, const Vec3& p) {
   const Vec3 v = p - proxy.point;

@@ -3,6 +3,7 @@
 #include <array>
 #include <numbers>
 #include <span>
+#include <vector>
 
 #include "isimp/partition/curved.h"
 
@@ -30,6 +31,40 @@ std::array<Vec3, 2> frame(const Vec3& axis);
 
 Polar polar(const CurvedSurface& surface, const Vec3& p);
 Residual residual(const CurvedSurface& surface, const Vec3& p);
+
+/// The place on a surface that is nearest to a point.
+struct OnSurface {
+  Polar polar;
+  Residual residual;
+  double along = 0;  ///< as `along`
+};
+
+/// Finds places on one surface. The edges of its profile are prepared once, for many points.
+class Locator {
+ public:
+  explicit Locator(const CurvedSurface& surface);
+
+  [[nodiscard]] OnSurface at(const Vec3& p) const;
+  [[nodiscard]] Residual residual(const Vec3& p) const { return at(p).residual; }
+  [[nodiscard]] double along(const Polar& p) const;
+  /// The place of a sphere or a profile at a place along it.
+  [[nodiscard]] Vec2 place(double along) const;
+
+ private:
+  /// The place on the profile that is nearest to a point of its plane.
+  struct OnProfile {
+    std::size_t edge = 0;
+    double share = 0;          ///< of the edge
+    Vec2 away = Vec2::Zero();  ///< from that place to the point
+  };
+  [[nodiscard]] OnProfile nearest(double x, double y) const;
+  [[nodiscard]] double length_to(const OnProfile& on) const;
+
+  const CurvedSurface* surface_;
+  // By edge of the profile: its first corner, its vector, 1 / its squared length, and the shares that are on it.
+  std::vector<double> x_, y_, dx_, dy_, inverse_, from_, to_;
+  std::vector<double> length_;  // of the profile up to each edge
+};
 
 inline bool has_profile(const CurvedSurface& s) {
   return s.kind == CurvedKind::revolution || s.kind == CurvedKind::extrusion;
