@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "isimp/core/to_integer.h"
 
@@ -133,35 +134,57 @@ class Cutter {
     return is;
   }
 
+  /// The line of each part of the profile, in the plane in the middle of a segment: its normal and offset. With more than
+  /// one part the lines meet at corners that they share.
+  std::vector<std::pair<Vec2, double>> lines(double sinc) const {
+    const std::size_t parts = p_.knots.size() - 1;
+    std::vector<Vec2> normal(parts, Vec2::Zero()), middle(parts, Vec2::Zero()), corners;
+    std::vector<double> area(parts, 0);
+    std::vector<ProfileSample> samples;
+    for (std::size_t k = 0; k < ring_.size(); ++k) {
+      const std::int32_t part = is_extrusion_ ? segment_[k] : ring_[k];
+      const Vec2 at(sinc * patch_.rho[k], patch_.z[k]);
+      area[part] += patch_.area[k];
+      middle[part] += patch_.area[k] * at;
+      normal[part] += patch_.area[k] * Vec2(sinc * patch_.out[k], patch_.up[k]);
+      if (!is_cap(part)) samples.push_back({patch_.area[k], at, static_cast<std::size_t>(part)});
+    }
+    std::vector<std::pair<Vec2, double>> all;
+    for (std::size_t k = 0; k < parts; ++k) {
+      normal[k] =
+          is_cap(static_cast<std::int32_t>(k)) ? Vec2(0, normal[k].y() < 0 ? -1 : 1) : Vec2(normal[k].normalized());
+      all.emplace_back(normal[k], normal[k].dot(middle[k]) / std::max(area[k], 1e-300));
+    }
+    if (parts == 1 || is_extrusion_) return all;
+    for (const double knot : p_.knots) corners.push_back(Vec2(sinc, 1).cwiseProduct(on_.place(knot)));
+    corners = fitted_corners(std::move(corners), p_.closed, samples);
+    for (std::size_t k = 0; k < parts; ++k) {
+      if (is_cap(static_cast<std::int32_t>(k))) continue;
+      const Vec2 edge = corners[k + 1] - corners[k];
+      Vec2 m = Vec2(edge.y(), -edge.x()).normalized();
+      if (m.dot(normal[k]) < 0) m = -m;
+      all[k] = {m, m.dot(corners[k])};
+    }
+    return all;
+  }
+
   void set_planes(Cells& cells) const {
     const auto count = static_cast<std::size_t>(p_.rings) * static_cast<std::size_t>(p_.segments);
     cells.cell.resize(count);
     cells.normal.assign(count, Vec3::Zero());
     cells.offset.assign(count, 0.0);
-    std::vector<std::array<double, 5>> sum(p_.knots.size() - 1);
-    for (std::size_t k = 0; k < ring_.size(); ++k) {
-      const double a = patch_.area[k];
-      const std::array values = {a, a * patch_.out[k], a * patch_.up[k], a * patch_.rho[k], a * patch_.z[k]};
-      for (std::size_t j = 0; j < values.size(); ++j) sum[is_extrusion_ ? segment_[k] : ring_[k]][j] += values[j];
-    }
-    const double sinc = is_extrusion_ ? 1 : std::sin(width_ / 2) / (width_ / 2);
-    const Vec3 beside = p_.axis.cross(p_.across), up_axis = is_extrusion_ ? beside : p_.axis;
-    for (std::int32_t r = 0; r < p_.rings; ++r) {
-      for (std::int32_t s = 0; s < (is_cap(r) ? 1 : p_.segments); ++s) {
-        const auto& [area, out, up, rho, z] = sum[is_extrusion_ ? s : r];
-        if (area <= 0) continue;
-        const auto c = static_cast<std::size_t>(r) * p_.segments + s;
-        cells.cell[c] = {kNone, r, s};
-        if (is_cap(r)) {
-          cells.normal[c] = up < 0 ? Vec3(-p_.axis) : p_.axis;
-          cells.offset[c] = cells.normal[c].dot(p_.point + z / area * p_.axis);
-          continue;
-        }
-        const Vec2 m = Vec2(out * sinc, up).normalized();
-        const double angle = is_extrusion_ ? 0 : p_.phase + (s + 0.5) * width_;
-        cells.normal[c] = m.x() * (std::cos(angle) * p_.across + std::sin(angle) * beside) + m.y() * up_axis;
-        cells.offset[c] = cells.normal[c].dot(p_.point) + m.x() * rho / area * sinc + m.y() * z / area;
-      }
+    std::vector<bool> is_used(count, false);
+    for (const std::int32_t c : cells.of_face) is_used[c] = true;
+    const auto all = lines(is_extrusion_ ? 1 : std::sin(width_ / 2) / (width_ / 2));
+    const Vec3 beside = p_.axis.cross(p_.across), up = is_extrusion_ ? beside : p_.axis;
+    for (std::size_t c = 0; c < count; ++c) {
+      if (!is_used[c]) continue;
+      const auto r = static_cast<std::int32_t>(c) / p_.segments, s = static_cast<std::int32_t>(c) % p_.segments;
+      const auto& [m, offset] = all[is_extrusion_ ? s : r];
+      const double angle = is_extrusion_ ? 0 : p_.phase + (s + 0.5) * width_;
+      cells.cell[c] = {kNone, r, s};
+      cells.normal[c] = m.x() * (std::cos(angle) * p_.across + std::sin(angle) * beside) + m.y() * up;
+      cells.offset[c] = cells.normal[c].dot(p_.point) + offset;
     }
   }
 

@@ -1,10 +1,25 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "grid.h"
 
 namespace isimp::curved {
+
+/// A face of a profile that is cut into parts: its area, its place in the plane of the profile, and its part.
+struct ProfileSample {
+  double weight;
+  Vec2 place;
+  std::size_t part;
+};
+
+/// Moves the corners of a profile to where its straight parts are nearest to the samples by squared distance. Since
+/// parts share their corners, planes through them meet there, also at small angles.
+/// \param corners  one more than parts; of a closed profile the last is the first
+/// \return the corners; a part without samples does not move by itself (fit_corners.cpp)
+/// Cost: O(samples + parts^3).
+std::vector<Vec2> fitted_corners(std::vector<Vec2> corners, bool closed, std::span<const ProfileSample> samples);
 
 /// The cells of a patch.
 struct Cells {
