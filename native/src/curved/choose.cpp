@@ -119,6 +119,10 @@ class Chooser {
       s_.patches[k].faces = PatchFaces(f_, p, std::move(s_.patches[k].faces.face));
     }
   }
+  /// Whether a profile is no line, so that one ring does not show it.
+  static bool is_bent(const CurvedProxy& p) {
+    return p.full && (p.kind == CurvedKind::revolution || p.kind == CurvedKind::sphere);
+  }
   static bool is_straight(const CurvedProxy& p) { return p.kind == CurvedKind::cylinder || p.kind == CurvedKind::cone; }
 
   /// The parts of the cells of a patch that are no specks.
@@ -161,7 +165,9 @@ class Chooser {
       const RoundPatch& p = s_.patches[k];
       // Alone a patch keeps to its own number of cells; together they keep to the sum.
       const double mine = some.size() > 1 ? std::max(share * p.cells, cells / 2) : cells;
-      for (Grid& grid : cuts_.at(k).within(mine, p.faces.rough)) by_segments[grid.segments].push_back(std::move(grid));
+      for (Grid& grid : cuts_.at(k).within(mine, p.faces.rough))
+        if (some.size() > 1 || grid.rings > 1 || !is_bent(p.proxy))
+          by_segments[grid.segments].push_back(std::move(grid));
     }
     const std::vector<Grid>* best = nullptr;
     double least = std::numeric_limits<double>::infinity();
