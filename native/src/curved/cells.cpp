@@ -23,13 +23,15 @@ class Cutter {
         width_(proxy.span / proxy.segments),
         is_extrusion_(proxy.kind == CurvedKind::extrusion) {}
 
-  Some labels(bool with_corners) {
+  /// \param mates  as of `cut`; null: corners stay where the grid has them
+  Some labels(const Mates* mates) {
     for (std::size_t k = 0; k < patch_.face.size(); ++k) {
       const std::int32_t at = knot_before(patch_.along[k]);
       ring_.push_back(is_extrusion_ ? 0 : at);
       segment_.push_back(is_extrusion_ ? at : segment_of(patch_.angle[k]));
     }
-    if (with_corners && p_.rings > 1) join_corners();
+    if (mates != nullptr && p_.rings > 1) join_corners();
+    if (mates != nullptr && (p_.full || is_bend())) join_rim(*mates);
     Some cell;
     cell.reserve(ring_.size());
     for (std::size_t k = 0; k < ring_.size(); ++k)
@@ -37,9 +39,9 @@ class Cutter {
     return cell;
   }
 
-  Cells run() {
+  Cells run(const Mates& mates) {
     Cells cells;
-    cells.of_face = labels(true);
+    cells.of_face = labels(&mates);
     set_planes(cells);
     return cells;
   }
@@ -70,7 +72,7 @@ class Cutter {
   /// The vertex nearest to a corner of the grid.
   struct Nearest {
     std::int32_t vertex = kNone;
-    double distance = std::numeric_limits<double>::infinity(), angle = 0;
+    double distance = std::numeric_limits<double>::infinity(), angle = 0, along = 0;
   };
 
   void join_corners() {
@@ -115,7 +117,66 @@ class Cutter {
       if ((here - corner_[k]).squaredNorm() < (here - corner_[best]).squaredNorm()) best = k;
     const double d = to * to + (here - corner_[best]).squaredNorm();
     Nearest& n = nearest_[best * static_cast<std::size_t>(p_.segments + 1) + static_cast<std::size_t>(side)];
-    if (d < n.distance && d <= std::pow(kNear * width_ * polar.rho, 2)) n = {v, d, angle};
+    if (d < n.distance && d <= std::pow(kNear * width_ * polar.rho, 2)) n = {v, d, angle, 0};
+  }
+
+  /// The bend of a pipe: its rings continue the segments of the pipe.
+  [[nodiscard]] bool is_bend() const { return p_.closed && !p_.full; }
+
+  /// Joins the corners at the borders to other patches with the same segments, which does the same with its faces.
+  void join_rim(const Mates& mates) {
+    const Mesh& mesh = f_.mesh();
+    const FaceGraph& graph = f_.graph();
+    const std::int32_t sides = is_bend() ? p_.rings : p_.segments;
+    nearest_.assign(2 * static_cast<std::size_t>(sides), {});
+    for (const std::int32_t i : patch_.face) {
+      const auto is_mate = [&](std::int32_t j) {
+        return j != graph.size() && mates.patch[j] != mates.patch[i] && mates.are(i, j);
+      };
+      if (std::none_of(graph.neighbours[i].begin(), graph.neighbours[i].end(), is_mate)) continue;
+      for (const std::int32_t v : mesh.triangles()[graph.mesh_face[i]])
+        if (is_among(v, mates, i)) offer_at_rim(v);
+    }
+    for (std::size_t c = 0; c < nearest_.size(); ++c) {
+      const Nearest& n = nearest_[c];
+      if (n.vertex == kNone) continue;
+      const auto side = static_cast<std::int32_t>(c) % sides, before = (side + sides - 1) % sides;
+      const bool is_high = static_cast<std::int32_t>(c) >= sides;
+      for_each_leaving(mesh, n.vertex, [&](std::int32_t h) {
+        const std::size_t k = index_of(graph.graph_face[Mesh::face(h)]);
+        if (k == patch_.face.size()) return;
+        ring_[k] = is_high ? p_.rings - 1 : 0;
+        segment_[k] = is_high ? p_.segments - 1 : 0;
+        if (is_bend())
+          ring_[k] = beyond(patch_.along[k], n.along) > 0 ? side : before;
+        else
+          segment_[k] = turned(patch_.angle[k] - n.angle) > 0 ? side : before;
+      });
+    }
+  }
+
+  /// Whether all faces at a vertex are in patches that are cut together, and some are in another one than a given face.
+  [[nodiscard]] bool is_among(std::int32_t v, const Mates& mates, std::int32_t mine) const {
+    bool is = true, is_border = false;
+    for_each_leaving(f_.mesh(), v, [&](std::int32_t h) {
+      const std::int32_t i = f_.graph().graph_face[Mesh::face(h)];
+      is = is && f_.mesh().opposite(h) != kNone && mates.are(mine, i);
+      is_border = is_border || mates.patch[i] != mates.patch[mine];
+    });
+    return is && is_border;
+  }
+
+  void offer_at_rim(std::int32_t v) {
+    const Vec3& x = f_.mesh().vertices()[v];
+    const double angle = curved::angle(p_, x);
+    const OnSurface on = on_.at(x);
+    const double cells = is_bend() ? on.along / p_.knots.back() * p_.rings : place(angle) / width_;
+    const std::int32_t sides = is_bend() ? p_.rings : p_.segments;
+    const auto side = to_integer(cells + 0.5, 0, sides);
+    const double off = std::abs(cells - side);
+    const bool is_high = is_bend() ? place(angle) > p_.span / 2 : on.along > (p_.knots.front() + p_.knots.back()) / 2;
+    Nearest& n = nearest_[static_cast<std::size_t>(side % sides + (is_high ? sides : 0))];
+    if (off < n.distance && off < kNear) n = {v, off, angle, on.along};
   }
 
   /// The place of a face in the patch; its size if the face is not in it.
@@ -155,9 +216,17 @@ class Cutter {
           is_cap(static_cast<std::int32_t>(k)) ? Vec2(0, normal[k].y() < 0 ? -1 : 1) : Vec2(normal[k].normalized());
       all.emplace_back(normal[k], normal[k].dot(middle[k]) / std::max(area[k], 1e-300));
     }
+    // The edges of a pipe and of its bend meet exactly if both depend on the radius alone.
+    if (p_.kind == CurvedKind::cylinder) all[0] = {normal[0], normal[0].x() * sinc * p_.radius};
     if (parts == 1 || is_extrusion_) return all;
     for (const double knot : p_.knots) corners.push_back(Vec2(sinc, 1).cwiseProduct(on_.place(knot)));
-    corners = fitted_corners(std::move(corners), p_.closed, samples);
+    if (p_.closed && !p_.full) {
+      const Vec2 middle_of_tube = Vec2(sinc, 1).cwiseProduct(tube_of(p_).middle);
+      const double half = kTurn / p_.rings / 2, more = std::tan(half) / half;
+      for (Vec2& c : corners) c = middle_of_tube + more * (c - middle_of_tube);
+    } else {
+      corners = fitted_corners(std::move(corners), p_.closed, samples);
+    }
     for (std::size_t k = 0; k < parts; ++k) {
       if (is_cap(static_cast<std::int32_t>(k))) continue;
       const Vec2 edge = corners[k + 1] - corners[k];
@@ -202,11 +271,11 @@ class Cutter {
 }  // namespace
 
 Some cells_of_faces(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch) {
-  return Cutter(faces, proxy, patch).labels(false);
+  return Cutter(faces, proxy, patch).labels(nullptr);
 }
 
-Cells cut(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch) {
-  return Cutter(faces, proxy, patch).run();
+Cells cut(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch, const Mates& mates) {
+  return Cutter(faces, proxy, patch).run(mates);
 }
 
 }  // namespace isimp::curved

@@ -29,12 +29,23 @@ struct Cells {
   std::vector<double> offset;    ///< the plane is where normal * x is this
 };
 
+/// The patches of a scan, as far as others depend on how they are cut.
+struct Mates {
+  Some patch;     ///< (n) by graph index: the number of the patch, kNone in none
+  Some together;  ///< by patch: the same number if they are cut together
+
+  [[nodiscard]] bool are(std::int32_t i, std::int32_t j) const {
+    return patch[i] != kNone && patch[j] != kNone && together[patch[i]] == together[patch[j]];
+  }
+};
+
 /// The cell of each face, as Cells::of_face, where the corners of cells are not at vertices yet.
 Some cells_of_faces(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch);
 
 /// Cuts a patch into cells, so that four meet in one vertex of the scan: by symmetry their planes meet in one point, and
 /// two junctions of three would fall together.
+/// \param mates  patches that are cut together have their corners at common vertices
 /// Cost: O(faces of the patch).
-Cells cut(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch);
+Cells cut(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch, const Mates& mates);
 
 }  // namespace isimp::curved

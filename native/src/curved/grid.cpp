@@ -239,10 +239,6 @@ void set_span(CurvedProxy& proxy, const PatchFaces& f) {
   }
   std::array<bool, kSteps> is_on{};
   for (int k = 0; k < kSteps; ++k) is_on[k] = area[k] > kOccupied * sum / some;
-  proxy.full = std::count(is_on.begin(), is_on.end(), true) > kFullTurn * kSteps;
-  proxy.phase = 0;
-  proxy.span = kTurn;
-  if (proxy.full) return;
   int run = 0, longest = 0, end = 0;
   for (int k = 0; k < 2 * kSteps; ++k) {
     run = is_on[k % kSteps] ? 0 : run + 1;
@@ -251,6 +247,11 @@ void set_span(CurvedProxy& proxy, const PatchFaces& f) {
       end = k + 1;
     }
   }
+  // A coarse mesh has steps without a face all over.
+  proxy.full = longest < (1 - kFullTurn) * kSteps;
+  proxy.phase = 0;
+  proxy.span = kTurn;
+  if (proxy.full) return;
   const double begin = end % kSteps * (kTurn / kSteps), width = kTurn - longest * (kTurn / kSteps);
   std::vector<double> on;
   for (const double a : f.angle) {

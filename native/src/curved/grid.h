@@ -32,6 +32,13 @@ struct Grid {
   double cost = 0;  ///< sum of area times squared distance from the planes of the cells
 };
 
+/// The middle and the mean radius of a closed profile.
+struct Tube {
+  Vec2 middle = Vec2::Zero();
+  double radius = 0;
+};
+Tube tube_of(const CurvedProxy& bend);  // (pipes.cpp)
+
 /// Sets whether the faces cover a full turn; if not, sets their first angle and the covered angle.
 void set_span(CurvedProxy& proxy, const PatchFaces& patch);
 

@@ -12,7 +12,8 @@ namespace {
 constexpr double kSquare = 0.1;    ///< cosine of the axes of a pipe and its bend
 constexpr double kSameRadius = 3;  ///< times the nearness
 constexpr std::int32_t kMostOfPipe = 128;
-constexpr int kLeastEdges = 6;  ///< least number of edges of a common border
+constexpr std::int32_t kCorners = 48;  ///< least number of corners of the profile of a bend
+constexpr int kLeastEdges = 6;         ///< least number of edges of a common border
 
 /// The mean square distance of an arc of radius 1 from its chord through the mean.
 double of_chord(double angle) {
@@ -20,69 +21,36 @@ double of_chord(double angle) {
   return 0.5 + std::sin(angle) / (2 * angle) - sinc * sinc;
 }
 
-/// The middle and the mean radius of a closed profile.
-struct Tube {
-  Vec2 middle = Vec2::Zero();
-  double radius = 0;
-};
-
-Tube tube_of(const CurvedProxy& bend) {
-  Tube t;
-  double length = 0;
+/// Makes the profile of a bend a circle with corners at its knots, which are at equal angles, the first half a width from
+/// the axis: a pipe of the same radius has its edges there.
+void set_knots(CurvedProxy& bend, const Tube& tube, std::int32_t rings) {
+  double area = 0;
   const std::size_t n = corners(bend);
   for (std::size_t i = 0; i < n; ++i) {
     const Vec2 a = corner(bend, i), b = corner(bend, (i + 1) % n);
-    t.middle += (b - a).norm() * (a + b) / 2;
-    length += (b - a).norm();
+    area += a.x() * b.y() - a.y() * b.x();
   }
-  t.middle /= length;
-  for (std::size_t i = 0; i < n; ++i) t.radius += (corner(bend, i) - t.middle).norm() / static_cast<double>(n);
-  return t;
-}
-
-/// Where a profile crosses the ray from the tube's middle at an angle from the axis.
-struct Crossing {
-  std::size_t edge = 0;
-  Vec2 place = Vec2::Zero();
-};
-
-Crossing crossing(const CurvedProxy& bend, const Tube& tube, double angle) {
-  const Vec2 ray(std::sin(angle), std::cos(angle)), beside(ray.y(), -ray.x());
-  const std::size_t n = corners(bend);
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec2 a = corner(bend, i) - tube.middle, b = corner(bend, (i + 1) % n) - tube.middle;
-    const double da = a.dot(beside), db = b.dot(beside);
-    if (da * db > 0 || da == db) continue;
-    const Vec2 p = a + da / (da - db) * (b - a);
-    if (p.dot(ray) > 0) return {i, tube.middle + p};
+  const std::int32_t of_ring = kCorners / rings + 1, count = of_ring * rings;
+  const double step = (area < 0 ? 1 : -1) * kTurn / count, edge = 2 * tube.radius * std::sin(kTurn / count / 2);
+  bend.profile.clear();
+  for (std::int32_t k = 0; k < count; ++k) {
+    const double angle = -kTurn / rings / 2 + k * step;
+    bend.profile.insert(bend.profile.end(), {tube.middle.x() + tube.radius * std::sin(angle),
+                                             tube.middle.y() + tube.radius * std::cos(angle)});
   }
-  return {0, corner(bend, 0)};
-}
-
-/// Turns the corners of a profile so that it begins at an angle, and puts knots at equal angles from there on.
-void set_knots(CurvedProxy& bend, const Tube& tube, std::int32_t rings) {
-  const double width = kTurn / rings;
-  const Crossing first = crossing(bend, tube, -width / 2);
-  std::vector<double> profile = {first.place.x(), first.place.y()};
-  const std::size_t n = corners(bend);
-  for (std::size_t k = 1; k <= n; ++k) {
-    const Vec2 c = corner(bend, (first.edge + k) % n);
-    profile.insert(profile.end(), {c.x(), c.y()});
-  }
-  bend.profile = std::move(profile);
-  std::vector<double> knots;
-  double total = 0;
-  for (std::size_t i = 0; i < corners(bend); ++i)
-    total += (corner(bend, (i + 1) % corners(bend)) - corner(bend, i)).norm();
-  for (std::int32_t k = 1; k < rings; ++k) {
-    const Crossing at = crossing(bend, tube, (k - 0.5) * width);
-    knots.push_back(along(bend, {at.place.x(), at.place.y(), Vec3::Zero()}));
-  }
-  std::sort(knots.begin(), knots.end());
-  knots.insert(knots.begin(), 0.0);
-  knots.push_back(total);
-  bend.knots = std::move(knots);
+  bend.knots.clear();
+  for (std::int32_t k = 0; k <= rings; ++k) bend.knots.push_back(k * of_ring * edge);
   bend.rings = rings;
+}
+
+/// Makes a pipe meet its bend exactly: its axis is square to that of the bend, at its height and at its radius.
+void align(CurvedProxy& pipe, const CurvedProxy& bend, const Tube& tube) {
+  pipe.axis = (pipe.axis - pipe.axis.dot(bend.axis) * bend.axis).normalized();
+  const Vec3 from = pipe.point - bend.point, out = pipe.axis.cross(bend.axis);
+  const double far = from.dot(out) < 0 ? -tube.middle.x() : tube.middle.x();
+  pipe.point += (far - from.dot(out)) * out + (tube.middle.y() - from.dot(bend.axis)) * bend.axis;
+  pipe.radius = tube.radius;
+  pipe.across = bend.axis;
 }
 
 /// A bend and the straight pipes at its ends.
@@ -138,6 +106,16 @@ class Pipes {
     return sum;
   }
 
+  /// Makes the axis of a bend square to those of its pipes, which are longer.
+  void square_to_pipes(const Run& run) {
+    if (run.pipes.size() < 2) return;
+    CurvedProxy& bend = s_.patches[run.bend].proxy;
+    const Vec3 axis = s_.patches[run.pipes[0]].proxy.axis.cross(s_.patches[run.pipes[1]].proxy.axis);
+    if (axis.norm() < kSquare) return;
+    bend.axis = axis.dot(bend.axis) < 0 ? Vec3(-axis.normalized()) : axis.normalized();
+    bend.across = (bend.across - bend.across.dot(bend.axis) * bend.axis).normalized();
+  }
+
   /// Segments of the pipes, which are the rings of the bend, and segments of the bend.
   bool choose(const Run& run) {
     RoundPatch& bend = s_.patches[run.bend];
@@ -162,6 +140,7 @@ class Pipes {
       }
     if (rings == 0) return false;
     bend.together = static_cast<std::int32_t>(run.bend);
+    square_to_pipes(run);
     set_knots(bend.proxy, tube, rings);
     bend.proxy.segments = segments;
     bend.faces = PatchFaces(f_, bend.proxy, std::move(bend.faces.face));
@@ -169,7 +148,7 @@ class Pipes {
       RoundPatch& pipe = s_.patches[k];
       pipe.together = bend.together;
       CurvedProxy& p = pipe.proxy;
-      p.across = (bend.proxy.axis - bend.proxy.axis.dot(p.axis) * p.axis).normalized();
+      align(p, bend.proxy, tube);
       pipe.faces = PatchFaces(f_, p, std::move(pipe.faces.face));
       apply(p, Cuts(p, pipe.faces).of(rings, 1, pipe.cells));
     }
@@ -182,6 +161,20 @@ class Pipes {
 };
 
 }  // namespace
+
+Tube tube_of(const CurvedProxy& bend) {
+  Tube t;
+  double length = 0;
+  const std::size_t n = corners(bend);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec2 a = corner(bend, i), b = corner(bend, (i + 1) % n);
+    t.middle += (b - a).norm() * (a + b) / 2;
+    length += (b - a).norm();
+  }
+  t.middle /= length;
+  for (std::size_t i = 0; i < n; ++i) t.radius += (corner(bend, i) - t.middle).norm() / static_cast<double>(n);
+  return t;
+}
 
 std::vector<bool> choose_pipes(const Faces& faces, Scene& scene, double distance) {
   return Pipes(faces, scene, distance).run();

@@ -34,6 +34,12 @@ class Rounding {
 
   Partition run(Job& job) {
     std::map<std::int32_t, std::vector<Cut>> cuts;  // by class
+    mates_.patch.assign(label_.size(), kNone);
+    for (const RoundPatch& p : scene_.patches) {
+      if (p.proxy.segments > 0)
+        for (const std::int32_t i : p.faces.face) mates_.patch[i] = static_cast<std::int32_t>(mates_.together.size());
+      mates_.together.push_back(p.together);
+    }
     for (RoundPatch& p : scene_.patches)
       if (p.proxy.segments > 0)
         if (std::optional<Cut> c = cut_of(p)) cuts[p.together].push_back(std::move(*c));
@@ -60,7 +66,7 @@ class Rounding {
     if (!is_edit() && !is_wide) return std::nullopt;
     Cut c{&patch, {}, give_to_tangents(patch)};
     if (patch.faces.face.empty()) return std::nullopt;
-    c.cells = cut(f_, patch.proxy, patch.faces);
+    c.cells = cut(f_, patch.proxy, patch.faces, mates_);
     return c;
   }
 
@@ -204,8 +210,9 @@ class Rounding {
   const Partition& part_;
   Scene scene_;
   std::int32_t count_, first_ = 0;  // number of regions of the partition; number of added cells
-  Some label_;                      // (n) by graph index: a region, or count_ + a cell
-  std::vector<double> before_;      // area of each region
+  Mates mates_;
+  Some label_;                  // (n) by graph index: a region, or count_ + a cell
+  std::vector<double> before_;  // area of each region
   std::vector<CurvedProxy> proxies_;
   std::vector<CurvedCell> cell_;
   std::vector<Vec3> normal_;
