@@ -80,7 +80,7 @@ class Borders {
     for (int k = 0; k < 3; ++k)
       if (!give_rest_away(job)) break;
     absorb_fragments(
-        f_, label_, [](std::int32_t) { return kFragment; }, job);
+        f_, label_, [](std::int32_t) { return kFragment; }, nullptr, job);
     for (std::int32_t i = 0; i < f_.size(); ++i)
       if (!is_open(i)) label_[i] = kNone;
     return std::move(label_);
@@ -226,7 +226,8 @@ LabelParts parts_of_labels(const Faces& faces, const Some& labels, Job& job) {
   return parts;
 }
 
-void absorb_fragments(const Faces& faces, Some& labels, const std::function<double(std::int32_t)>& small, Job& job) {
+void absorb_fragments(const Faces& faces, Some& labels, const std::function<double(std::int32_t)>& small,
+                      const Misfit& misfit, Job& job) {
   const FaceGraph& graph = faces.graph();
   for (int round = 0; round < 4; ++round) {
     const LabelParts parts = parts_of_labels(faces, labels, job);
@@ -248,14 +249,24 @@ void absorb_fragments(const Faces& faces, Some& labels, const std::function<doub
         if (j != graph.size() && parts.part[j] != parts.part[i] && !is_bad[parts.part[j]])
           ++beside[{parts.part[i], labels[j]}];
     }
-    std::map<std::int32_t, std::pair<int, std::int32_t>> to;
-    for (const auto& [pair, edges] : beside) {
-      const auto [at, is_new] = to.try_emplace(pair.first, edges, pair.second);
-      if (!is_new && edges > at->second.first) at->second = {edges, pair.second};
+    std::map<std::int32_t, std::map<std::int32_t, double>> worth;  // by part and label of a neighbour
+    for (const auto& [pair, edges] : beside) worth[pair.first][pair.second] = edges;
+    if (misfit != nullptr) {
+      std::map<std::int32_t, std::map<std::int32_t, double>> sum;
+      for (std::int32_t i = 0; i < faces.size(); ++i)
+        if (const auto at = worth.find(parts.part[i]); at != worth.end())
+          for (const auto& [label, edges] : at->second) sum[parts.part[i]][label] -= misfit(i, label);
+      for (const auto& [part, by_label] : sum)
+        if (!std::isnan(by_label.begin()->second)) worth[part] = by_label;
     }
+    std::map<std::int32_t, std::int32_t> to;
+    for (const auto& [part, by_label] : worth)
+      to[part] = std::max_element(by_label.begin(), by_label.end(), [](const auto& a, const auto& b) {
+                   return a.second < b.second;
+                 })->first;
     if (to.empty()) return;
     for (std::int32_t i = 0; i < faces.size(); ++i)
-      if (const auto at = to.find(parts.part[i]); at != to.end()) labels[i] = at->second.second;
+      if (const auto at = to.find(parts.part[i]); at != to.end()) labels[i] = at->second;
   }
 }
 

@@ -15,11 +15,17 @@ namespace isimp::curved {
 Some face_labels(const Faces& faces, const Points& points, const std::vector<Found>& found, const Nearness& near,
                  Job& job);
 
-/// Parts of a label that are not its largest and are small become part of the neighbour with the longest border.
+/// The misfit of a face to a label.
+using Misfit = std::function<double(std::int32_t face, std::int32_t label)>;
+
+/// Parts of a label that are not its largest and are small become part of the neighbour with the longest border, or of
+/// that which they fit best.
 /// \param labels  (n) by graph index, at least kNone
 /// \param small   the area below which a part of a label is small, as a share of the whole surface's
-/// \param fixed   labels that stay as they are; those below `first` of them give nothing and take nothing
-void absorb_fragments(const Faces& faces, Some& labels, const std::function<double(std::int32_t)>& small, Job& job);
+/// \param misfit  of a face to a neighbour's label; null: the longest border counts. It returns NaN for a face whose part
+///                goes by its border.
+void absorb_fragments(const Faces& faces, Some& labels, const std::function<double(std::int32_t)>& small,
+                      const Misfit& misfit, Job& job);
 
 /// The parts of equal label: their numbers by graph index, from 0 on by first face.
 struct LabelParts {

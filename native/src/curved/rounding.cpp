@@ -18,6 +18,7 @@ constexpr double kOfCell = 0.25;   ///< share of a cell's area: a smaller part, 
 constexpr double kOfRegion = 0.3;  ///< share of a region's area: if patches leave less of it, the rest joins neighbours
 constexpr std::int32_t kFewest = 3;  ///< segments of one that is no full turn
 constexpr double kNarrow = 1;        ///< radians, the least span of one
+constexpr double kFar = 1e300;       ///< misfit of a face to no region
 constexpr double kOfMean = 0.02;     ///< share of a mean region: a smaller part of a cut region joins a neighbour
 
 /// Puts cells in the place of regions.
@@ -28,8 +29,13 @@ class Rounding {
     label_.resize(static_cast<std::size_t>(f_.size()));
     for (std::int32_t i = 0; i < f_.size(); ++i) label_[i] = part.face_region[f_.graph().mesh_face[i]];
     before_.assign(static_cast<std::size_t>(count_), 0.0);
+    middle_.assign(before_.size(), Vec3::Zero());
     for (std::int32_t i = 0; i < f_.size(); ++i)
-      if (label_[i] != kNone) before_[label_[i]] += f_.area(i);
+      if (label_[i] != kNone) {
+        before_[label_[i]] += f_.area(i);
+        middle_[label_[i]] += f_.area(i) * f_.centre(i);
+      }
+    for (std::size_t r = 0; r < before_.size(); ++r) middle_[r] /= std::max(before_[r], 1e-300);
   }
 
   Partition run(Job& job) {
@@ -171,7 +177,18 @@ class Rounding {
           if (is_same) return 0.0;
           return now[label] < kOfRegion * before_[label] ? std::numeric_limits<double>::infinity() : least;
         },
-        job);
+        [&](std::int32_t i, std::int32_t label) { return misfit(i, label); }, job);
+  }
+
+  /// The squared distance of a face of a region from the plane of a label, times its area; NaN for a face of a cell, since a
+  /// cell is even if it goes by its border.
+  [[nodiscard]] double misfit(std::int32_t i, std::int32_t label) const {
+    if (label_[i] >= count_) return std::numeric_limits<double>::quiet_NaN();
+    if (label == kNone) return kFar;
+    const bool is_cell = label >= count_;
+    const Vec3& normal = is_cell ? normal_[label - count_] : part_.region_normal[label];
+    const double offset = is_cell ? offset_[label - count_] : normal.dot(middle_[label]);
+    return f_.area(i) * std::pow(normal.dot(f_.centre(i)) - offset, 2);
   }
 
   [[nodiscard]] Partition made(Job& job) const {
@@ -213,6 +230,7 @@ class Rounding {
   Mates mates_;
   Some label_;                  // (n) by graph index: a region, or count_ + a cell
   std::vector<double> before_;  // area of each region
+  std::vector<Vec3> middle_;    // ... and its centre
   std::vector<CurvedProxy> proxies_;
   std::vector<CurvedCell> cell_;
   std::vector<Vec3> normal_;
