@@ -15,7 +15,7 @@ const double kOneWay = std::sin(5 * std::numbers::pi / 180);   ///< sine of the 
 const double kSquare = std::sin(10 * std::numbers::pi / 180);  ///< sine of the angle of a free point's normal
 constexpr double kRound = 0.3;                                 ///< least share of the area of an extrusion in cylinders
 constexpr double kLeastArea = 0.02;                            ///< share of the whole area
-constexpr std::size_t kMostSamples = 1500;                     ///< number of faces that a profile is fitted to, about
+constexpr std::size_t kMostSamples = 500;                      ///< number of faces that a profile is fitted to, about
 constexpr double kFurther = 1.5, kKept = 0.85;  ///< times the nearness; least share of the area within it
 constexpr double kWorst = 0.8;                  ///< times the nearness: largest root mean square distance
 constexpr double kReach = 1.4;                  ///< times the nearness, of points that are taken in
@@ -36,7 +36,7 @@ class Extrusions {
       if (is_used[k] || !is_open(k)) continue;
       Some group = group_of(k, is_used, true);
       std::optional<Found> one = fitted(group);
-      if (!one) one = fitted(group = group_of(k, is_used, false));
+      if (Some fewer = group_of(k, is_used, false); !one && fewer != group) one = fitted(group = std::move(fewer));
       if (!one) continue;
       for (const std::int32_t i : group) is_used[i] = true;
       made.push_back(std::move(*one));

@@ -18,7 +18,8 @@ constexpr double kSome = 0.25;        ///< least good share of the border of a f
 constexpr double kLargePlane = 0.02;  ///< share of the whole area: planes of free forms are smaller ...
 constexpr double kFlat = 0.45;        ///< times the nearness: ... or their faces are not so near to them
 constexpr double kDisc = 2.3;         ///< outline of a disc of n equilateral triangles, in edges, over the root of n
-constexpr double kLess = 0.25;        ///< by how much the good share of a border in points may be lower than in faces
+constexpr double kLess = 0.25,
+                 kLarge = 0.1;  ///< a large surface, by its share of the area, may still gain that much of a border
 constexpr double kHalfSphere = 0.42;  ///< 1 - |mean normal|, which is half of a half sphere's normals
 
 /// Some edges of the border of a patch: the point inside, the one outside and its surface; kNone at the border of the scan
@@ -74,9 +75,9 @@ std::vector<Outline> outlines(const Points& points, const std::vector<Found>& fo
 
 class Gates {
  public:
-  /// \param less  by how much the good share of a border may be lower
-  Gates(std::vector<Outline> outlines, const Points& points, const std::vector<Found>& found, double less)
-      : outlines_(std::move(outlines)), p_(points), found_(found), less_(less) {
+  /// \param may_gain  borders are of points: faces may move later
+  Gates(std::vector<Outline> outlines, const Points& points, const std::vector<Found>& found, bool may_gain)
+      : outlines_(std::move(outlines)), p_(points), found_(found), may_gain_(may_gain) {
     for (Outline& o : outlines_) o.samples.normalise();
   }
 
@@ -98,7 +99,8 @@ class Gates {
         const bool is_round = round[k] > (is_sphere ? kHalfSphere : kAllRound);
         const bool is_easier = is_sphere || found_[k].surface.closed || along_planes(k, kept) > kHalf;
         const double most = is_easier ? kMost : kNearlyAll;
-        const double more = good_share(k, kept) - (is_round ? kSome : most) + less_;
+        const double more =
+            good_share(k, kept) - (is_round ? kSome : most) + (may_gain_ && found_[k].area > kLarge ? kLess : 0);
         if (more > least) continue;
         least = more;
         worst = k;
@@ -149,7 +151,7 @@ class Gates {
   std::vector<Outline> outlines_;
   const Points& p_;
   const std::vector<Found>& found_;
-  double less_;
+  bool may_gain_;
 };
 
 }  // namespace
@@ -159,12 +161,12 @@ std::vector<bool> kept_surfaces(const Faces& faces, const Points& points, const 
   std::vector<bool> planes(found.size());
   for (std::size_t k = 0; k < found.size(); ++k)
     planes[k] = found[k].is_plane() && found[k].area > kLargePlane && found[k].rms < kFlat * near.distance;
-  return Gates(outlines(faces, points, found, labels), points, found, 0).run(planes);
+  return Gates(outlines(faces, points, found, labels), points, found, false).run(planes);
 }
 
 std::vector<bool> perhaps_kept(const Points& points, const std::vector<Found>& found) {
   std::vector<bool> kept =
-      Gates(outlines(points, found), points, found, kLess).run(std::vector<bool>(found.size(), true));
+      Gates(outlines(points, found), points, found, true).run(std::vector<bool>(found.size(), true));
   for (std::size_t k = 0; k < found.size(); ++k) kept[k] = kept[k] && !found[k].is_plane();
   return kept;
 }

@@ -20,7 +20,8 @@ Partition round_parts(const Surface& surface, Partition part, std::span<const st
   if (scene.patches.empty()) return part;
   const Job::Part stage(job, "cutting round parts", 0.8, 1.0);
   choose_grids(faces, scene, job);
-  return with_cells(surface, part, std::move(scene), job);
+  auto o = with_cells(surface, part, std::move(scene), job);
+  return o;
 }
 
 }  // namespace isimp
