@@ -20,6 +20,7 @@ constexpr double kCapRadius = 0.12;  ///< share of the largest radius: an end ne
 constexpr double kCapWeight = 1.5;   ///< weight of the distance of a cap, which counts as one cell
 constexpr double kStraight = 1e-6;   ///< radians: the turn of a strip of an extrusion
 constexpr double kFine = 1.1;        ///< times the mean square distance from the surface: no more strips
+constexpr double kLeastEdges = 2;    ///< edges of faces in the width of a segment: narrower ones have ragged borders
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 using Row = std::array<double, kBins + 1>;
@@ -220,6 +221,12 @@ PatchFaces::PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some) 
     all += area.back();
   }
   rough = all > 0 ? std::sqrt(square / all) : 0;
+  double length = 0;
+  for (const std::int32_t i : face) {
+    const Triangle& t = faces.mesh().triangles()[faces.graph().mesh_face[i]];
+    length += (faces.mesh().vertices()[t[0]] - faces.mesh().vertices()[t[1]]).norm();
+  }
+  edge = face.empty() ? 0 : length / static_cast<double>(face.size());
 }
 
 void set_span(CurvedProxy& proxy, const PatchFaces& f) {
@@ -265,7 +272,10 @@ void set_span(CurvedProxy& proxy, const PatchFaces& f) {
 }
 
 Cuts::Cuts(const CurvedProxy& proxy, const PatchFaces& patch)
-    : proxy_(&proxy), largest_(quantile(patch.rho, 0.9)), profile_(std::make_unique<Profile>(proxy, patch)) {
+    : proxy_(&proxy),
+      largest_(quantile(patch.rho, 0.9)),
+      edge_(patch.edge),
+      profile_(std::make_unique<Profile>(proxy, patch)) {
   for (const double a : patch.area) area_ += a;
 }
 Cuts::Cuts(Cuts&&) noexcept = default;
@@ -281,7 +291,8 @@ std::vector<Grid> Cuts::within(double cells, double rough) {
   if (limit < least - kHalfCell) return all;  // a few planes are enough
   limit = std::max(limit, static_cast<double>(least));
   for (std::int32_t n = least; n <= most; ++n) {
-    const bool is_fine = largest_ * (1 - std::cos(proxy.span / n / 2)) < rough;
+    const double width = proxy.span / n;
+    const bool is_fine = largest_ * (1 - std::cos(width / 2)) < rough || largest_ * width < kLeastEdges * edge_;
     if (is_fine && !all.empty()) break;
     std::optional<Grid> best;
     for (const bool caps : {false, true}) {

@@ -20,6 +20,7 @@ struct PatchFaces {
   std::vector<double> area, angle, rho, z, along;
   std::vector<double> out, up;  ///< parts of the surface's normal: away from the axis, and along it
   double rough = 0;             ///< root mean square distance of the faces from the surface
+  double edge = 0;              ///< mean length of their edges
 
   PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some);
 };
@@ -71,7 +72,7 @@ class Cuts {
   [[nodiscard]] std::vector<Grid> strips_within(double cells, double rough);
 
   const CurvedProxy* proxy_;
-  double largest_, area_ = 0;
+  double largest_, edge_, area_ = 0;
   std::unique_ptr<Profile> profile_;
 };
 
