@@ -40,7 +40,7 @@ PRESETS = (
         "building",
         "Building",
         "One building or room: large planes with straight edges and noise; planes become regular",
-        rcp.Partition(count_by="detail", detail=0.0025, adaptivity=0.0, sharp_edges=0.0),
+        rcp.Partition(count_by="detail", detail=0.0025, adaptivity=0.0, sharp_edges=0.0, curved=True),
         rcp.Mesh(flatten=60, planar=True, planar_most=0.1),
         rcp.Regularise(),
     ),
@@ -55,7 +55,7 @@ PRESETS = (
         "cad",
         "CAD",
         "CAD models, not scanned: exact planes and triangulated curves",
-        rcp.Partition(count_by="detail", detail=0.00125, noise=0.0, adaptivity=0.0, leave_out=0.0),
+        rcp.Partition(count_by="detail", detail=0.00125, noise=0.0, adaptivity=0.0, leave_out=0.0, curved=True),
         rcp.Mesh(flatten=60),
     ),
     Preset(
