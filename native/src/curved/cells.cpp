@@ -175,7 +175,7 @@ class Cutter {
     const auto side = to_integer(cells + 0.5, 0, sides);
     const double off = std::abs(cells - side);
     const bool is_high = is_bend() ? place(angle) > p_.span / 2 : on.along > (p_.knots.front() + p_.knots.back()) / 2;
-    Nearest& n = nearest_[static_cast<std::size_t>(side % sides + (is_high ? sides : 0))];
+    Nearest& n = nearest_[static_cast<std::size_t>(side % sides) + static_cast<std::size_t>(is_high ? sides : 0)];
     if (off < n.distance && off < kNear) n = {v, off, angle, on.along};
   }
 
