@@ -9,6 +9,7 @@ import pytest
 
 import isimp_engine as engine
 import shapes
+from bench.generators import round_shapes
 from isimp_engine import cli
 
 
@@ -157,6 +158,29 @@ def test_cells_of_a_vase_are_whole_planes():
     poly = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
     pieces = np.bincount(poly.polygon_region, minlength=part.region_count)[part.curved[0].regions]
     assert (pieces == 1).mean() > 0.8
+
+
+def test_pipes_and_their_bend_meet_in_shared_corners():
+    vertices, triangles = round_shapes.made(round_shapes.shapes()["elbow"], 48)
+    mesh = engine.Mesh(round_shapes.with_noise(vertices, 0.001, 1), triangles)
+    part = engine.partition(mesh, engine.PartitionOptions(curved=True))
+    assert sorted((each["kind"], each["segments"] * each["rings"]) for each in part.curved) == [
+        ("cylinder", 9),
+        ("cylinder", 9),
+        ("revolution", 27),
+    ]
+    assert engine.polygonize(mesh, part, engine.MeshingOptions(planar=True)).report["whole"] > 0.95
+
+
+def test_what_is_left_of_regions_beside_a_dome_stays_flat():
+    vertices, triangles = round_shapes.made(round_shapes.shapes()["dome"], 40)
+    mesh = engine.clean(round_shapes.with_noise(vertices, 0.003, 1), triangles)
+
+    def away(curved):
+        part = engine.partition(mesh, engine.PartitionOptions(curved=curved))
+        return np.nanmean(engine.within.scan_distances(mesh, part, engine.polygonize(mesh, part)))
+
+    assert away(True) < 0.85 * away(False)
 
 
 def test_a_pickle_keeps_round_parts(mesh, part):
