@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+import session_scans
 from isimp import corner_drag
-from session_scans import scan_of
 
 SIGHT = np.array([0.0, 0.0, -1.0])
 
@@ -17,12 +17,7 @@ def above(at, start, end):
 @pytest.fixture(scope="module")
 def around():
     """A square of 20 x 20 cells of side .1: region 5 on the left, 1 above and 3 below on the right."""
-    line = np.linspace(-1, 1, 21)
-    x, y = np.meshgrid(line, line, indexing="ij")
-    at = np.arange(441).reshape(21, 21)
-    a, b, c, d = at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]
-    triangles = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3).astype(np.int32)
-    scan = scan_of(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3), triangles)
+    scan = session_scans.square()
     centers = scan.vertices[scan.triangles].mean(axis=1)
     label = np.where(centers[:, 0] < 0, 5, np.where(centers[:, 1] > 0, 1, 3))
     pairs, edges = scan.edges
