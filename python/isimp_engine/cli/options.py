@@ -30,6 +30,7 @@ _FLAGS: dict[tuple[Options, str], str] = {(RegulariseOptions, "angle"): "regular
 
 
 KEEP_CLUTTER, LEAVE_OUT_CLUTTER, BOX_CLUTTER = CLUTTER = ("keep", "leave-out", "box")
+_CHOICES = {"clutter": CLUTTER, "unit": tuple(UNITS)}
 
 
 def simplify_options() -> argparse.ArgumentParser:
@@ -199,6 +200,9 @@ def settings_of(arguments: argparse.Namespace, recipe: recipes.Recipe | None) ->
         value = getattr(given, name)
         if value is not None and value is not False and getattr(given, needed) is None:  # 0 is a value
             raise UsageError(f"{flag} needs --{needed}: {reason}")
+    for name, choices in _CHOICES.items():  # a batch from Python does not pass them through argparse
+        if (value := getattr(given, name)) not in choices:
+            raise UsageError(f"--{name} must be one of {', '.join(choices)}, got {value!r}")
     of_recipe = [(x, y, z) for x, y, z in recipe.keep_openings] if recipe is not None else []
     texture = None
     if given.texture is not None:
