@@ -5,6 +5,7 @@
 
 #include "isimp/core/errors.h"
 #include "isimp/mesh/part_of.h"
+#include "isimp/partition/keep_regions.h"
 
 namespace isimp::meshing {
 namespace {
@@ -43,18 +44,7 @@ std::optional<KeptPart> kept_part(const Mesh& mesh, const Partition& partition, 
   kept.guided.reset();
   kept.face_region.clear();
   for (const std::int32_t f : faces) kept.face_region.push_back(place[partition.face_region[f]]);
-  const auto take = [&](auto& values) {
-    if (values.empty()) return;
-    for (std::size_t r = 0; r < region.size(); ++r) values[r] = values[region[r]];
-    values.resize(region.size());
-  };
-  take(kept.region_seed);
-  take(kept.region_normal);
-  take(kept.region_sum);
-  take(kept.region_offset);
-  take(kept.region_locked);
-  take(kept.region_held);
-  take(kept.region_cell);
+  keep_regions(kept, region);
   for (std::int32_t& seed : kept.region_seed)
     seed = static_cast<std::int32_t>(std::ranges::lower_bound(faces, seed) - faces.begin());
   const Vec3 shift = mesh.origin() - part.origin();

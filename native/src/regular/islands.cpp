@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 #include <set>
-#include <utility>
 
 #include "isimp/core/sorted.h"
+#include "isimp/partition/keep_regions.h"
 #include "isimp/partition/surface.h"
 
 namespace isimp::regular {
@@ -118,15 +118,6 @@ class Islands {
   std::int32_t stamps_ = 0;
 };
 
-template <class T>
-void keep(std::vector<T>& all, const std::vector<std::int32_t>& places) {
-  if (all.empty()) return;
-  std::vector<T> kept;
-  kept.reserve(places.size());
-  for (const std::int32_t p : places) kept.push_back(all[p]);
-  all = std::move(kept);
-}
-
 /// \param into  by region: the region that it becomes part of, itself if it stays
 /// \return the regions that stay
 std::vector<std::int32_t> unite_regions(const Mesh& mesh, Partition& p, std::span<const std::int32_t> into) {
@@ -142,13 +133,7 @@ std::vector<std::int32_t> unite_regions(const Mesh& mesh, Partition& p, std::spa
   if (stays.size() == into.size()) return stays;
   for (std::int32_t& r : p.face_region)
     if (r != kNone) r = number[into[r]];
-  keep(p.region_seed, stays);
-  keep(p.region_normal, stays);
-  keep(p.region_sum, stays);
-  keep(p.region_offset, stays);
-  keep(p.region_locked, stays);
-  keep(p.region_held, stays);
-  keep(p.region_cell, stays);
+  keep_regions(p, stays);
   p.error = 0;
   const double area = Surface(mesh, p.guided).graph().area;
   for (const RegionSum& s : p.region_sum) p.error += s.error() * area;
