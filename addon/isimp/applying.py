@@ -84,13 +84,13 @@ def _apply_delete(step: rcp.DeleteProxy, prepared, before, watch, begin, end) ->
     return with_regions(prepared, partition, np.delete(before.region_color, gone), {})
 
 
-def flaws(report: dict) -> dict:
+def defects(report: dict) -> dict:
     """{kind of defect: polygons}, without pairs that intersect in the scan itself."""
     found = {}
     for entry in report.get("imperfect", ()):
         if entry["flaw"] != "excused":
             found.setdefault(entry["flaw"], set()).add(entry["polygon"])
-    return {flaw: sorted(polygons) for flaw, polygons in found.items()}
+    return {kind: sorted(polygons) for kind, polygons in found.items()}
 
 
 def carried_colors(before: Outcome, partition) -> np.ndarray:
@@ -363,7 +363,7 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
         "corners": len(polygons.loops),
         "vertices": len(polygons.vertices),
         **{name: report[name] for name in more if name in report},
-        "flaws": flaws(report),
+        "flaws": defects(report),
         "let_go": report.get("planes_let_go", 0),
         "split": {name: report[name] for name in report if name.startswith("split_for_")}
         | {

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from . import recipe as rcp
-from .applying import APPLY, PREPARING, TIMES, apply_mesh, carried_colors, engine_call, flaws, with_regions
+from .applying import APPLY, PREPARING, TIMES, apply_mesh, carried_colors, defects, engine_call, with_regions
 from .cache import Cache
 from .engine import ENGINE_PROBLEM, engine
 from .language import said
@@ -27,7 +27,7 @@ from .prepared import (
 from .scan import Scan
 from .task import Watch, shares
 
-__all__ = ["ENGINE_PROBLEM", "Outcome", "Scan", "Session", "Shown", "StepFailed", "backends", "engine", "flaws"]
+__all__ = ["ENGINE_PROBLEM", "Outcome", "Scan", "Session", "Shown", "StepFailed", "backends", "defects", "engine"]
 
 
 def backends() -> list[str]:

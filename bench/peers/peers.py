@@ -105,11 +105,11 @@ def figures(poly, mesh, part, flatness):
     v, scan = judge(poly, mesh, part, flatness, engine.MeshingOptions().reach)
     share, count = 100 / scan.diagonal, len(poly.loop_start)
     if v.area is None:  # the arrays alone are wrong
-        return [count, len(poly.loops) / count, *[None] * 8, "; ".join(["not sound", *v.faults])]
+        return [count, len(poly.loops) / count, *[None] * 8, "; ".join(["not sound", *v.defects])]
     far = distances(scan.samples(SAMPLES), np.asarray(poly.vertices), v.facets)
     weighed = float((v.bend * v.area).sum() / max(v.area.sum(), 1e-300))
     wrong = [len(x) for x in (v.crossing, v.empty, v.flipped, v.bent, v.hits)]
-    words = "sound" if v.sound else "; ".join(["not sound", *v.faults])
+    words = "sound" if v.sound else "; ".join(["not sound", *v.defects])
     return [count, len(poly.loops) / count, share * weighed, share * float(v.bend.max()), share * far.mean(), *wrong,
             words]  # fmt: skip
 

@@ -31,7 +31,7 @@ SCANS = (
     ("fandisk_13k", 300),
 )
 GENERATED = 300  # regions of each generated scan
-FAULTS = ("crossing", "flipped", "intersecting")
+DEFECTS = ("crossing", "flipped", "intersecting")
 
 
 def true_planes(house: houses.House) -> tuple[int, int]:
@@ -99,16 +99,16 @@ def scan_row(name: str, mesh: engine.Mesh, proxies: int) -> None:
     regular = engine.polygonize(mesh, snapped, engine.MeshingOptions(planar=True))
     free = engine.regularise(mesh, part, engine.RegulariseOptions(length=1e-12))
     near, planar, both = off(mesh, part, before), off(mesh, part, after), off(mesh, snapped, regular)
-    faults = sum(after.report[f] - before.report[f] for f in FAULTS)
+    more = sum(after.report[f] - before.report[f] for f in DEFECTS)
     print(
         f"{name} {proxies}: planar {after.report['planar']}, whole {after.report['whole']:.2f}, faces a polygon "
-        f"{len(after.loop_start) / len(before.loop_start):.2f}, new faults {faults}, distance {changes(planar, near)}, "
+        f"{len(after.loop_start) / len(before.loop_start):.2f}, new defects {more}, distance {changes(planar, near)}, "
         f"added time {(t1 - t0) / t0:.1f}; "
         f"regularised: directions {free.report['directions']} -> {snapped.report['directions']}, rms "
         f"{snapped.report['rms_added'] / (snapped.report['rms'] - snapped.report['rms_added']):+.1%}, "
         f"whole {regular.report['whole']:.2f}, faces a polygon {len(regular.loop_start) / len(before.loop_start):.2f}, "
-        f"planes let go {regular.report['planes_let_go']}, new faults "
-        f"{sum(regular.report[f] - before.report[f] for f in FAULTS)}, distance {changes(both, near)}, "
+        f"planes let go {regular.report['planes_let_go']}, new defects "
+        f"{sum(regular.report[f] - before.report[f] for f in DEFECTS)}, distance {changes(both, near)}, "
         f"time {t2 / t0:.2f}"
     )
 

@@ -13,7 +13,7 @@
   spread       standard deviation over mean of the areas of the cells, full cylinders and cones only
   whole        share of the cells' polygons that are whole under `planar`
   kept         share of the cells whose plane was kept
-  flaws        crossing, flipped, intersecting polygons and open or non-manifold edges more than without
+  defects      crossing, flipped, intersecting polygons and open or non-manifold edges more than without
   time         of the processor: partition and polygons with round parts over those without
 """
 
@@ -30,7 +30,7 @@ from isimp_engine.within import scan_distances
 
 COLUMNS = (
     *("found", "right", "axis", "radius", "polygons", "more", "mean", "p99", "quads", "spread", "whole", "kept"),
-    *("flaws", "time"),
+    *("defects", "time"),
 )
 
 
@@ -43,7 +43,7 @@ def areas(poly):
     return np.linalg.norm(np.add.reduceat(np.cross(points - first, points[after] - first), start[:-1]), axis=1) / 2
 
 
-def flaws(report):
+def defects(report):
     some = sum(report[k] for k in ("crossing", "flipped", "intersecting"))
     return some + (not report["manifold"])
 
@@ -122,7 +122,7 @@ def row_of(vertices, faces, shape=None, clean_vertices=None, **options):
     far, plain_far = far[np.isfinite(far)], plain_far[np.isfinite(plain_far)]
     row["mean"], row["p99"] = far.mean() / plain_far.mean(), np.quantile(far, 0.99) / np.quantile(plain_far, 0.99)
     row["max"] = far.max() / plain_far.max()
-    row["flaws"] = flaws(poly.report) - flaws(plain_poly.report)
+    row["defects"] = defects(poly.report) - defects(plain_poly.report)
     row["same"] = np.array_equal(part.face_region, plain.face_region)
     row.update(of_cells(mesh, part, poly, plain_poly))
     if shape is not None:

@@ -15,7 +15,7 @@ Columns:
   polys     polygons; tris: triangles that they make; corners: mean of a polygon
   rim       corners of polygons at the rim that are on it, mean
   mean 99%  distance of the scan's vertices from the polygons, % of the diagonal
-  flaws     polygons that cross themselves, are flipped or bent, and pairs that meet where the scan does not
+  defects   polygons that cross themselves, are flipped or bent, and pairs that meet where the scan does not
   cpu       seconds of processor, of the command in all
 """
 
@@ -35,7 +35,7 @@ from bench.generators import real_scans
 from isimp_engine._core import _distances_to_triangles
 
 ROOT = Path(__file__).resolve().parents[2]
-COLUMNS = ("P", "regions", "true", "polys", "tris", "corners", "rim", "mean", "99%", "flaws", "cpu")
+COLUMNS = ("P", "regions", "true", "polys", "tris", "corners", "rim", "mean", "99%", "defects", "cpu")
 POINTS = 500  # vertices of a scan whose distance is measured
 
 
@@ -128,7 +128,7 @@ def row(vertices: np.ndarray, triangles: np.ndarray, true: int | None, wanted: i
         "rim": rim_corners(polygons),
         "mean": float(away.mean()),
         "99%": float(np.quantile(away, 0.99)),
-        "flaws": sum(result[key] for key in ("crossing", "flipped", "bent", "intersecting")),
+        "defects": sum(result[key] for key in ("crossing", "flipped", "bent", "intersecting")),
         "cpu": cpu,
     }
 

@@ -36,7 +36,7 @@ def named(table, mesh):
 
 
 def run(name, mesh, proxies):
-    """One mesh at one number of regions: figures, and faults."""
+    """One mesh at one number of regions: figures, and defects."""
     options = engine.MeshingOptions()
     part = engine.partition(mesh, engine.PartitionOptions(proxies=min(proxies, len(mesh.triangles))))
     started = time.process_time()
@@ -54,7 +54,7 @@ def run(name, mesh, proxies):
         "components": mesh.report["components"], "polygons": q, "extra": extra, "corners": len(poly.loops) / q,
         "planarity_mean": share * float((v.bend * v.area).sum() / v.area.sum()),
         "planarity_max": share * float(v.bend.max()), "distance": share * float(np.mean(far)), "seconds": seconds,
-        "faults": v.faults, "sound": v.sound, "capped": said["repair_capped"],
+        "defects": v.defects, "sound": v.sound, "capped": said["repair_capped"],
         "counts": {key: len(getattr(v, key))
                    for key in ("crossing", "empty", "flipped", "bent", "far", "hits", "excused")},
         "said": {key: said[key] for key in ("crossing", "flipped", "bent", "intersecting", "excused")},
@@ -69,7 +69,7 @@ def line(r):
         f" {r['planarity_mean']:14.3f} {r['planarity_max']:6.2f} {r['distance']:8.3f} {r['extra']:6}"
         f" {c['crossing']:6} {c['empty']:5} {c['flipped']:4} {c['bent']:4} {c['far']:4} {c['hits']:5} {c['excused']:7}"
         f" {r['seconds']:8.2f} {'sound' if r['sound'] else 'NOT SOUND'}{' capped' if r['capped'] else ''}"
-        f" {'; '.join(r['faults'])}"
+        f" {'; '.join(r['defects'])}"
     )
 
 

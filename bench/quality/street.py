@@ -144,7 +144,7 @@ class Judge:
             "whole": report.get("whole", 1.0), "let_go": report["planes_let_go"],
             "directions": (snapped.report or {}).get("directions", 0),
             "slanted": slanted / max(inside, 1e-300), "inside": inside, "seconds": seconds,
-            "faults": report["crossing"] + report["flipped"] + report["bent"] + report["intersecting"],
+            "defects": report["crossing"] + report["flipped"] + report["bent"] + report["intersecting"],
         }  # fmt: skip
 
     def rows(self) -> list[dict[str, Any]]:

@@ -264,8 +264,8 @@ def run_cluster(faces: int, proxies: int, apart: bool) -> int:
         print(f"  {seconds:.0f} s, {used:.0f} s of processor, {1e6 * used / count:.1f} us a face", flush=True)
         print(f"  peaks, MB: {', '.join(f'{step} {peak:.0f}' for step, peak in peaks.items())}")
         print(f"  seconds: {report['seconds']}")
-        flaws = {name: report["output"][name] for name in ("crossing", "flipped", "bent", "intersecting")}
-        print(f"  {report['output']['polygons']:,} polygons, {flaws}", flush=True)
+        defects = {name: report["output"][name] for name in ("crossing", "flipped", "bent", "intersecting")}
+        print(f"  {report['output']['polygons']:,} polygons, {defects}", flush=True)
         with cluster_of(2, place, apart) as (address, workers):
             done = []
 

@@ -1,7 +1,7 @@
 """Measures `isimp tiles`: how good its results are, how much time and memory it takes, and how fast files are read.
 
     python -m bench.studies.tiles ARGUMENTS
-      pieces SCAN PROXIES [1 4 16 64]    compares tiles with one piece: error, borders, distance, flaws;
+      pieces SCAN PROXIES [1 4 16 64]    compares tiles with one piece: error, borders, distance, defects;
                                           SCAN is a file, or city:FACES
       detail SCAN DETAIL [1 4 16 64]     compares the numbers of regions that are found
       city FACES PROXIES                 runs a generated city and prints time and memory of each step
@@ -95,7 +95,7 @@ def distances(scan: np.ndarray, path: Path) -> tuple[float, float]:
     return float(found.mean()), float(np.quantile(found, 0.99))
 
 
-def flaws(report: dict[str, Any]) -> str:
+def defects(report: dict[str, Any]) -> str:
     names = ("crossing", "flipped", "bent", "intersecting")
     return " ".join(f"{report[name]} {name}" for name in names if report[name]) or "sound"
 
@@ -123,7 +123,7 @@ def pieces(path: Path, proxies: int, counts: list[int], groups: list[int]) -> No
         mean, most = distances(vertices, Path(place) / "one.ply")
         print(f"{path.stem}: {len(triangles):,} faces, {whole[2]} regions, one piece: {seconds:.1f} s of processor")
         print(f"  error {whole[0]:.5g}, borders {whole[1]:.5g}, mean distance {mean:.4g}, 99 % {most:.4g}", end="")
-        print(f", {poly.report['polygons']} polygons, {flaws(poly.report)}")
+        print(f", {poly.report['polygons']} polygons, {defects(poly.report)}")
         for count, group in product(counts, groups):
             folder, out = Path(place) / f"in{count}-{group}", Path(place) / f"{count}-{group}.ply"
             parts = cut((vertices, triangles), count, folder)
@@ -140,7 +140,7 @@ def pieces(path: Path, proxies: int, counts: list[int], groups: list[int]) -> No
                 f"  {count:3d} tiles{named(report['groups'])}: error {found[0] / whole[0] - 1:+.1%}, "
                 f"borders {found[1] / whole[1] - 1:+.1%}, {found[2]} regions, "
                 f"mean distance {own[0] / mean - 1:+.1%}, 99 % {own[1] / most - 1:+.1%}, "
-                f"{report['output']['polygons']} polygons, {flaws(report['output'])}, "
+                f"{report['output']['polygons']} polygons, {defects(report['output'])}, "
                 f"{len(triangles) / report['thinned_faces']:.1f} x thinned, "
                 f"graph {report['graph_bytes'] / len(triangles):.2f} B a face, {seconds:.1f} s"
             )
@@ -257,7 +257,7 @@ def city(faces: int, proxies: int, kill: bool, jobs: int, group: int) -> None:
         seconds = time.perf_counter() - begun
         tile = report["largest_tile"]
         print(f"{faces:,} faces in {report['tiles']} tiles, {report['regions']:,} regions: {seconds:.0f} s with {jobs}")
-        print(f"  error {report['error']:.6g}, {report['output']['polygons']:,} polygons, {flaws(report['output'])}")
+        print(f"  error {report['error']:.6g}, {report['output']['polygons']:,} polygons, {defects(report['output'])}")
         print(f"  borders: {report['border_edges']:,} edges, {report['unmatched_edges']:,} without a partner")
         print(f"  graph {report['graph_bytes'] / faces:.2f} B a face, {report['thinned_faces']:,} faces meshed")
         if report["groups"]:

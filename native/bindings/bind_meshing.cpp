@@ -19,28 +19,28 @@ using namespace py::literals;
 
 namespace {
 
-const char* name_of(Flaw flaw) {
-  switch (flaw) {
-    case Flaw::crossing:
+const char* name_of(Defect kind) {
+  switch (kind) {
+    case Defect::crossing:
       return "crossing";
-    case Flaw::no_area:
+    case Defect::no_area:
       return "no_area";
-    case Flaw::flipped:
+    case Defect::flipped:
       return "flipped";
-    case Flaw::bent:
+    case Defect::bent:
       return "bent";
-    case Flaw::intersecting:
+    case Defect::intersecting:
       return "intersecting";
-    case Flaw::excused:
+    case Defect::excused:
       break;
   }
   return "excused";
 }
 
-py::list imperfections(const MeshingReport& r) {
+py::list listed_defects(const MeshingReport& r) {
   py::list list;
-  for (const Imperfection& i : r.imperfect) {
-    py::dict entry("polygon"_a = i.polygon, "flaw"_a = name_of(i.flaw));
+  for (const ListedDefect& i : r.defects) {
+    py::dict entry("polygon"_a = i.polygon, "flaw"_a = name_of(i.kind));
     if (i.other >= 0) entry["other"] = i.other;
     list.append(entry);
   }
@@ -61,7 +61,7 @@ py::dict report_of(const MeshingReport& r) {
       "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area, "diagonals"_a = r.diagonals,
       "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
       "work"_a = py::dict("faces"_a = r.work.faces, "corners"_a = r.work.corners, "polygons"_a = r.work.polygons),
-      "imperfect"_a = imperfections(r), "planes_let_go"_a = r.planes_let_go, "planar"_a = r.planar.planar,
+      "imperfect"_a = listed_defects(r), "planes_let_go"_a = r.planes_let_go, "planar"_a = r.planar.planar,
       "rims"_a = py::dict("reach"_a = r.rims.reach, "edges"_a = r.rims.edges, "area_added"_a = r.rims.area_added,
                           "area_lost"_a = r.rims.area_lost),
       "boxes"_a = r.boxes);
@@ -99,7 +99,7 @@ void bind_result(py::module_& m) {
                              "(W,) int32: the vertex of the mesh that each one stands for.")
       .def_property_readonly("planes_let_go", viewer<PolygonMesh>(&PolygonMesh::planes_let_go),
                              "(K,) int32: the regions whose snapped plane the polygons do not use, rising: with it a "
-                             "polygon would have a fault or, with options.planar, too many faces would be added.")
+                             "polygon would have a defect or, with options.planar, too many faces would be added.")
       .def_property_readonly(
           "report", [](const PolygonMesh& poly) { return report_of(poly.report); },
           R"(Properties of the polygons, as a dict.
@@ -112,7 +112,7 @@ excused: such pairs whose regions intersect in the scan itself (excused_at_least
 without_area: polygons that are a face of the scan without area; diagonals that the repair put across regions,
 repair_rounds, and repair_capped: whether defects are left whose repair would take more than options.repair_budget; work:
 numbers of faces walked over, corners placed and polygons judged, the same on every machine; imperfect: all of these by
-polygon, of each flaw the first 1,000;
+polygon, of each kind the first 1,000;
 planar: whether every polygon is planar to a millionth of the diagonal. With options.planar also whole, the share of the
 polygons that were not cut; left_off: whether more would have been cut than options.planar_most allows, so that no polygon
 was made planar; faces_added by cutting off corners, and faces_added_for, the causes: apart (planes do not meet

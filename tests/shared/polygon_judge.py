@@ -25,9 +25,9 @@ FACING = 0.2  # cosine from which a polygon faces the way of the adjacent faces
 
 @dataclass
 class Verdict:
-    """Lists of polygons (by index) or of pairs; `faults` are texts on forbidden states."""
+    """Lists of polygons (by index) or of pairs; `defects` are texts on forbidden states."""
 
-    faults: list = field(default_factory=list)
+    defects: list = field(default_factory=list)
     crossing: list = field(default_factory=list)
     empty: list = field(default_factory=list)
     given: list = field(default_factory=list)  # without area, but so is the face of the scan that they are
@@ -42,7 +42,7 @@ class Verdict:
 
     @property
     def sound(self):
-        return not (self.faults or self.crossing or self.empty or self.flipped or self.bent or self.far or self.hits)
+        return not (self.defects or self.crossing or self.empty or self.flipped or self.bent or self.far or self.hits)
 
 
 def polygons_of(poly):
@@ -66,24 +66,24 @@ def groups(n, pairs):
 def topology(loops):
     """Faults, and Euler number, components, border loops and border edges of a mesh of polygons."""
     edges, following, owner = edges_of(loops)
-    faults = []
+    defects = []
     order = np.lexsort(edges.T[::-1])
     ordered = edges[order]
     if (ordered[1:] == ordered[:-1]).all(1).any():
-        faults.append("an edge runs twice one way")
+        defects.append("an edge runs twice one way")
     other = twins(edges)
     paired = other >= 0
     used = np.unique(edges)
     fans, _ = groups(len(edges), np.stack([np.flatnonzero(paired), following[other[paired]]], 1))
     if fans != len(used):
-        faults.append(f"{fans} fans for {len(used)} vertices")
+        defects.append(f"{fans} fans for {len(used)} vertices")
     parts, _ = groups(len(loops), np.stack([owner[paired], owner[other[paired]]], 1))
     border = np.searchsorted(used, edges[~paired])
     if len(border) and not (np.bincount(border.ravel()) <= 2).all():
-        faults.append("a border passes a vertex twice")
+        defects.append("a border passes a vertex twice")
     rings = len(np.unique(groups(len(used), border)[1][border])) if len(border) else 0
     count = int((~paired).sum() + paired.sum() // 2)
-    return faults, {
+    return defects, {
         "euler": len(used) - count + len(loops),
         "components": parts,
         "border loops": rings,
@@ -452,19 +452,19 @@ def judge(poly, mesh, part, flatness=0.0, reach=0.01, outlined=False):
     loops = polygons_of(poly)
     vertices = np.asarray(poly.vertices)
     if not np.isfinite(vertices).all():
-        v.faults.append("a vertex is not finite")
+        v.defects.append("a vertex is not finite")
         return v, scan
     if not np.array_equal(np.unique(poly.loops), np.arange(len(vertices))):
-        v.faults.append("a vertex is unused or out of range")
+        v.defects.append("a vertex is unused or out of range")
         return v, scan
     if min(map(len, loops)) < 3 or any(len(set(loop.tolist())) < len(loop) for loop in loops):
-        v.faults.append("a polygon repeats a vertex or has fewer than three")
+        v.defects.append("a polygon repeats a vertex or has fewer than three")
         return v, scan
     if len({tuple(sorted(loop.tolist())) for loop in loops}) < len(loops):
-        v.faults.append("two polygons have the same corners")
-    faults, found = topology(loops)
+        v.defects.append("two polygons have the same corners")
+    defects, found = topology(loops)
     _, wanted = topology(scan.triangles)
-    v.faults += faults + [f"{what} {found[what]}, scan {n}" for what, n in wanted.items() if found[what] != n]
+    v.defects += defects + [f"{what} {found[what]}, scan {n}" for what, n in wanted.items() if found[what] != n]
     moved = np.linalg.norm(vertices - scan.vertices[poly.source_vertex], axis=1)
     v.far = np.flatnonzero(moved > reach * scan.diagonal * (1 + 1e-6)).tolist()
     position = vertices.astype(np.float32).astype(float)  # as stored in files

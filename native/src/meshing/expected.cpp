@@ -9,7 +9,7 @@
 #include "complex/state.h"
 #include "isimp/core/sorted.h"
 #include "judge/bounds.h"
-#include "judge/findings.h"
+#include "judge/defects.h"
 #include "kept_part.h"
 
 namespace isimp {
@@ -35,11 +35,11 @@ bool goes_on(const State& state, std::int32_t wall) {
   return found;
 }
 
-/// The number of further polygons that the faults of a piece will need.
-double cost_of(const Findings& findings, std::int32_t piece) {
-  double cost = (findings.faults(piece) & kCrossing) != 0 ? kOfCrossing : 0;
-  const double bound = findings.bounds().bend;
-  for (const PolygonVerdict& v : findings.of(piece).polygons)
+/// The number of further polygons that the defects of a piece will need.
+double cost_of(const Defects& defects, std::int32_t piece) {
+  double cost = (defects.kinds(piece) & kCrossing) != 0 ? kOfCrossing : 0;
+  const double bound = defects.bounds().bend;
+  for (const PolygonDefects& v : defects.of(piece).polygons)
     if (bound > 0 && v.bend > bound) cost += kOfBend * std::sqrt(v.bend / bound - 1);
   return cost;
 }
@@ -54,8 +54,8 @@ ExpectedPolygons expected_polygons(const Mesh& mesh, const Partition& partition,
   const Job::Part whole(job, "counting polygons", 0.0, 1.0);
   State state(mesh, partition, options, job);
   state.update({});
-  Findings findings(state, bounds_of(state), job);
-  findings.judge(numbers_below(state.labels.piece_count()));
+  Defects defects(state, bounds_of(state), job);
+  defects.judge(numbers_below(state.labels.piece_count()));
 
   ExpectedPolygons e;
   std::set<std::int32_t> regions, meeting;
@@ -72,12 +72,12 @@ ExpectedPolygons expected_polygons(const Mesh& mesh, const Partition& partition,
       walls += piece.cause == Cause::wall;
       halves += piece.cause == Cause::wall && goes_on(state, l);
     }
-    more += cost_of(findings, l);
+    more += cost_of(defects, l);
   }
-  for (const Hit& h : findings.hits())
+  for (const Hit& h : defects.hits())
     if (!h.excused) meeting.insert(std::max(h.a, h.b));
   more += kOfMeeting * static_cast<double>(meeting.size());
-  // A scan that is cut to discs nowhere and has no other fault keeps one polygon a piece.
+  // A scan that is cut to discs nowhere and has no other defect keeps one polygon a piece.
   if (more > 0) more += kOfSplit * (splits - walls);
   e.regions = static_cast<std::int32_t>(regions.size());
   e.split_for_repair = static_cast<std::int32_t>(std::lround(more)) + (pieces - e.regions - splits);

@@ -92,21 +92,21 @@ void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> p
   report.rims = outcome.rims;
   report.planes_let_go = static_cast<std::int32_t>(outcome.let_go.size());
   report.excused_at_least = outcome.excused_at_least;
-  std::vector<Imperfection> list;  // with each pair under its first polygon
-  list.reserve(outcome.imperfect.size());
-  for (const auto& [polygon, flaw, other] : outcome.imperfect) {
-    list.push_back({place[polygon], flaw, other == kNone ? kNone : place[other]});
-    Imperfection& i = list.back();
+  std::vector<ListedDefect> list;  // with each pair under its first polygon
+  list.reserve(outcome.defects.size());
+  for (const auto& [polygon, kind, other] : outcome.defects) {
+    list.push_back({place[polygon], kind, other == kNone ? kNone : place[other]});
+    ListedDefect& i = list.back();
     if (i.other != kNone && i.other < i.polygon) std::swap(i.polygon, i.other);
   }
   std::sort(list.begin(), list.end());
-  std::map<Flaw, std::size_t> listed;
-  for (const Imperfection& i : list) {
-    if (++listed[i.flaw] > kMostListed) continue;
-    report.imperfect.push_back(i);
-    if (i.other != kNone) report.imperfect.push_back({i.other, i.flaw, i.polygon});
+  std::map<Defect, std::size_t> listed;
+  for (const ListedDefect& i : list) {
+    if (++listed[i.kind] > kMostListed) continue;
+    report.defects.push_back(i);
+    if (i.other != kNone) report.defects.push_back({i.other, i.kind, i.polygon});
   }
-  std::sort(report.imperfect.begin(), report.imperfect.end());
+  std::sort(report.defects.begin(), report.defects.end());
 }
 
 PolygonMesh polygons_of(State& state, Job& job) {

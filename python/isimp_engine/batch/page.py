@@ -12,19 +12,19 @@ from .table import Row
 
 NAME = "results.html"
 _PICTURES = 1000  # most pictures on the page; about 10 KB each
-_FLAWS = ("crossing", "flipped", "bent", "intersecting")
+_DEFECTS = ("crossing", "flipped", "bent", "intersecting")
 
 _STYLE = """
 body { font: 15px/1.4 system-ui, sans-serif; margin: 2em; color: #222; background: #fff }
 table { border-collapse: collapse } td, th { padding: .3em .8em; border-bottom: 1px solid #ddd; vertical-align: middle }
 th { text-align: left; position: sticky; top: 0; background: #fff } td.n { text-align: right }
-tr.failed { background: #fdeaea } tr.flawed { background: #fff7e0 } img { display: block }
+tr.failed { background: #fdeaea } tr.defective { background: #fff7e0 } img { display: block }
 """
 
 
-def flaws(row: Row) -> list[str]:
+def defects(row: Row) -> list[str]:
     """Return the defects of a result, such as `3 bent` or `not manifold`, and the warnings of its partition."""
-    found = [f"{row[kind]} {kind}" for kind in _FLAWS if row.get(kind)]
+    found = [f"{row[kind]} {kind}" for kind in _DEFECTS if row.get(kind)]
     if row.get("manifold") is False:
         found.append("not manifold")
     distance, allowed = row.get("scan_distance"), row.get("scan_distance_allowed")
@@ -34,8 +34,8 @@ def flaws(row: Row) -> list[str]:
 
 
 def in_order(rows: Iterable[Row]) -> list[Row]:
-    """Sort rows: failed scans first, then results with flaws, then the others."""
-    return sorted(rows, key=lambda row: (row["status"] == "ok", not flaws(row), row["name"]))
+    """Sort rows: failed scans first, then results with defects, then the others."""
+    return sorted(rows, key=lambda row: (row["status"] == "ok", not defects(row), row["name"]))
 
 
 def totals(rows: list[Row]) -> str:
@@ -69,8 +69,8 @@ def write(folder: Path, rows: list[Row], pictures: Path) -> None:
 
 
 def _line(row: Row, folder: Path, pictures: Path | None) -> str:
-    failed, problems = row["status"] != "ok", flaws(row)
-    kind = "failed" if failed else "flawed" if problems else "ok"
+    failed, problems = row["status"] != "ok", defects(row)
+    kind = "failed" if failed else "defective" if problems else "ok"
     said = str(row["why"]) if failed else ", ".join(problems)
     flat = ""
     if row.get("planarity_mean") is not None and row.get("diagonal"):

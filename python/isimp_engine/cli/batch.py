@@ -12,7 +12,7 @@ from typing import Any
 
 from ..batch import BatchError, Children, Outcome, State
 from ..batch import run as run_batch
-from ..batch.page import NAME, flaws, in_order, totals
+from ..batch.page import NAME, defects, in_order, totals
 from ..batch.table import NAME as ROWS
 from ..children.clusters import KINDS, checked
 from .ending import Terminated, deferrable
@@ -151,7 +151,7 @@ def summary(outcome: Outcome, output: Path, retried: bool) -> Iterator[str]:
         for row in good[:_LINES]:
             numbers = f"{row.get('faces', 0):11,} {row.get('regions', 0):8,} {row.get('polygons', 0):8,}"
             peak = "" if row["peak_mb"] is None else f"{row['peak_mb']:,.0f}"
-            more = f"  {', '.join(found)}" if (found := flaws(row)) else ""
+            more = f"  {', '.join(found)}" if (found := defects(row)) else ""
             yield f"ok      {row['name']:{width}} {numbers} {row['seconds']:8.1f} {peak:>8}{more}"
         if len(good) > _LINES:
             yield f"        and {len(good) - _LINES:,} more"

@@ -360,4 +360,4 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
         yield f"  {words.step(report['step'])}"
     elif exporting.kind_of(out["path"]):
         yield f"  {words.surfaces(report['validity'])}"
-    yield from words.flaws(out)
+    yield from words.defects(out)

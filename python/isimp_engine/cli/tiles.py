@@ -160,4 +160,4 @@ def summary(outcome: Outcome, source: Path, proxies: int | None) -> Iterator[str
         yield from words.more_proxies(report["regions"], proxies)
     yield words.polygons(out, report["regions"])
     yield words.flat(out, report["diagonal"], report["seconds"]["all"])
-    yield from words.flaws(out)
+    yield from words.defects(out)

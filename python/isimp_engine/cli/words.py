@@ -191,6 +191,6 @@ def flat(out: dict[str, Any], diagonal: float, seconds: float) -> str:
     return f"  flat to {mean} of the diagonal, at worst {worst}; {seconds:.1f} s"
 
 
-def flaws(out: dict[str, Any]) -> Iterator[str]:
+def defects(out: dict[str, Any]) -> Iterator[str]:
     if found := [f"{out[key]} {key}" for key in ("crossing", "flipped", "bent", "intersecting") if out[key]]:
         yield f"  not perfect: {', '.join(found)}"

@@ -215,16 +215,18 @@ std::int32_t thin_faces(const Mesh& mesh) {
   }));
 }
 
-/// The judge's faults, except polygons without area where the scan has as many faces without any, or where the budget
+/// The judge's defects, except polygons without area where the scan has as many faces without any, or where the budget
 /// of the repair was spent and the report names them.
-std::string unexcused(std::string faults, const PolygonMesh& polygons, const Mesh& mesh) {
+std::string unexcused(std::string defects, const PolygonMesh& polygons, const Mesh& mesh) {
   if (polygons.report.repair_capped)
-    for (const Imperfection& i : polygons.report.imperfect)
-      if (i.flaw == Flaw::no_area)
-        faults = std::regex_replace(faults, std::regex("polygon " + std::to_string(i.polygon) + " has no area; "), "");
+    for (const ListedDefect& i : polygons.report.defects)
+      if (i.kind == Defect::no_area)
+        defects =
+            std::regex_replace(defects, std::regex("polygon " + std::to_string(i.polygon) + " has no area; "), "");
   const std::regex no_area("polygon [0-9]+ has no area; ");
-  const auto flat = std::distance(std::sregex_iterator(faults.begin(), faults.end(), no_area), std::sregex_iterator());
-  return flat <= thin_faces(mesh) ? std::regex_replace(faults, no_area, "") : faults;
+  const auto flat =
+      std::distance(std::sregex_iterator(defects.begin(), defects.end(), no_area), std::sregex_iterator());
+  return flat <= thin_faces(mesh) ? std::regex_replace(defects, no_area, "") : defects;
 }
 
 /// \param most_damages  that are done to the mesh first
@@ -245,7 +247,7 @@ void all_the_way(Arrays a, Dice& dice, std::int32_t most_damages) {
     }
     if (testing::Test::HasFailure()) return;
     const PolygonMesh polygons = polygonize(mesh, p, meshing_options(dice), job);
-    EXPECT_EQ(unexcused(judge::faults_against(polygons, mesh, p), polygons, mesh), "");
+    EXPECT_EQ(unexcused(judge::defects_against(polygons, mesh, p), polygons, mesh), "");
   } catch (const InvalidInput& e) {
     EXPECT_GT(std::string(e.what()).size(), 10U);
   }

@@ -92,7 +92,7 @@ TEST_F(CleanData, EveryFileBecomesASoundMesh) {
   }
 }
 
-TEST_F(CleanData, TheKnownFlawsAreCounted) {
+TEST_F(CleanData, TheKnownDefectsAreCounted) {
   using Counts = std::map<std::string, std::int64_t>;
   const auto repairs_of = [](const char* name) {
     return repairs(cleaned(read(fs::path(labelled::data_folder()) / name)));

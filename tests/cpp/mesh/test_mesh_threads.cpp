@@ -32,7 +32,7 @@ Arrays many_parts() {
   return a;
 }
 
-/// `many_parts` with the damage of a scanner: each kind of flaw that `clean` searches for in all faces.
+/// `many_parts` with the damage of a scanner: each kind of defect that `clean` searches for in all faces.
 Arrays damaged_parts() {
   Arrays a = many_parts();
   a.triangles[50'000] = {1, 1, 2};
@@ -89,7 +89,7 @@ TEST(MeshThreads, FewerThanNoneAreRefused) {
   EXPECT_THROW(clean(a.vertices, a.triangles, {.threads = -1}, job), InvalidInput);
 }
 
-TEST(MeshThreads, TheFirstFlawIsNamedOnAnyNumberOfThem) {
+TEST(MeshThreads, TheFirstDefectIsNamedOnAnyNumberOfThem) {
   const auto message = [](const Arrays& a, std::int32_t threads) {
     Job job;
     try {
@@ -99,7 +99,7 @@ TEST(MeshThreads, TheFirstFlawIsNamedOnAnyNumberOfThem) {
     }
     return std::string("sound");
   };
-  const std::vector<std::function<void(Arrays&)>> flaws{
+  const std::vector<std::function<void(Arrays&)>> defects{
       [](Arrays& a) { a.vertices[40'000].x() = a.vertices[50'000].x() = std::numeric_limits<double>::infinity(); },
       [](Arrays& a) { a.triangles[70'000][1] = a.triangles[120'000][1] = 1 << 30; },
       [](Arrays& a) { a.triangles[80'000][0] = a.triangles[80'000][1]; },
@@ -111,12 +111,12 @@ TEST(MeshThreads, TheFirstFlawIsNamedOnAnyNumberOfThem) {
             if (v == 9) v = 30'000;
       },  // two fans
   };
-  for (std::size_t i = 0; i < flaws.size(); ++i) {
+  for (std::size_t i = 0; i < defects.size(); ++i) {
     Arrays a = many_parts();
-    flaws[i](a);
+    defects[i](a);
     const std::string one = message(a, 1);
-    EXPECT_NE(one, "sound") << "flaw " << i;
-    for (const std::int32_t threads : {2, 5}) EXPECT_EQ(message(a, threads), one) << "flaw " << i;
+    EXPECT_NE(one, "sound") << "defect " << i;
+    for (const std::int32_t threads : {2, 5}) EXPECT_EQ(message(a, threads), one) << "defect " << i;
   }
 }
 

@@ -7,7 +7,7 @@
 
 #include "isimp/core/sorted.h"
 #include "judge/bounds.h"
-#include "judge/findings.h"
+#include "judge/defects.h"
 #include "labelled.h"
 #include "place/improve.h"
 #include "shapes.h"
@@ -21,9 +21,9 @@ class Improved : public testing::Test {
       : mesh_(shapes::mesh(shapes::noisy(shapes::sphere(4), 0.02, 7))),
         part_(labelled::voronoi(mesh_, 60, 3)),
         state_(mesh_, part_, options_, job_),
-        findings_(state_, bounds_of(state_), job_) {
+        defects_(state_, bounds_of(state_), job_) {
     state_.update({});
-    findings_.judge(pieces());
+    defects_.judge(pieces());
     state_.take_stale();
   }
 
@@ -35,7 +35,7 @@ class Improved : public testing::Test {
       state_.labels.face_marks.clear();
       state_.split(l, state_.find_cut(l, nullptr), job_);
     }
-    findings_.judge(state_.update_in_place({}));
+    defects_.judge(state_.update_in_place({}));
   }
 
   const Mesh mesh_;
@@ -43,7 +43,7 @@ class Improved : public testing::Test {
   const MeshingOptions options_{.threads = 1};
   Job job_;
   State state_;
-  Findings findings_;
+  Defects defects_;
 };
 
 TEST_F(Improved, SplitsMoveNoCornerThatThereWas) {
@@ -63,35 +63,35 @@ TEST_F(Improved, SplitsMoveNoCornerThatThereWas) {
     }
 }
 
-TEST_F(Improved, MovesLeaveNoNewFaultAndWhatAnotherJudgeFinds) {
+TEST_F(Improved, MovesLeaveNoNewDefectAndWhatAnotherJudgeFinds) {
   split_some();
-  const std::vector<bool> before = findings_.faulty();
-  std::vector<std::uint8_t> faults;
-  for (const std::int32_t l : pieces()) faults.push_back(findings_.faults(l));
+  const std::vector<bool> before = defects_.defective();
+  std::vector<std::uint8_t> kinds;
+  for (const std::int32_t l : pieces()) kinds.push_back(defects_.kinds(l));
   const std::vector<Vec3> places = state_.corners.position;
-  improve_places(state_, findings_, job_);
+  improve_places(state_, defects_, job_);
   std::size_t moved = 0;
   for (std::size_t c = 0; c < places.size(); ++c) moved += state_.corners.position[c] != places[c];
   EXPECT_GT(moved, 20U);
-  const std::vector<bool> after = findings_.faulty();
+  const std::vector<bool> after = defects_.defective();
   for (const std::int32_t l : pieces()) {
     EXPECT_FALSE(after[l] && !before[l]) << l;
-    EXPECT_EQ(findings_.faults(l) & ~faults[l], 0) << l;
+    EXPECT_EQ(defects_.kinds(l) & ~kinds[l], 0) << l;
   }
-  Findings again(state_, bounds_of(state_), job_);
+  Defects again(state_, bounds_of(state_), job_);
   again.judge(pieces());
-  EXPECT_EQ(again.faulty(), after);
-  ASSERT_EQ(again.hits().size(), findings_.hits().size());
-  for (std::size_t i = 0; i < again.hits().size(); ++i) EXPECT_EQ(again.hits()[i].key(), findings_.hits()[i].key());
+  EXPECT_EQ(again.defective(), after);
+  ASSERT_EQ(again.hits().size(), defects_.hits().size());
+  for (std::size_t i = 0; i < again.hits().size(); ++i) EXPECT_EQ(again.hits()[i].key(), defects_.hits()[i].key());
 }
 
 TEST_F(Improved, CornersThatWerePutBackFindTheirPlacesAgain) {
-  const std::vector<bool> faulty = findings_.faulty();
+  const std::vector<bool> defective = defects_.defective();
   std::vector<std::int32_t> corners;
   for (std::int32_t c = 0; c < state_.corners.count(); ++c) {
     const auto round = state_.polygons.at(c);
     if (!round.empty() &&
-        std::none_of(round.begin(), round.end(), [&](auto q) { return faulty[state_.polygons.piece(q)]; }))
+        std::none_of(round.begin(), round.end(), [&](auto q) { return defective[state_.polygons.piece(q)]; }))
       corners.push_back(c);
   }
   ASSERT_GT(corners.size(), 20U);
@@ -106,30 +106,30 @@ TEST_F(Improved, CornersThatWerePutBackFindTheirPlacesAgain) {
     state_.move(c, mesh_.vertices()[state_.corners.vertex[c]]);
     state_.mark_stale(c);
   }
-  findings_.judge(pieces());
+  defects_.judge(pieces());
   const double home = distance();
-  improve_places(state_, findings_, job_);
+  improve_places(state_, defects_, job_);
   EXPECT_LT(distance(), 0.3 * home);
 }
 
 TEST_F(Improved, AMoveThatSpoilsAPolygonIsRefusedAndAnotherIsNot) {
-  const std::vector<bool> faulty = findings_.faulty();
+  const std::vector<bool> defective = defects_.defective();
   int tried = 0;
   for (std::int32_t c = 0; c < state_.corners.count() && tried < 10; ++c) {
     std::vector<std::int32_t> round;
     for (const std::int32_t q : state_.polygons.at(c)) round.push_back(state_.polygons.piece(q));
     sort_unique(round);
-    if (round.empty() || std::any_of(round.begin(), round.end(), [&](auto l) { return faulty[l]; })) continue;
+    if (round.empty() || std::any_of(round.begin(), round.end(), [&](auto l) { return defective[l]; })) continue;
     ++tried;
     const Vec3 from = state_.corners.position[c];
     state_.move(c, -from);  // to the other side of the sphere
-    EXPECT_FALSE(findings_.accepts(round, c));
+    EXPECT_FALSE(defects_.accepts(round, c));
     state_.move(c, from);
-    EXPECT_TRUE(findings_.accepts(round, c));
+    EXPECT_TRUE(defects_.accepts(round, c));
   }
   EXPECT_EQ(tried, 10);
-  findings_.renew_hits();
-  EXPECT_EQ(findings_.faulty(), faulty);
+  defects_.renew_hits();
+  EXPECT_EQ(defects_.defective(), defective);
 }
 
 }  // namespace

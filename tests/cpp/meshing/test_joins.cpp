@@ -37,7 +37,7 @@ class Joins : public testing::Test {
       EXPECT_EQ(state_.labels.label[state_.labels.pieces[l].face], l);
       const std::vector<std::int32_t> faces = state_.labels.faces_of(l);
       EXPECT_EQ(std::count(state_.labels.label.begin(), state_.labels.label.end(), l), std::ssize(faces));
-      EXPECT_EQ(state_.labels.shape(faces, true).defect(), 0);
+      EXPECT_TRUE(state_.labels.shape(faces, true).is_disc());
     }
   }
 
@@ -61,7 +61,7 @@ TEST_F(Joins, AllTakenBackLeaveWhatWas) {
   for (std::size_t v = 0; v < now.size(); ++v) EXPECT_TRUE(corners_[v] < 3 || now[v] == corners_[v]) << v;
 }
 
-TEST_F(Joins, NoneIsTakenBackWithoutAFault) {
+TEST_F(Joins, NoneIsTakenBackWithoutADefect) {
   const std::vector<std::int32_t> joined = state_.labels.label;
   const std::size_t count = joins_.size();
   EXPECT_FALSE(take_back(state_, std::vector<bool>(120, false), joins_));
@@ -72,9 +72,9 @@ TEST_F(Joins, NoneIsTakenBackWithoutAFault) {
 
 TEST_F(Joins, TakenBackPieceByPieceLeaveDiscs) {
   for (std::int32_t l = 0; l < 120; l += 7) {
-    std::vector<bool> faulty(120, false);
-    faulty[l] = true;
-    take_back(state_, faulty, joins_);
+    std::vector<bool> defective(120, false);
+    defective[l] = true;
+    take_back(state_, defective, joins_);
     for (const Join& join : joins_)
       EXPECT_EQ(std::count(join.pieces.begin(), join.pieces.end(), l), 0) << "piece " << l << " has a join still";
     state_.update({});
@@ -84,7 +84,7 @@ TEST_F(Joins, TakenBackPieceByPieceLeaveDiscs) {
   EXPECT_EQ(state_.labels.label, before_);
 }
 
-TEST(JoinsOfPolygons, AreTakenBackWhereMovingCornersDoesNotMendTheFaults) {
+TEST(JoinsOfPolygons, AreTakenBackWhereMovingCornersDoesNotMendTheDefects) {
   // So rough that nearly all polygons meet others, for any corners.
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.2, 1));
   const Partition part = labelled::voronoi(mesh, 120, 5);

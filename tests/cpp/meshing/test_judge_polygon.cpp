@@ -57,9 +57,9 @@ TEST(JudgePolygon, FindsTheFirstCrossingOfManyEdges) {
     std::vector<std::int32_t> polygon(p.size());
     std::iota(polygon.begin(), polygon.end(), 0);
     std::vector<Facet> facets;
-    const PolygonVerdict verdict = judge_polygon(polygon, p, Vec3::UnitZ(), {0, 1e-3}, {}, &facets);
+    const PolygonDefects found = judge_polygon(polygon, p, Vec3::UnitZ(), {0, 1e-3}, {}, &facets);
     const Pair expected = first_of_all(p);
-    ASSERT_EQ(verdict.crossing, expected) << trial;
+    ASSERT_EQ(found.crossing, expected) << trial;
     crossed += expected[0] >= 0;
     if (expected[0] < 0) {
       ASSERT_EQ(facets.size(), p.size() - 2) << trial;

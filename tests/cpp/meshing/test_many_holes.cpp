@@ -36,10 +36,10 @@ TEST(ManyHoles, RowsOfHolesArePartedByRows) {
     const Partition one = labelled::single(mesh);
     Job job;
     const PolygonMesh p = polygonize(mesh, one, {}, job);
-    EXPECT_EQ(judge::faults_against(p, mesh, one), "") << n;
+    EXPECT_EQ(judge::defects_against(p, mesh, one), "") << n;
     EXPECT_EQ(p.report.polygons, n + 1);
     EXPECT_EQ(p.report.split_for_holes, n);
-    EXPECT_TRUE(p.report.imperfect.empty());
+    EXPECT_TRUE(p.report.defects.empty());
   }
 }
 
@@ -49,7 +49,7 @@ TEST(ManyHoles, LongRowsArePartedAcross) {
     const Partition one = labelled::single(mesh);
     Job job;
     const PolygonMesh p = polygonize(mesh, one, {}, job);
-    EXPECT_EQ(judge::faults_against(p, mesh, one), "") << n;
+    EXPECT_EQ(judge::defects_against(p, mesh, one), "") << n;
     std::int32_t most = 0;
     for (std::int32_t q = 0; q < p.polygon_count(); ++q) most = std::max(most, p.loop_end(q) - p.loop_start[q]);
     EXPECT_LE(most, 128) << n;  // for any number of holes in a row
@@ -62,7 +62,7 @@ TEST(ManyHoles, FewHolesTakeTwoPolygons) {
   const Partition one = labelled::single(mesh);
   Job job;
   const PolygonMesh p = polygonize(mesh, one, {}, job);
-  EXPECT_EQ(judge::faults_against(p, mesh, one), "");
+  EXPECT_EQ(judge::defects_against(p, mesh, one), "");
   EXPECT_EQ(p.report.polygons, 2);
 }
 
@@ -84,8 +84,8 @@ TEST(ManyHoles, WallsArePartedFromTheirPlate) {
   const Partition two = labelled::by(region);
   Job job;
   const PolygonMesh p = polygonize(mesh, two, {}, job);
-  EXPECT_EQ(judge::faults_against(p, mesh, two), "");
-  EXPECT_TRUE(p.report.imperfect.empty());
+  EXPECT_EQ(judge::defects_against(p, mesh, two), "");
+  EXPECT_TRUE(p.report.defects.empty());
   EXPECT_EQ(p.report.split_for_repair, 0);
   EXPECT_LE(p.report.planarity_max, 1e-12);
   EXPECT_LE(p.report.polygons, 4 * n * n + 4 + 2 * (n + 1));  // the walls, the sides, rows of both faces
@@ -105,7 +105,7 @@ TEST(ManyHoles, WallsAreWholeWhereverRegionsEnd) {
   const Partition three = labelled::by(region);
   Job job;
   const PolygonMesh p = polygonize(mesh, three, {}, job);
-  EXPECT_EQ(judge::faults_against(p, mesh, three), "");
+  EXPECT_EQ(judge::defects_against(p, mesh, three), "");
   EXPECT_EQ(p.report.split_for_repair, 0);
   EXPECT_EQ(p.report.diagonals, 0);
   EXPECT_LE(p.report.planarity_max, 1e-12);
@@ -134,7 +134,7 @@ TEST(ManyHoles, FewFacesOfAnotherSideTiltNoPolygon) {
     Job job;
     const Partition six = partition(mesh, {.proxies = 6}, job);
     const PolygonMesh p = polygonize(mesh, six, {}, job);
-    EXPECT_EQ(judge::faults_against(p, mesh, six), "") << n;
+    EXPECT_EQ(judge::defects_against(p, mesh, six), "") << n;
     EXPECT_LE(p.report.planarity_max, 1e-6 * mesh.diagonal()) << n;
     EXPECT_EQ(p.report.split_for_repair, 0) << n;
     EXPECT_GE(upright(p, height), 4 * n * n + 4) << n;
@@ -158,7 +158,7 @@ TEST(ManyHoles, AWallOfTwoRegionsIsOnePolygonUnlessOneIsLocked) {
   Partition two = labelled::by(region);
   Job job;
   const PolygonMesh shared = polygonize(mesh, two, {}, job);
-  EXPECT_EQ(judge::faults_against(shared, mesh, two), "");
+  EXPECT_EQ(judge::defects_against(shared, mesh, two), "");
   EXPECT_EQ(upright(shared), 4 * n * n + 4);
   two.region_locked = {1, 0};
   EXPECT_GT(upright(polygonize(mesh, two, {}, job)), 4 * n * n + 4);
@@ -196,7 +196,7 @@ TEST(ManyHoles, HolesWithoutOrderAreCutToDiscs) {
   ASSERT_GT(mesh.report().border_loops, 60);
   const Partition one = labelled::single(mesh);
   const PolygonMesh p = polygonize(mesh, one, {}, job);
-  EXPECT_EQ(judge::faults_against(p, mesh, one), "");
+  EXPECT_EQ(judge::defects_against(p, mesh, one), "");
   EXPECT_LE(p.report.split_for_holes, mesh.report().border_loops / 2);
 }
 
@@ -226,12 +226,12 @@ TEST(Soups, AllPairsAreCountedAndTheFirstListed) {
   EXPECT_EQ(p.report.excused, pairs);
   EXPECT_FALSE(p.report.excused_at_least);
   EXPECT_EQ(p.report.intersecting, 0);
-  ASSERT_EQ(p.report.imperfect.size(), 2000U);
-  std::map<Imperfection, int> listed;
-  for (const Imperfection& i : p.report.imperfect) ++listed[i];
+  ASSERT_EQ(p.report.defects.size(), 2000U);
+  std::map<ListedDefect, int> listed;
+  for (const ListedDefect& i : p.report.defects) ++listed[i];
   for (const auto& [i, times] : listed) {
     EXPECT_EQ(times, 1);
-    EXPECT_TRUE(listed.contains({i.other, i.flaw, i.polygon}));
+    EXPECT_TRUE(listed.contains({i.other, i.kind, i.polygon}));
   }
 }
 

@@ -48,7 +48,7 @@ TEST(Polygonize, CubeComesBackAsSixQuadsInAnyFaceOrder) {
     const Partition sides = labelled::planes(mesh);
     ASSERT_EQ(sides.region_count(), 6);
     const PolygonMesh p = run(mesh, sides);
-    EXPECT_EQ(judge::faults_against(p, mesh, sides), "");
+    EXPECT_EQ(judge::defects_against(p, mesh, sides), "");
     EXPECT_EQ(corner_counts(p), std::vector<int>(6, 4));
     expect_vertices(p, box(Vec3::Zero(), Vec3::Ones()), 1e-12);
     EXPECT_LT(p.report.planarity_max, 1e-12);
@@ -73,7 +73,7 @@ TEST(Polygonize, TwoCubesAreTwelveQuads) {
   const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(5), shapes::cube(3), {3, 0.5, 0.25}));
   const Partition sides = labelled::planes(mesh);
   const PolygonMesh p = run(mesh, sides);
-  EXPECT_EQ(judge::faults_against(p, mesh, sides), "");
+  EXPECT_EQ(judge::defects_against(p, mesh, sides), "");
   EXPECT_EQ(corner_counts(p).size(), 12U);
   EXPECT_TRUE(p.report.closed);
 }
@@ -81,7 +81,7 @@ TEST(Polygonize, TwoCubesAreTwelveQuads) {
 TEST(Polygonize, OneTriangleStaysOne) {
   const Mesh mesh = shapes::mesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
   const PolygonMesh p = run(mesh, labelled::single(mesh));
-  EXPECT_EQ(judge::faults_against(p, mesh, labelled::single(mesh)), "");
+  EXPECT_EQ(judge::defects_against(p, mesh, labelled::single(mesh)), "");
   EXPECT_EQ(corner_counts(p), std::vector<int>{3});
   EXPECT_EQ(p.loops, (std::vector<std::int32_t>{0, 1, 2}));
 }
@@ -94,7 +94,7 @@ TEST(Polygonize, OpenPlaneKeepsItsCornersAndArea) {
   for (const int regions : {2, 5, 20}) {
     const Partition parts = labelled::voronoi(mesh, regions, 5);
     const PolygonMesh p = run(mesh, parts);
-    EXPECT_EQ(judge::faults_against(p, mesh, parts), "");
+    EXPECT_EQ(judge::defects_against(p, mesh, parts), "");
     EXPECT_NEAR(judge::look_at(p).area, 1.0, 1e-9);
   }
 }
@@ -114,7 +114,7 @@ TEST(Polygonize, SphereOfOneRegionBecomesFourPolygons) {
   const Mesh mesh = shapes::mesh(shapes::sphere(3));
   const Partition one = labelled::single(mesh);
   const PolygonMesh p = run(mesh, one);
-  EXPECT_EQ(judge::faults_against(p, mesh, one), "");
+  EXPECT_EQ(judge::defects_against(p, mesh, one), "");
   EXPECT_EQ(p.report.polygons, 4);
   EXPECT_EQ(p.report.regions, 1);
   EXPECT_EQ(p.report.regions_split, 1);
@@ -125,7 +125,7 @@ TEST(Polygonize, TorusOfOneRegionKeepsItsHandle) {
   const Mesh mesh = shapes::mesh(shapes::torus(40, 20));
   const Partition one = labelled::single(mesh);
   const PolygonMesh p = run(mesh, one);
-  EXPECT_EQ(judge::faults_against(p, mesh, one), "");
+  EXPECT_EQ(judge::defects_against(p, mesh, one), "");
   EXPECT_GT(p.report.split_for_handles, 0);
 }
 
@@ -137,12 +137,12 @@ TEST(Polygonize, WhatMeetsInTheScanIsExcusedByName) {
   EXPECT_EQ(corner_counts(p), std::vector<int>(12, 4));
   EXPECT_EQ(p.report.intersecting, 0);
   EXPECT_EQ(p.report.excused, 6);
-  ASSERT_EQ(p.report.imperfect.size(), 12U);
-  EXPECT_TRUE(std::is_sorted(p.report.imperfect.begin(), p.report.imperfect.end()));
-  for (const Imperfection& i : p.report.imperfect) {
-    EXPECT_EQ(i.flaw, Flaw::excused);
-    const auto back = Imperfection{i.other, Flaw::excused, i.polygon};
-    EXPECT_TRUE(std::binary_search(p.report.imperfect.begin(), p.report.imperfect.end(), back));
+  ASSERT_EQ(p.report.defects.size(), 12U);
+  EXPECT_TRUE(std::is_sorted(p.report.defects.begin(), p.report.defects.end()));
+  for (const ListedDefect& i : p.report.defects) {
+    EXPECT_EQ(i.kind, Defect::excused);
+    const auto back = ListedDefect{i.other, Defect::excused, i.polygon};
+    EXPECT_TRUE(std::binary_search(p.report.defects.begin(), p.report.defects.end(), back));
     const auto second = [&](std::int32_t q) { return p.polygon_region[q] >= 6; };
     EXPECT_NE(second(i.polygon), second(i.other));
   }
@@ -156,7 +156,7 @@ TEST(Polygonize, APartLeftOutGetsNoPolygon) {
     if (mesh.component()[f] == 1) regions[f] = kNone;
   const Partition kept = labelled::by(regions);
   const PolygonMesh p = run(mesh, kept);
-  EXPECT_EQ(judge::faults_against(p, mesh, kept), "");
+  EXPECT_EQ(judge::defects_against(p, mesh, kept), "");
   EXPECT_EQ(p.report.polygons, 6);
 }
 
@@ -171,7 +171,7 @@ TEST(Polygonize, CornerCutByATriangle) {
   }
   const Partition cut = labelled::by(regions);
   const PolygonMesh p = run(mesh, cut);
-  EXPECT_EQ(judge::faults_against(p, mesh, cut), "");
+  EXPECT_EQ(judge::defects_against(p, mesh, cut), "");
   EXPECT_EQ(corner_counts(p), (std::vector<int>{3, 4, 4, 4, 5, 5, 5}));
 }
 
@@ -180,14 +180,14 @@ TEST(Polygonize, UnconnectedRegionsBecomeConnectedPolygons) {
   for (const int count : {2, 10, 1000}) {
     const Partition noise = labelled::noise(mesh, count, 11);
     const PolygonMesh p = run(mesh, noise);
-    EXPECT_EQ(judge::faults_against(p, mesh, noise), "");
+    EXPECT_EQ(judge::defects_against(p, mesh, noise), "");
   }
 }
 
 TEST(Polygonize, EveryFaceARegionGivesTheMeshBack) {
   const Mesh mesh = shapes::mesh(shapes::torus(15, 9));
   const PolygonMesh p = run(mesh, labelled::each(mesh));
-  EXPECT_EQ(judge::faults_against(p, mesh, labelled::each(mesh)), "");
+  EXPECT_EQ(judge::defects_against(p, mesh, labelled::each(mesh)), "");
   EXPECT_EQ(p.report.polygons, mesh.face_count());
   EXPECT_EQ(p.report.vertices, mesh.vertex_count());
 }
@@ -198,7 +198,7 @@ TEST(Polygonize, ARegionWithoutAreaGoesToItsNeighbour) {
       {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}}, {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}});
   const Partition each = labelled::each(mesh);
   const PolygonMesh p = run(mesh, each);
-  EXPECT_EQ(judge::faults_against(p, mesh, each), "");
+  EXPECT_EQ(judge::defects_against(p, mesh, each), "");
   EXPECT_EQ(p.report.merged_without_area, 1);
   EXPECT_EQ(p.report.polygons, 3);
   EXPECT_EQ(p.report.regions, 3);
@@ -280,7 +280,7 @@ TEST_P(Known, ComesBackExactly) {
   const Mesh mesh = labelled::read_ply(path + ".ply");
   const Partition truth = labelled::read_labels(path + ".lab");
   const PolygonMesh p = run(mesh, truth);
-  EXPECT_EQ(judge::faults_against(p, mesh, truth), "");
+  EXPECT_EQ(judge::defects_against(p, mesh, truth), "");
   EXPECT_NEAR(judge::look_at(p).area, mesh.report().area, 1e-6 * mesh.report().area);
   EXPECT_LT(p.report.planarity_max, 1e-6 * mesh.diagonal());
   EXPECT_LE(p.report.polygons, p.report.regions + 2 * p.report.regions_split);

@@ -41,13 +41,13 @@ double bend(const PolygonMesh& mesh, const Vec3& origin, bool rounded) {
   return most;
 }
 
-/// The polygons of a scan have no fault, all are planar, and the scan's topology is kept.
+/// The polygons of a scan have no defect, all are planar, and the scan's topology is kept.
 void expect_sound(const PolygonMesh& out, const Mesh& mesh, const Partition& part) {
   EXPECT_TRUE(out.report.planar.planar);
   EXPECT_LE(bend(out, mesh.origin(), false), kPlanar * mesh.diagonal());
   EXPECT_LE(bend(out, mesh.origin(), true), kPlanar * mesh.diagonal());
-  EXPECT_EQ(judge::faults_against(out, mesh, part), "");
-  EXPECT_TRUE(out.report.imperfect.empty());
+  EXPECT_EQ(judge::defects_against(out, mesh, part), "");
+  EXPECT_TRUE(out.report.defects.empty());
   const PlanarReport& r = out.report.planar;
   EXPECT_EQ(r.faces_added, r.added_for_apart + r.added_for_crossing + r.added_for_flipped + r.added_for_meeting);
 }
@@ -105,7 +105,7 @@ TEST(Planar, CurvedScansAreCut) {
 }
 
 /// Rough balls, with polygons far from planar: much is given up, finally the planes themselves.
-TEST(Planar, RoughScansGetNoFaultThatTheyHadNot) {
+TEST(Planar, RoughScansGetNoDefectThatTheyHadNot) {
   for (const std::uint32_t seed : {1U, 2U, 3U, 4U})
     for (const double noise : {0.03, 0.06})
       for (const int regions : {24, 60, 150}) {
@@ -124,14 +124,14 @@ TEST(Planar, RoughScansGetNoFaultThatTheyHadNot) {
 }
 
 /// Crumpled balls, of which the repair's budget leaves a hundred polygons that cross themselves: planar ones are fewer.
-TEST(Planar, CrumpledScansGetNoMoreFaultsThanTheyHad) {
-  const auto faults = [](const MeshingReport& r) { return r.crossing + r.flipped + r.bent + r.intersecting; };
+TEST(Planar, CrumpledScansGetNoMoreDefectsThanTheyHad) {
+  const auto defects = [](const MeshingReport& r) { return r.crossing + r.flipped + r.bent + r.intersecting; };
   for (const int regions : {40, 100}) {
     const Mesh ball = shapes::mesh(shapes::noisy(shapes::sphere(3), 0.3, 1));
     const Partition part = labelled::voronoi(ball, regions, 1);
     const MeshingReport before = polygons(ball, part, {}).report, after = polygons(ball, part).report;
-    EXPECT_GT(faults(before), 0);
-    EXPECT_LE(faults(after), faults(before));
+    EXPECT_GT(defects(before), 0);
+    EXPECT_LE(defects(after), defects(before));
     EXPECT_TRUE(after.manifold && after.closed);
     EXPECT_EQ(after.euler, before.euler);
   }

@@ -1,4 +1,4 @@
-// Pieces while polygons are made: removed ones, and the findings on united ones.
+// Pieces while polygons are made: removed ones, and the defects on united ones.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -93,9 +93,9 @@ TEST(Handovers, LeavePiecesWhatTheirFacesTell) {
     }
   };
   check();
-  std::vector<bool> faulty(state.labels.piece_count(), false);
-  for (const Join& join : joins) faulty[join.taker] = true;
-  ASSERT_TRUE(take_back(state, faulty, joins));
+  std::vector<bool> defective(state.labels.piece_count(), false);
+  for (const Join& join : joins) defective[join.taker] = true;
+  ASSERT_TRUE(take_back(state, defective, joins));
   EXPECT_TRUE(joins.empty());
   state.update({});
   check();

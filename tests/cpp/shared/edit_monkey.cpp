@@ -343,9 +343,9 @@ class Monkey {
     try {
       const PolygonMesh polygons = isimp::polygonize(mesh_, p, {}, job_);
       ++tally_.polygonized;
-      const std::string faults = judge::faults_against(polygons, mesh_, p);
-      if (!faults.empty() && polygons.report.without_area == 0 && !polygons.report.repair_capped)
-        add("polygons of " + what, kNone, faults.substr(0, 300));
+      const std::string defects = judge::defects_against(polygons, mesh_, p);
+      if (!defects.empty() && polygons.report.without_area == 0 && !polygons.report.repair_capped)
+        add("polygons of " + what, kNone, defects.substr(0, 300));
     } catch (const InvalidInput&) {
     } catch (const std::exception& e) {
       add("polygons of " + what, kNone, std::string("throws ") + e.what());

@@ -36,17 +36,17 @@ struct Groups {
   std::vector<std::size_t> parent;
 };
 
-/// Faults that a polygon can have on its own.
-void look_at_polygons(const PolygonMesh& mesh, const std::vector<Loop>& polygons, double size, Verdict& v) {
+/// Defects that a polygon can have on its own.
+void look_at_polygons(const PolygonMesh& mesh, const std::vector<Loop>& polygons, double size, Figures& v) {
   std::set<Loop> known;
   for (std::size_t q = 0; q < polygons.size(); ++q) {
     const Loop& loop = polygons[q];
     const std::string name = "polygon " + std::to_string(q);
-    if (loop.size() < 3) v.faults += name + " has fewer than three corners; ";
+    if (loop.size() < 3) v.defects += name + " has fewer than three corners; ";
     Loop sorted = loop;
     std::sort(sorted.begin(), sorted.end());
-    if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) v.faults += name + " repeats a vertex; ";
-    if (!known.insert(sorted).second) v.faults += name + " has the corners of another; ";
+    if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) v.defects += name + " repeats a vertex; ";
+    if (!known.insert(sorted).second) v.defects += name + " has the corners of another; ";
     Vec3 area = Vec3::Zero(), centre = Vec3::Zero();
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const Vec3 &a = mesh.vertices[loop[i]], &b = mesh.vertices[loop[(i + 1) % loop.size()]];
@@ -55,7 +55,7 @@ void look_at_polygons(const PolygonMesh& mesh, const std::vector<Loop>& polygons
     }
     v.area += area.norm();
     if (area.norm() < 1e-14 * size * size) {
-      v.faults += name + " has no area; ";
+      v.defects += name + " has no area; ";
       continue;
     }
     for (const std::int32_t i : loop)
@@ -64,7 +64,7 @@ void look_at_polygons(const PolygonMesh& mesh, const std::vector<Loop>& polygons
 }
 
 /// Edges, fans, components and borders.
-void look_at_edges(const PolygonMesh& mesh, const std::vector<Loop>& polygons, Verdict& v) {
+void look_at_edges(const PolygonMesh& mesh, const std::vector<Loop>& polygons, Figures& v) {
   std::map<std::pair<std::int32_t, std::int32_t>, std::size_t> directed;  // edge -> its corner, numbered through
   std::vector<std::size_t> next, owner;
   std::size_t corner = 0;
@@ -74,7 +74,7 @@ void look_at_edges(const PolygonMesh& mesh, const std::vector<Loop>& polygons, V
     for (std::size_t i = 0; i < loop.size(); ++i, ++corner) {
       const std::pair<std::int32_t, std::int32_t> edge{loop[i], loop[(i + 1) % loop.size()]};
       if (!directed.emplace(edge, corner).second)
-        v.faults += "edge " + std::to_string(edge.first) + "-" + std::to_string(edge.second) + " runs twice one way; ";
+        v.defects += "edge " + std::to_string(edge.first) + "-" + std::to_string(edge.second) + " runs twice one way; ";
       next.push_back(i + 1 < loop.size() ? corner + 1 : first);
       owner.push_back(q);
     }
@@ -97,9 +97,9 @@ void look_at_edges(const PolygonMesh& mesh, const std::vector<Loop>& polygons, V
     parts.join(owner[c], owner[other->second]);
   }
   for (const auto& [vertex, ends] : border_ends)
-    if (ends != 2) v.faults += "vertex " + std::to_string(vertex) + " has " + std::to_string(ends) + " border edges; ";
+    if (ends != 2) v.defects += "vertex " + std::to_string(vertex) + " has " + std::to_string(ends) + " border edges; ";
   if (fans.count() != mesh.vertices.size())
-    v.faults += std::to_string(fans.count()) + " fans for " + std::to_string(mesh.vertices.size()) + " vertices; ";
+    v.defects += std::to_string(fans.count()) + " fans for " + std::to_string(mesh.vertices.size()) + " vertices; ";
   v.components = static_cast<std::int64_t>(parts.count());
   v.euler = static_cast<std::int64_t>(mesh.vertices.size() + polygons.size()) - edges;
   std::set<std::size_t> loops;
@@ -109,21 +109,21 @@ void look_at_edges(const PolygonMesh& mesh, const std::vector<Loop>& polygons, V
 
 }  // namespace
 
-Verdict look_at(const PolygonMesh& mesh) {
-  Verdict v;
+Figures look_at(const PolygonMesh& mesh) {
+  Figures v;
   const std::vector<Loop> polygons = polygons_of(mesh);
   std::vector<bool> used(mesh.vertices.size(), false);
   Vec3 low = Vec3::Constant(1e300), high = -low;
   for (const std::int32_t i : mesh.loops) {
     if (i < 0 || i >= static_cast<std::int32_t>(mesh.vertices.size())) {
-      v.faults = "a corner names vertex " + std::to_string(i);
+      v.defects = "a corner names vertex " + std::to_string(i);
       return v;
     }
     used[i] = true;
   }
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    if (!used[i]) v.faults += "vertex " + std::to_string(i) + " is unused; ";
-    if (!mesh.vertices[i].allFinite()) v.faults += "vertex " + std::to_string(i) + " is not finite; ";
+    if (!used[i]) v.defects += "vertex " + std::to_string(i) + " is unused; ";
+    if (!mesh.vertices[i].allFinite()) v.defects += "vertex " + std::to_string(i) + " is not finite; ";
     low = low.cwiseMin(mesh.vertices[i]);
     high = high.cwiseMax(mesh.vertices[i]);
   }
@@ -132,8 +132,8 @@ Verdict look_at(const PolygonMesh& mesh) {
   return v;
 }
 
-std::string faults_against(const PolygonMesh& mesh, const Mesh& scan, const Partition& partition) {
-  Verdict v = look_at(mesh);
+std::string defects_against(const PolygonMesh& mesh, const Mesh& scan, const Partition& partition) {
+  Figures v = look_at(mesh);
   // The kept part of the scan, as polygons of its own.
   std::vector<std::int32_t> faces;
   for (std::int32_t f = 0; f < scan.face_count(); ++f)
@@ -146,19 +146,19 @@ std::string faults_against(const PolygonMesh& mesh, const Mesh& scan, const Part
     kept.loop_start.push_back(static_cast<std::int32_t>(kept.loops.size()));
     kept.loops.insert(kept.loops.end(), t.begin(), t.end());
   }
-  Verdict s;
+  Figures s;
   look_at_edges(kept, polygons_of(kept), s);
   const auto compare = [&](const char* what, std::int64_t got, std::int64_t wanted) {
     if (got != wanted)
-      v.faults += std::string(what) + " " + std::to_string(got) + ", scan " + std::to_string(wanted) + "; ";
+      v.defects += std::string(what) + " " + std::to_string(got) + ", scan " + std::to_string(wanted) + "; ";
   };
   compare("euler", v.euler, s.euler);
   compare("components", v.components, s.components);
   compare("border loops", v.border_loops, s.border_loops);
-  if (mesh.report.euler != v.euler) v.faults += "the report's euler is " + std::to_string(mesh.report.euler) + "; ";
-  if (mesh.report.closed != (v.border_edges == 0)) v.faults += "the report is wrong about closed; ";
-  if (!mesh.report.manifold) v.faults += "the report says it is not manifold; ";
-  return v.faults;
+  if (mesh.report.euler != v.euler) v.defects += "the report's euler is " + std::to_string(mesh.report.euler) + "; ";
+  if (mesh.report.closed != (v.border_edges == 0)) v.defects += "the report is wrong about closed; ";
+  if (!mesh.report.manifold) v.defects += "the report says it is not manifold; ";
+  return v.defects;
 }
 
 }  // namespace isimp::judge

@@ -32,11 +32,11 @@ def test_problems_come_first_on_the_page(scans, tmp_path):
     assert not list((tmp_path / "out" / ".isimp-batch" / "pictures").iterdir()), "pictures of former results go"
 
 
-def test_flaws_come_before_what_is_well():
+def test_defects_come_before_what_is_well():
     good = {"name": "a", "status": "ok", "manifold": True, "bent": 0, "warnings": []}
     bent, bad = good | {"name": "b", "bent": 3, "manifold": False}, {"name": "c", "status": "failed"}
     assert [row["name"] for row in page.in_order([good, bent, bad])] == ["c", "b", "a"]
-    assert page.flaws(bent) == ["3 bent", "not manifold"]
+    assert page.defects(bent) == ["3 bent", "not manifold"]
 
 
 def pixels(data):

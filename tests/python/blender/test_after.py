@@ -31,7 +31,7 @@ def flatness(obj, face):
 
 
 def test_problem_polygons_are_shown(monkeypatch):
-    monkeypatch.setattr(applying, "flaws", lambda report: {"bent": [1, 4], "crossing": [4]})
+    monkeypatch.setattr(applying, "defects", lambda report: {"bent": [1, 4], "crossing": [4]})
     scans.cube(cells=3)  # no other test has this one: outcomes are kept
     result = simplify()
     bpy.ops.isimp.swap()
@@ -47,10 +47,10 @@ def test_no_problem_polygons_is_said_too():
     assert (result.mode, selected(result)) == ("OBJECT", [])
 
 
-def test_flaws_are_sorted_by_kind_and_excused_ones_are_not_counted():
+def test_defects_are_sorted_by_kind_and_excused_ones_are_not_counted():
     entries = [("bent", 3), ("bent", 1), ("intersecting", 2), ("intersecting", 2), ("excused", 9)]
-    report = {"imperfect": [{"flaw": flaw, "polygon": polygon} for flaw, polygon in entries]}
-    assert session.flaws(report) == {"bent": [1, 3], "intersecting": [2]}
+    report = {"imperfect": [{"flaw": kind, "polygon": polygon} for kind, polygon in entries]}
+    assert session.defects(report) == {"bent": [1, 3], "intersecting": [2]}
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])

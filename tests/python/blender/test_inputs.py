@@ -226,13 +226,13 @@ def test_faces_added_later_make_a_partition_necessary():
     assert bpy.ops.isimp.mesh() == {"FINISHED"}
 
 
-def test_faults_are_told_by_kind_and_unused_vertices_are_none():
+def test_defects_are_told_by_kind_and_unused_vertices_are_none():
     from isimp.blender.texts import text
 
     scan = scans.cube(cells=4)
     assert text.repair_lines(store.numbers(scan), "NONE", 1.0) == []
     flipped = [face.vertices[:][:: -1 if face.index in (3, 9) else 1] for face in scan.data.polygons]
     points = [*scans.coordinates(scan.data), (5, 5, 5)]
-    faulty = scans.add("Faulty", points, flipped)
+    defective = scans.add("Defective", points, flipped)
     bpy.ops.isimp.partition(proxies=6)
-    assert text.repair_lines(store.numbers(faulty), "NONE", 1.0) == ["Mended: 2 reversed faces"]
+    assert text.repair_lines(store.numbers(defective), "NONE", 1.0) == ["Mended: 2 reversed faces"]

@@ -166,7 +166,7 @@ def normals(house: houses.House) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", ["house", "facade"])
-def test_snapped_planes_add_no_fault(name: str) -> None:
+def test_snapped_planes_add_no_defect(name: str) -> None:
     """With so few regions, keeping all planes would need flipped polygons and more of them, so some are released."""
     if name == "house":
         house = houses.make(0.003, 3)
@@ -177,8 +177,8 @@ def test_snapped_planes_add_no_fault(name: str) -> None:
     snapped = engine.regularise(mesh, part)
     before, after = engine.polygonize(mesh, part), engine.polygonize(mesh, snapped)
     assert np.array_equal(before.loops, after.loops)
-    for fault in ("polygons", "crossing", "flipped", "bent", "intersecting"):
-        assert after.report[fault] == before.report[fault], fault
+    for kind in ("polygons", "crossing", "flipped", "bent", "intersecting"):
+        assert after.report[kind] == before.report[kind], kind
     gone = np.asarray(after.planes_let_go)
     assert 0 < len(gone) == after.report["planes_let_go"] < snapped.region_held.sum()
     assert (snapped.region_held[gone] == 1).all()

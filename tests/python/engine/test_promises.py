@@ -133,11 +133,11 @@ REAL = {
 }
 
 
-LISTED = 1000  # flaws of a kind that the report names
+LISTED = 1000  # defects of a kind that the report names
 
 
 def judged(arrays, proxies):
-    """The verdict on a mesh of at most this many regions, and the engine's own report."""
+    """The judgement of a mesh of at most this many regions, and the engine's own report."""
     mesh = engine.clean(*arrays)
     options = engine.MeshingOptions()
     part = engine.partition(mesh, engine.PartitionOptions(proxies=min(proxies, len(mesh.triangles)), leave_out=0))
@@ -148,13 +148,13 @@ def judged(arrays, proxies):
 
 
 def check_the_report(verdict, poly, curved):
-    """The topology never breaks, the polygons never leave the scan, and every fault is in the report."""
-    assert verdict.faults == []
+    """The topology never breaks, the polygons never leave the scan, and every defect is in the report."""
+    assert verdict.defects == []
     assert verdict.far == []
     listed = {}
     for entry in poly.report["imperfect"]:
         listed.setdefault(entry["flaw"], set()).add((entry["polygon"], entry.get("other")))
-    alone = {polygon for flaw in ("crossing", "no_area", "flipped") for polygon, _ in listed.get(flaw, ())}
+    alone = {polygon for kind in ("crossing", "no_area", "flipped") for polygon, _ in listed.get(kind, ())}
     assert set(verdict.crossing) | set(verdict.empty) <= alone
     assert set(verdict.bent) <= {polygon for polygon, _ in listed.get("bent", ())}
     met = listed.get("intersecting", set()) | listed.get("excused", set())
@@ -164,8 +164,8 @@ def check_the_report(verdict, poly, curved):
         "intersecting": poly.report["intersecting"],
         "excused": poly.report["excused"] + poly.report["without_area"],
     }
-    for flaw, count in counts.items():  # a pair is counted for both of its polygons
-        entries = listed.get(flaw, set())
+    for kind, count in counts.items():  # a pair is counted for both of its polygons
+        entries = listed.get(kind, set())
         once = [(polygon, other) for polygon, other in entries if other is None or polygon < other]
         assert len(once) == min(count, LISTED)
         assert {(other, polygon) for polygon, other in entries if other is not None} <= entries
@@ -239,7 +239,7 @@ def test_a_facade_keeps_its_forty_rectangles(noise):
 
 
 def test_the_judge_sees_what_is_wrong(cube):
-    """A judge that finds no fault in any mesh proves nothing."""
+    """A judge that finds no defect in any mesh proves nothing."""
     part = engine.partition(cube, engine.PartitionOptions(proxies=6))
     good = engine.polygonize(cube, part)
 
@@ -263,7 +263,7 @@ def test_the_judge_sees_what_is_wrong(cube):
     turned = loops.copy()
     turned[:4] = turned[3::-1]
     assert found(loops=turned).flipped == [0]
-    assert found(loops=turned).faults
+    assert found(loops=turned).defects
     moved = vertices.copy()
     low = int(np.flatnonzero((vertices == 0).all(1))[0])
     moved[low] = 0.3, 0.4, 1.5  # out through the upper side

@@ -19,7 +19,7 @@ def test_windows_of_a_street_are_quads(rows):
         assert row["window_quads"] >= 0.94 * row["windows"]
         assert row["reveal_quads"] == row["reveals"]
         assert row["triangles"] == 0
-        assert row["faults"] == 0
+        assert row["defects"] == 0
 
 
 def test_planes_of_a_street_stay_and_its_polygons_whole(rows):

@@ -51,7 +51,7 @@ def test_corners_lie_at_the_images_of_others(mesh, part):
 
 
 @pytest.mark.parametrize("proxies", [20, 100, 300])
-def test_an_independent_judge_finds_no_fault(mesh, proxies):
+def test_an_independent_judge_finds_no_defect(mesh, proxies):
     part = engine.partition(mesh, engine.PartitionOptions(proxies=proxies, symmetry="x"))
     polygons = engine.polygonize(mesh, part)
     verdict, _ = judge(polygons, mesh, part, outlined=True)  # corners within reach of their vertices too

@@ -88,7 +88,7 @@ def _report(context) -> list:
 def _chosen(mesh, kind: str) -> np.ndarray:
     """(polygons,) bool"""
     if kind == "DEFECTIVE":
-        return mesh_io.read_layer(mesh, mesh_io.FLAW) > 0
+        return mesh_io.read_layer(mesh, mesh_io.DEFECT) > 0
     region = mesh_io.read_layer(mesh, mesh_io.REGION)
     return np.bincount(np.maximum(region, 0))[np.maximum(region, 0)] > 1
 

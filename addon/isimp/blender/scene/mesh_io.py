@@ -12,7 +12,7 @@ from ...session import Scan
 from . import raw, runtime
 
 REGION, COLOR = "isimp_region", "isimp_color"
-FLAW = "isimp_flaw"  # of the result's polygons: 1 for defective ones
+DEFECT = "isimp_flaw"  # of the result's polygons: 1 for defective ones
 STATE = ".isimp_state"  # which recipe led to the regions; see store.py
 KINDS = {REGION: ("INT", "FACE"), STATE: ("INT", "FACE"), COLOR: ("FLOAT_COLOR", "CORNER")}
 _ORIGIN = ".isimp_origin"

@@ -123,7 +123,7 @@ def fill(result, scan, outcome) -> np.ndarray:
     defective = np.zeros(len(start), np.int32)
     for found in outcome.numbers["flaws"].values():
         defective[found] = 1
-    layers = {mesh_io.REGION: np.asarray(polygons.polygon_region), mesh_io.FLAW: defective}
+    layers = {mesh_io.REGION: np.asarray(polygons.polygon_region), mesh_io.DEFECT: defective}
     if result.data.shape_keys is not None:  # else Blender keeps them, with vertices that there are no more
         result.shape_key_clear()
     mesh_io.fill_polygons(result.data, vertices, loops, start, layers)

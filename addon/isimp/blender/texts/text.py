@@ -56,7 +56,7 @@ def scan_lines(mesh, numbers: dict) -> tuple:
     return _count(numbers["triangles"], "triangle"), f"{_count(numbers['components'], 'part')} · {holes}"
 
 
-_FAULTS = {
+_DEFECTS = {
     "non_finite_faces": noun("invalid face"),
     "repeated_index_faces": noun("invalid face"),
     "duplicate_faces": noun("duplicate face"),
@@ -90,9 +90,9 @@ def repair_lines(numbers: dict, system: str, scale: float) -> list:
         lines.append(said(text, openings=told, length=below))
     if numbers.get("kept_open"):
         lines.append(said("Kept open: {openings}", openings=_count(numbers["kept_open"], "opening")))
-    faults = [_count(number, _FAULTS[name]) for name, number in repairs.items() if number and name in _FAULTS]
-    if faults:
-        lines.append(said("Mended: {faults}", faults=", ".join(faults)))
+    defects = [_count(number, _DEFECTS[name]) for name, number in repairs.items() if number and name in _DEFECTS]
+    if defects:
+        lines.append(said("Mended: {defects}", defects=", ".join(defects)))
     return lines
 
 

@@ -14,8 +14,8 @@
 
 namespace isimp {
 
-/// The flaws of a polygon.
-enum class Flaw : std::uint8_t {
+/// The defects of a polygon.
+enum class Defect : std::uint8_t {
   crossing,      ///< two of its edges meet
   no_area,       ///< thinner than a millionth of the diagonal
   flipped,       ///< faces away from the scan
@@ -24,11 +24,11 @@ enum class Flaw : std::uint8_t {
   excused,       ///< meets another where the scan meets itself too; without another, a face of the scan without area
 };
 
-struct Imperfection {
+struct ListedDefect {
   std::int32_t polygon = 0;
-  Flaw flaw = Flaw::crossing;
-  std::int32_t other = kNone;  ///< the polygon it meets; -1 for flaws of its own
-  auto operator<=>(const Imperfection&) const = default;
+  Defect kind = Defect::crossing;
+  std::int32_t other = kNone;  ///< the polygon it meets; -1 for defects of its own
+  auto operator<=>(const ListedDefect&) const = default;
 };
 
 /// The work of meshing, as counts that are the same on every machine and any number of threads.
@@ -46,7 +46,7 @@ struct PlanarReport {
   double whole = 0;                  ///< share of the polygons that were not cut, or would not have been
   std::int32_t faces_added = 0;      ///< faces added by cutting off corners; the sum of the counts below
   std::int32_t added_for_apart = 0;  ///< planes at a corner do not meet within reach
-  std::int32_t added_for_crossing = 0, added_for_flipped = 0, added_for_meeting = 0;  ///< fault of the uncut polygon
+  std::int32_t added_for_crossing = 0, added_for_flipped = 0, added_for_meeting = 0;  ///< defect of the uncut polygon
   bool left_off = false;  ///< more than MeshingOptions::planar_most would have been cut: polygons are as without planar
   bool operator==(const PlanarReport&) const = default;
 };
@@ -59,7 +59,7 @@ struct RimReport {
   bool operator==(const RimReport&) const = default;
 };
 
-/// The counts of the result, and its flaws.
+/// The counts of the result, and its defects.
 struct MeshingReport {
   std::int32_t polygons = 0, corners = 0, vertices = 0;
   std::int32_t regions = 0;
@@ -80,12 +80,12 @@ struct MeshingReport {
   std::int64_t excused = 0;                          ///< pairs of polygons whose regions intersect in the scan itself
   bool excused_at_least = false;  ///< there are more excused pairs: a million of the scan's faces were counted
   std::int32_t without_area = 0;  ///< polygons that are a face of the scan that has no area itself
-  std::vector<Imperfection>
-      imperfect;  ///< the first 1,000 of each flaw, by polygon, in rising order; a pair is listed under both
+  std::vector<ListedDefect>
+      defects;  ///< the first 1,000 of each defect, by polygon, in rising order; a pair is listed under both
   std::int32_t diagonals = 0;  ///< edges that repair put across a region
   std::int32_t repair_rounds = 0;
   MeshingWork work;
-  bool repair_capped = false;  ///< a remaining flaw needs more splits than repair_budget allows
+  bool repair_capped = false;  ///< a remaining defect needs more splits than repair_budget allows
   PlanarReport planar;
   RimReport rims;
   std::int32_t boxes = 0;          ///< boxes that replace regions; `polygons`, `corners`, `vertices` count them
@@ -102,7 +102,7 @@ struct PolygonMesh {
   std::vector<double> planarity;             ///< (Q) largest distance of a corner from the polygon's plane, scene units
   std::vector<std::int32_t> source_vertex;   ///< (W) vertex of the mesh each stands for
   /// Regions whose plane `regularise` had snapped and polygons do not keep to, in rising order: a polygon would have a
-  /// fault, or with MeshingOptions::planar, too many faces.
+  /// defect, or with MeshingOptions::planar, too many faces.
   std::vector<std::int32_t> planes_let_go;
   MeshingReport report;
 

@@ -88,7 +88,7 @@ Cleaning make_manifold(std::vector<Vec3> vertices, std::vector<Triangle> triangl
     const auto look = [&](double from, double to) {
       const Job::Part edges(job, "cleaning", from, to);
       topology = find_topology(soup.vertices.size(), soup.faces(), threads, job);
-      sound = topology.flaw.empty() && !has_twins(topology, threads);
+      sound = topology.defect.empty() && !has_twins(topology, threads);
     };
     look(0.0, 0.8);
     if (sound) welded = weld(soup, border_vertices(soup, topology), options.weld, job);
@@ -104,7 +104,7 @@ Cleaning make_manifold(std::vector<Vec3> vertices, std::vector<Triangle> triangl
     throw InvalidInput(
         "no usable face is left: after vertices at the same position were welded, no face has three different ones");
   if (!sound) topology = find_topology(arrays.vertices.size(), arrays.triangles, threads, job);
-  if (!topology.flaw.empty()) throw Error("cleaning left " + topology.flaw);
+  if (!topology.defect.empty()) throw Error("cleaning left " + topology.defect);
   flip_degenerate_edges(arrays, topology, soup.log, threads, job);
   return {std::move(arrays), std::move(topology), std::move(soup.log)};
 }

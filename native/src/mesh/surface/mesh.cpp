@@ -140,7 +140,7 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Array<st
     const Job::Part edges(job, "reading the mesh", 0.0, 0.5);
     return detail::find_topology(vertices_.size(), triangles_, threads, job);
   }();
-  if (!topology.flaw.empty()) throw InvalidInput(topology.flaw + kHint);
+  if (!topology.defect.empty()) throw InvalidInput(topology.defect + kHint);
   report_.cell = cell;
   complete(std::move(topology), std::move(repairs), threads, job);
 }

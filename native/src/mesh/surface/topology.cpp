@@ -326,12 +326,12 @@ Topology find_topology(std::size_t vertex_count, std::span<const Triangle> trian
                        Job& job) {
   Topology topology;
   if (!pair_halfedges(topology, vertex_count, triangles, threads, job)) {
-    topology.flaw = describe_bad_edge(vertex_count, triangles, job);
+    topology.defect = describe_bad_edge(vertex_count, triangles, job);
     return topology;
   }
   job.report(0.7);
   if (!find_fans(topology, vertex_count, triangles, threads, job)) {
-    topology.flaw = describe_bad_vertex(topology, triangles);
+    topology.defect = describe_bad_vertex(topology, triangles);
   }
   return topology;
 }

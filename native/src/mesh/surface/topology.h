@@ -21,7 +21,7 @@ struct Topology {
   Array<std::int32_t> vertex_halfedge;  ///< (V) one that leaves each vertex, on the border if there is one
   std::vector<std::int32_t> border;     ///< the half-edges without an opposite, rising
   std::int32_t unused_vertices = 0;
-  std::string flaw;  ///< the first defect if the mesh is not sound; the rest is then unfinished
+  std::string defect;  ///< the first defect if the mesh is not sound; the rest is then unfinished
 };
 
 /// Finds the neighbours of every face.

@@ -53,9 +53,9 @@ bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const 
   });
 }
 
-bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>& joins) {
+bool take_back(State& state, const std::vector<bool>& defective, std::vector<Join>& joins) {
   const Labels& labels = state.labels;
-  const auto is_faulty = [&](std::int32_t l) { return static_cast<bool>(faulty[l]); };
+  const auto is_defective = [&](std::int32_t l) { return static_cast<bool>(defective[l]); };
   std::vector<Join> kept;
   labels.vertex_marks.clear();  // the vertices of faces that undone joins moved
   std::vector<bool> goes(joins.size(), false);
@@ -65,7 +65,7 @@ bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>&
   };
   // A join on top of an undone one must be undone before it.
   for (std::size_t i = 0; i < joins.size(); ++i) {
-    goes[i] = joins[i].alone || std::any_of(joins[i].pieces.begin(), joins[i].pieces.end(), is_faulty);
+    goes[i] = joins[i].alone || std::any_of(joins[i].pieces.begin(), joins[i].pieces.end(), is_defective);
     vertices(joins[i], [&](std::int32_t v) { goes[i] = goes[i] || labels.vertex_marks.has(v); });
     if (goes[i]) vertices(joins[i], [&](std::int32_t v) { labels.vertex_marks.add(v); });
   }

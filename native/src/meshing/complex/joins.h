@@ -29,11 +29,11 @@ bool parts_wall(const State& state, std::int32_t a, std::int32_t b);
 /// Cost: O(faces).
 bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const std::vector<std::int32_t>& faces);
 
-/// Undoes the joins at faulty pieces, the joins that are alone, and all joins on top of these. `update` must follow.
-/// \param faulty  by piece
+/// Undoes the joins at defective pieces, the joins that are alone, and all joins on top of these. `update` must follow.
+/// \param defective  by piece
 /// \param joins   the undone joins are removed
 /// \return whether there were any
 /// Cost: O(faces that the joins moved).
-bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>& joins);
+bool take_back(State& state, const std::vector<bool>& defective, std::vector<Join>& joins);
 
 }  // namespace isimp::meshing

@@ -70,7 +70,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   }
   const Outlines outlines = trace_outlines(labels, boundary, job);
   std::map<std::int32_t, Disc> discs;
-  std::vector<std::int32_t> todo = find_defects(labels_, outlines, threads, job);
+  std::vector<std::int32_t> todo = find_non_discs(labels_, outlines, threads, job);
   make_discs(cutter_, std::move(todo), discs, job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter_, kLeastClosed, discs, job);
   std::vector<std::vector<std::int32_t>> loops(labels.pieces.size());

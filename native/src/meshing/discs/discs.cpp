@@ -95,7 +95,7 @@ void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, std::map<std::in
     todo.pop_back();
     std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
     Shape shape = cutter.labels.shape(faces);
-    if (shape.defect() == 0) {
+    if (shape.is_disc()) {
       found[piece] = {std::move(faces), std::move(shape.loops[0])};
       continue;
     }

@@ -41,10 +41,7 @@ constexpr std::int32_t kAhead = 12;  ///< faces between the current one and the 
 
 }  // namespace
 
-std::int32_t Shape::defect() const {
-  const auto loop_count = static_cast<std::int32_t>(loops.size());
-  return (parts - 1) * 1000 + std::abs(loop_count - 1) + 2 * genus + pinches;
-}
+bool Shape::is_disc() const { return parts == 1 && loops.size() == 1 && genus == 0 && pinches == 0; }
 
 std::int32_t Shape::longest_loop(const Mesh& mesh) const {
   std::int32_t longest = 0;
@@ -275,8 +272,8 @@ Outlines trace_outlines(const Labels& labels, const Bits& boundary, const Job& j
   return o;
 }
 
-std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines, const Threads& threads,
-                                       const Job& job) {
+std::vector<std::int32_t> find_non_discs(Labels& labels, const Outlines& outlines, const Threads& threads,
+                                         const Job& job) {
   const Mesh& mesh = labels.mesh;
   labels.vertex_marks.clear();
   for (const std::int32_t h : outlines.halfedges) labels.vertex_marks.add(mesh.from(h));
@@ -296,7 +293,7 @@ std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines,
       inside[part][labels.label[h / 3]] += 2;
     }
   });
-  std::vector<std::int32_t> defects;
+  std::vector<std::int32_t> found;
   for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
     const auto outline = outlines.of(l);
     bool pinched = false;
@@ -305,9 +302,9 @@ std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines,
     std::int64_t chi2 = static_cast<std::int64_t>(outline.size());
     for (const std::vector<std::int32_t>& some : inside) chi2 += some[l];
     const std::int64_t chi = chi2 / 2;
-    if (outlines.loops[l] != 1 || chi != 1 || pinched) defects.push_back(l);
+    if (outlines.loops[l] != 1 || chi != 1 || pinched) found.push_back(l);
   }
-  return defects;
+  return found;
 }
 
 namespace {

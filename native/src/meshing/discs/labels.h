@@ -55,9 +55,9 @@ struct Shape {
   std::vector<std::vector<std::int32_t>> loops;  ///< boundary half-edges in order, the piece on their left
   std::int32_t parts = 1;                        ///< connected components
   std::int32_t genus = 0;
-  std::int32_t pinches = 0;                   ///< visits of a boundary vertex beyond its first
-  std::int32_t pinch_vertex = kNone;          ///< one that is visited more than once
-  [[nodiscard]] std::int32_t defect() const;  ///< 0 for a disc
+  std::int32_t pinches = 0;           ///< visits of a boundary vertex beyond its first
+  std::int32_t pinch_vertex = kNone;  ///< one that is visited more than once
+  [[nodiscard]] bool is_disc() const;
   /// Which loop is taken for the outer one: the first of the longest.
   [[nodiscard]] std::int32_t longest_loop(const Mesh& mesh) const;
 };
@@ -152,7 +152,7 @@ Outlines trace_outlines(const Labels& labels, const Bits& boundary, const Job& j
 
 /// The labels of pieces that are not discs, in rising order.
 /// Cost: O(F).
-std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines, const Threads& threads,
-                                       const Job& job);
+std::vector<std::int32_t> find_non_discs(Labels& labels, const Outlines& outlines, const Threads& threads,
+                                         const Job& job);
 
 }  // namespace isimp::meshing

@@ -129,7 +129,7 @@ bool give(Labels& labels, std::span<const std::int32_t> faces, std::int32_t to) 
 
 }  // namespace
 
-// The defect of a connected piece with a boundary is 1 - (V - E + F), as a pinch is one vertex and not two in this sum.
+// A connected piece with a boundary is a disc if V - E + F is 1, where a pinch counts as one vertex.
 // So the faces at the sector decide whether a hand-over helps. Only the connectivity of the giver has to be checked.
 std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex) {
   Labels& labels = cutter.labels;

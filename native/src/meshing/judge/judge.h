@@ -16,9 +16,9 @@
 
 namespace isimp::meshing {
 
-/// The faults of a polygon on its own.
-enum Fault : std::uint8_t { kCrossing = 1, kFlipped = 2, kNoArea = 4, kBent = 8 };
-/// Replaces kNoArea if the polygon is a face of the scan that has no area itself, which is no fault.
+/// The defects of a polygon on its own.
+enum DefectKinds : std::uint8_t { kCrossing = 1, kFlipped = 2, kNoArea = 4, kBent = 8 };
+/// Replaces kNoArea if the polygon is a face of the scan that has no area itself, which is no defect.
 constexpr std::uint8_t kGiven = 16;
 
 /// A triangle of a polygon's triangulation, by corners.
@@ -28,9 +28,9 @@ struct Facet {
   std::int32_t part;  ///< which of the piece's polygons
 };
 
-/// The faults of a polygon. All tests are exact on coordinates rounded to float32, as they will be stored.
-struct PolygonVerdict {
-  std::uint8_t faults = 0;
+/// The defects of a polygon. All tests are exact on coordinates rounded to float32, as they will be stored.
+struct PolygonDefects {
+  std::uint8_t kinds = 0;
   double bend = 0;                               ///< largest distance of a corner from the plane
   std::array<std::int32_t, 2> crossing{-1, -1};  ///< two edges that meet, by the index of their first corner
 };
@@ -50,7 +50,7 @@ struct Bounds {
 
 /// \param normal  that of the piece: a polygon that faces away from it is flipped
 /// \param facets  the triangulation of a simple polygon is added here, marked as `like`; null if it is not needed
-PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
+PolygonDefects judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
                              const Bounds& bounds, Facet like = {}, std::vector<Facet>* facets = nullptr);
 
 /// The plane through a triangle, for a quick test whether points lie to one side of it.

@@ -306,21 +306,21 @@ class LeastSurface {
 
 }  // namespace
 
-PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
+PolygonDefects judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
                              const Bounds& bounds, Facet like, std::vector<Facet>* facets) {
-  PolygonVerdict verdict;
+  PolygonDefects found;
   const Flat f = flat(polygon, position);
-  verdict.bend = f.bend;
+  found.bend = f.bend;
   if (f.points.empty() || f.normal.norm() <= bounds.thickness * f.extent) {
-    verdict.faults = kNoArea;
-    return verdict;
+    found.kinds = kNoArea;
+    return found;
   }
-  if (f.normal.dot(normal) <= bounds.facing * f.normal.norm()) verdict.faults |= kFlipped;
-  if (bounds.bend > 0 && f.bend > bounds.bend) verdict.faults |= kBent;
+  if (f.normal.dot(normal) <= bounds.facing * f.normal.norm()) found.kinds |= kFlipped;
+  if (bounds.bend > 0 && f.bend > bounds.bend) found.kinds |= kBent;
   const bool convex = is_convex(f.points);
-  if (!convex) verdict.crossing = find_crossing(f.points);
-  if (verdict.crossing[0] >= 0) {
-    verdict.faults |= kCrossing;
+  if (!convex) found.crossing = find_crossing(f.points);
+  if (found.crossing[0] >= 0) {
+    found.kinds |= kCrossing;
   } else if (facets) {
     constexpr std::size_t kFew = 64;
     if (polygon.size() == 3 || polygon.size() > kFew ||
@@ -328,7 +328,7 @@ PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<co
              .cut(like, *facets))
       Ears(f.points, polygon).cut(like, *facets);
   }
-  return verdict;
+  return found;
 }
 
 }  // namespace isimp::meshing

@@ -6,7 +6,7 @@
 #include "complex/state.h"
 #include "complex/transaction.h"
 #include "isimp/core/sorted.h"
-#include "judge/findings.h"
+#include "judge/defects.h"
 
 namespace isimp::meshing {
 
@@ -14,23 +14,23 @@ namespace isimp::meshing {
 /// that two halves make may be too bent at their corners' places, and flat at others.
 enum class Places { kept, better };
 
-/// Tries a change of labels, corners or diagonals. The change stays if no polygon has a new fault or a new intersection
-/// by it, else it is undone. `Findings::renew_hits` must follow the last trial.
+/// Tries a change of labels, corners or diagonals. The change stays if no polygon has a new defect or a new intersection
+/// by it, else it is undone. `Defects::renew_hits` must follow the last trial.
 /// \param pieces  pieces that vanish by the change or get other diagonals
-/// \param whole  a piece that must have no fault afterwards, kNone for none
+/// \param whole  a piece that must have no defect afterwards, kNone for none
 /// \param change  makes the change, and once more for better places; returns false if it cannot be made
 /// \return whether the change stays
-/// Cost: `State::update_in_place` and `Findings::accepts` of the changed polygons; for better places once more.
+/// Cost: `State::update_in_place` and `Defects::accepts` of the changed polygons; for better places once more.
 template <class Change>
-bool attempt(State& state, Findings& findings, const std::vector<std::int32_t>& pieces, std::int32_t whole,
-             Change change, Places places = Places::kept) {
+bool attempt(State& state, Defects& defects, const std::vector<std::int32_t>& pieces, std::int32_t whole, Change change,
+             Places places = Places::kept) {
   const auto stays = [&](bool in_place) {
     Transaction transaction(state);
     if (!change()) return false;
     std::vector<std::int32_t> near = in_place ? state.update_in_place(pieces) : state.update(pieces);
     near.insert(near.end(), pieces.begin(), pieces.end());
     sort_unique(near);
-    if (!findings.accepts(near, whole)) return false;
+    if (!defects.accepts(near, whole)) return false;
     transaction.commit();
     return true;
   };

@@ -5,7 +5,7 @@
 
 namespace isimp::meshing {
 
-void ease(State& state, Findings& findings, const Scope& scope, Job& job) {
+void ease(State& state, Defects& defects, const Scope& scope, Job& job) {
   std::vector<std::int32_t> bent(state.complex.bent().begin(), state.complex.bent().end());
   sort_unique(bent);
   std::erase_if(bent, [&](std::int32_t v) {
@@ -13,19 +13,19 @@ void ease(State& state, Findings& findings, const Scope& scope, Job& job) {
     for_each_leaving(state.mesh, v, [&](std::int32_t h) { asked = asked || scope.has(state.labels.label[h / 3]); });
     return !asked || !state.complex.is_corner(v);
   });
-  turn_corners(state, findings, bent, job);
+  turn_corners(state, defects, bent, job);
 }
 
-void turn_corners(State& state, Findings& findings, std::span<const std::int32_t> vertices, Job& job) {
+void turn_corners(State& state, Defects& defects, std::span<const std::int32_t> vertices, Job& job) {
   for (const std::int32_t v : vertices) {
     job.poll();
-    attempt(state, findings, {}, kNone, [&] {
+    attempt(state, defects, {}, kNone, [&] {
       if (state.complex.is_corner(v)) return state.drop_corner(v);
       state.add_corner(v);
       return true;
     });
   }
-  findings.renew_hits();
+  defects.renew_hits();
 }
 
 }  // namespace isimp::meshing

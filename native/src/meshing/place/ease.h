@@ -6,7 +6,7 @@
 
 #include "complex/state.h"
 #include "isimp/core/job.h"
-#include "judge/findings.h"
+#include "judge/defects.h"
 
 namespace isimp::meshing {
 
@@ -29,14 +29,14 @@ class Scope {
   std::vector<bool> some_;  // before that
 };
 
-/// Drops the corners that `Complex::bend` added, one after another, wherever no polygon becomes faulty.
+/// Drops the corners that `Complex::bend` added, one after another, wherever no polygon becomes defective.
 /// \param scope  corners of other pieces stay
 /// Cost: a trial (trials.h) for each.
-void ease(State& state, Findings& findings, const Scope& scope, Job& job);
+void ease(State& state, Defects& defects, const Scope& scope, Job& job);
 
-/// Toggles vertices between corner and no corner, one after another, wherever no polygon becomes faulty.
+/// Toggles vertices between corner and no corner, one after another, wherever no polygon becomes defective.
 /// \param vertices  on boundaries of pieces; required corners stay
 /// Cost: a trial for each.
-void turn_corners(State& state, Findings& findings, std::span<const std::int32_t> vertices, Job& job);
+void turn_corners(State& state, Defects& defects, std::span<const std::int32_t> vertices, Job& job);
 
 }  // namespace isimp::meshing

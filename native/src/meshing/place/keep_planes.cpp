@@ -11,8 +11,8 @@ constexpr int kPasses = 2;  ///< a plane may be met only after its neighbours ha
 
 class Keeper {
  public:
-  Keeper(State& state, Findings& findings, Job& job)
-      : s_(state), findings_(findings), job_(job), planes_(state.planes), pieces_(state.regions) {
+  Keeper(State& state, Defects& defects, Job& job)
+      : s_(state), defects_(defects), job_(job), planes_(state.planes), pieces_(state.regions) {
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
       if (s_.labels.pieces[l].face != kNone && is_asked(s_.labels.pieces[l].region))
         pieces_[s_.labels.pieces[l].region].push_back(l);
@@ -25,7 +25,7 @@ class Keeper {
         job_.poll();
         return keeps(r, true) || keeps(r, false);
       });
-    findings_.renew_hits();
+    defects_.renew_hits();
     std::sort(left.begin(), left.end());
     return left;
   }
@@ -63,7 +63,7 @@ class Keeper {
     std::erase_if(moving, [&](std::int32_t c) { return !is_held_at(c); });
     Transaction transaction(s_);
     s_.move_onto(planes_, moving);
-    if (findings_.accepts(s_.polygons.pieces_at(moving))) {
+    if (defects_.accepts(s_.polygons.pieces_at(moving))) {
       transaction.commit();
       return true;
     }
@@ -72,7 +72,7 @@ class Keeper {
   }
 
   State& s_;
-  Findings& findings_;
+  Defects& defects_;
   Job& job_;
   std::vector<Plane> planes_;                      // by piece: the snapped plane if it is kept, else that of the state
   std::vector<std::vector<std::int32_t>> pieces_;  // by region: its pieces, if its plane is snapped
@@ -80,8 +80,8 @@ class Keeper {
 
 }  // namespace
 
-std::vector<std::int32_t> keep_to_planes(State& state, Findings& findings, Job& job) {
-  return Keeper(state, findings, job).run();
+std::vector<std::int32_t> keep_to_planes(State& state, Defects& defects, Job& job) {
+  return Keeper(state, defects, job).run();
 }
 
 }  // namespace isimp::meshing

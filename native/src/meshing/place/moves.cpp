@@ -26,42 +26,42 @@ std::vector<std::int32_t> pieces_at(const State& state, std::span<const Move> mo
   return state.polygons.pieces_at(corners);
 }
 
-bool move_all(State& state, Findings& findings, std::span<const Move> moves) {
-  const std::vector<bool> before = findings.faulty();
+bool move_all(State& state, Defects& defects, std::span<const Move> moves) {
+  const std::vector<bool> before = defects.defective();
   const std::vector<std::int32_t> pieces = pieces_at(state, moves);
-  findings.keep();
+  defects.keep();
   const std::vector<Move> back = carry_out(state, moves);
-  findings.judge(pieces);
-  const std::vector<bool> after = findings.faulty();
+  defects.judge(pieces);
+  const std::vector<bool> after = defects.defective();
   bool sound = true;
   for (std::size_t l = 0; l < after.size() && sound; ++l) sound = !after[l] || before[l];
   if (sound) return true;
   carry_out(state, back);
-  findings.judge(pieces);
+  defects.judge(pieces);
   return false;
 }
 
 }  // namespace
 
-bool attempt_moves(State& state, Findings& findings, std::span<const Move> moves) {
+bool attempt_moves(State& state, Defects& defects, std::span<const Move> moves) {
   const std::vector<Move> back = carry_out(state, moves);
-  if (findings.accepts(pieces_at(state, moves))) return true;
+  if (defects.accepts(pieces_at(state, moves))) return true;
   carry_out(state, back);
   return false;
 }
 
-void move_corners(State& state, Findings& findings, std::span<const Move> moves, Job& job) {
-  if (moves.empty() || move_all(state, findings, moves)) return;
+void move_corners(State& state, Defects& defects, std::span<const Move> moves, Job& job) {
+  if (moves.empty() || move_all(state, defects, moves)) return;
   for (std::size_t i = 0; i < moves.size(); ++i) {
     if (i % kStride == 0) job.poll();
     const std::int32_t c = moves[i].corner;
     const Vec3 from = state.corners.position[c];
     for (const double share : kShares) {
       const Move some{c, from + share * (moves[i].to - from)};
-      if (attempt_moves(state, findings, {&some, 1})) break;
+      if (attempt_moves(state, defects, {&some, 1})) break;
     }
   }
-  findings.renew_hits();
+  defects.renew_hits();
 }
 
 }  // namespace isimp::meshing

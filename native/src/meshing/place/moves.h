@@ -5,7 +5,7 @@
 
 #include "complex/state.h"
 #include "isimp/core/job.h"
-#include "judge/findings.h"
+#include "judge/defects.h"
 
 namespace isimp::meshing {
 
@@ -15,15 +15,15 @@ struct Move {
   Vec3 to;
 };
 
-/// Tries some moves together. They stay if no polygon has a new fault or a new intersection by them, else the corners
-/// return. `Findings::renew_hits` must follow the last trial.
+/// Tries some moves together. They stay if no polygon has a new defect or a new intersection by them, else the corners
+/// return. `Defects::renew_hits` must follow the last trial.
 /// \return whether the moves stay
-/// Cost: `Findings::accepts` of the polygons at the corners.
-bool attempt_moves(State& state, Findings& findings, std::span<const Move> moves);
+/// Cost: `Defects::accepts` of the polygons at the corners.
+bool attempt_moves(State& state, Defects& defects, std::span<const Move> moves);
 
-/// Moves corners: all at once if no polygon becomes faulty by that, else one after another, all the way or a part of
-/// it, wherever no polygon becomes faulty. Sound polygons stay sound, so no move is undone later.
-/// Cost: that of judging the polygons at the corners; if one becomes faulty, up to three trials a corner in addition.
-void move_corners(State& state, Findings& findings, std::span<const Move> moves, Job& job);
+/// Moves corners: all at once if no polygon becomes defective by that, else one after another, all the way or a part of
+/// it, wherever no polygon becomes defective. Sound polygons stay sound, so no move is undone later.
+/// Cost: that of judging the polygons at the corners; if one becomes defective, up to three trials a corner in addition.
+void move_corners(State& state, Defects& defects, std::span<const Move> moves, Job& job);
 
 }  // namespace isimp::meshing

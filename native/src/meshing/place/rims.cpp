@@ -154,14 +154,14 @@ class Straightener {
 
 }  // namespace
 
-void straighten_rims(State& state, Findings& findings, Job& job) {
+void straighten_rims(State& state, Defects& defects, Job& job) {
   const double reach = state.complex.tolerance.rim;
   if (!(reach > 0)) return;
   const Straightener straightener(state, reach);
   std::vector<Move> moves;
   for (std::int32_t c = 0; c < state.corners.count(); ++c)
     if (const std::optional<Vec3> to = straightener.place_of(c)) moves.push_back({c, *to});
-  move_corners(state, findings, moves, job);
+  move_corners(state, defects, moves, job);
 }
 
 RimReport rims_of(const State& state) {

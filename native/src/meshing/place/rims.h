@@ -3,7 +3,7 @@
 #include "complex/state.h"
 #include "isimp/core/job.h"
 #include "isimp/meshing/polygonize.h"
-#include "judge/findings.h"
+#include "judge/defects.h"
 
 /// Straight rims: the border of an open scan is ragged, and its corners are chosen by a length found from that.
 namespace isimp::meshing {
@@ -11,7 +11,7 @@ namespace isimp::meshing {
 /// Moves corners at the rim to where the lines through the border on both sides meet, within MeshingOptions::reach: in
 /// the plane of a polygon that has the corner alone, along the edge of two polygons that share it, as far
 /// as polygons stay sound.
-void straighten_rims(State& state, Findings& findings, Job& job);
+void straighten_rims(State& state, Defects& defects, Job& job);
 
 /// The area between the border of the scan and the rims of the polygons, in the polygons' planes.
 RimReport rims_of(const State& state);

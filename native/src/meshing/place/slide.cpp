@@ -184,9 +184,9 @@ class Slider {
 
 }  // namespace
 
-void slide_corners(State& state, Findings& findings, Job& job) {
+void slide_corners(State& state, Defects& defects, Job& job) {
   const std::vector<Move> moves = Slider(state, job).run();
-  move_corners(state, findings, moves, job);
+  move_corners(state, defects, moves, job);
 }
 
 }  // namespace isimp::meshing

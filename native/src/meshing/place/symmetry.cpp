@@ -91,7 +91,7 @@ class Pairs {
 
 class Mirroring {
  public:
-  Mirroring(State& state, Findings& findings, Job& job) : s_(state), findings_(findings), job_(job) {}
+  Mirroring(State& state, Defects& defects, Job& job) : s_(state), defects_(defects), job_(job) {}
 
   /// Drops corners along borders that the borders' images lack, then adds the images of corners that had to stay.
   void pair_more() {
@@ -118,7 +118,7 @@ class Mirroring {
         vertices.push_back(v);
       }
       sort_unique(vertices);
-      turn_corners(s_, findings_, vertices, job_);
+      turn_corners(s_, defects_, vertices, job_);
     }
   }
 
@@ -134,10 +134,10 @@ class Mirroring {
         const auto to = in_reach(c, other, wanted, pairs.mirror());
         if (!to) continue;
         const std::array<Move, 2> moves{Move{c, *to}, Move{other, pairs.mirror().image(*to)}};
-        if (attempt_moves(s_, findings_, std::span(moves).first(other == c ? 1 : 2))) break;
+        if (attempt_moves(s_, defects_, std::span(moves).first(other == c ? 1 : 2))) break;
       }
     }
-    findings_.renew_hits();
+    defects_.renew_hits();
   }
 
  private:
@@ -189,7 +189,7 @@ class Mirroring {
   }
 
   State& s_;
-  Findings& findings_;
+  Defects& defects_;
   Job& job_;
 };
 
@@ -205,10 +205,10 @@ std::vector<std::int32_t> piece_images(const State& state) {
   return mirror_images(patches, state.partition.symmetry->relative_to(state.mesh.origin()));
 }
 
-void mirror_corners(State& state, Findings& findings, Job& job) {
+void mirror_corners(State& state, Defects& defects, Job& job) {
   if (!state.partition.symmetry) return;
-  Mirroring(state, findings, job).pair_more();
-  Mirroring(state, findings, job).place();
+  Mirroring(state, defects, job).pair_more();
+  Mirroring(state, defects, job).place();
 }
 
 std::int32_t mirrored_corners(const State& state) {

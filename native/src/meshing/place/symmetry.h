@@ -5,18 +5,18 @@
 
 #include "complex/state.h"
 #include "isimp/core/job.h"
-#include "judge/findings.h"
+#include "judge/defects.h"
 
 namespace isimp::meshing {
 
 /// Makes corners mirror in the plane of the partition, if it has one.
 ///
 /// Pieces are paired with their images, and corners by their pieces. Corners along one border that the border's image
-/// lacks are dropped or, if polygons become faulty by that, added to the image. Then each pair is put at the mean of
-/// the one and the other's image, and a corner that is its own image on the plane. If that makes a polygon faulty, the
+/// lacks are dropped or, if polygons become defective by that, added to the image. Then each pair is put at the mean of
+/// the one and the other's image, and a corner that is its own image on the plane. If that makes a polygon defective, the
 /// pair is put at the one and its image, else at the other and its image, else it stays.
 /// Cost: O(corners log corners), and up to three trials a pair.
-void mirror_corners(State& state, Findings& findings, Job& job);
+void mirror_corners(State& state, Defects& defects, Job& job);
 
 /// By piece: the piece at its mirror image, kNone where there is none. Empty without a plane.
 std::vector<std::int32_t> piece_images(const State& state);

@@ -23,7 +23,7 @@ class Edges {
   std::vector<std::vector<std::int32_t>> beyond_;  // by the lower corner; an edge of two polygons stands twice
 };
 
-/// The conditions on triangles under which the judge finds no fault in them.
+/// The conditions on triangles under which the judge finds no defect in them.
 struct Rules {
   Vec3 facing = Vec3::UnitZ();  ///< normal of the piece, for triangles without a direction of the scan
   double thickness = 0;         ///< scene units: a thinner one has no area

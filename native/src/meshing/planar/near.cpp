@@ -16,9 +16,9 @@ constexpr double kSlid = kMore;    ///< corners that moved less leave no such ga
 
 }  // namespace
 
-Near::Near(State& state, const Findings& findings, const std::vector<Unit>& units, const Around& around,
+Near::Near(State& state, const Defects& defects, const std::vector<Unit>& units, const Around& around,
            const Places& places)
-    : s_(state), f_(findings), units_(units), around_(around), places_(places) {
+    : s_(state), f_(defects), units_(units), around_(around), places_(places) {
   for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
     before_.push_back(gap(c));
     if (std::isfinite(before_[c])) most_gap_ = std::max(most_gap_, before_[c]);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "complex/state.h"
-#include "judge/findings.h"
+#include "judge/defects.h"
 #include "planar/meet.h"
 #include "planar/unit.h"
 
@@ -14,7 +14,7 @@ namespace isimp::meshing::planar {
 /// Tests of the distance of moved corners from the scan, and of the scan from them.
 class Near {
  public:
-  Near(State& state, const Findings& findings, const std::vector<Unit>& units, const Around& around,
+  Near(State& state, const Defects& defects, const std::vector<Unit>& units, const Around& around,
        const Places& places);
 
   /// Whether a place is near enough to a corner's start or its vertex, or to the scan in the pieces at the corner.
@@ -29,7 +29,7 @@ class Near {
   [[nodiscard]] double from_held(std::int32_t corner) const;
 
   State& s_;  // not const, as its labels compute the faces of pieces
-  const Findings& f_;
+  const Defects& f_;
   const std::vector<Unit>& units_;
   const Around& around_;
   const Places& places_;

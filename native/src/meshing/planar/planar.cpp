@@ -26,7 +26,7 @@ constexpr std::int32_t kTogether = 64;  ///< corners on one thread
 constexpr std::size_t kFew = 12;  ///< most corners of a unit that is triangulated before its corners are held back
 constexpr double kStill = 1e-9;   ///< share of the diagonal: smaller moves count as none
 constexpr double kLeast = 1e-3;   ///< share of the diagonal: corners held back to less than this return to their start
-constexpr std::array kShares{0.95, 0.5, 0.25, 0.0};  ///< shares of its way kept by a corner that mends a fault
+constexpr std::array kShares{0.95, 0.5, 0.25, 0.0};  ///< shares of its way kept by a corner that mends a defect
 constexpr double kStay = 0.01;   ///< cost of a corner held back to its start, if a polygon that loses a corner costs 1
 constexpr double kWhole = 1.5;   ///< cost of the first corner that a polygon loses
 constexpr double kOfFace = 0.7;  ///< cost of each face of a polygon that is triangulated. Source: own trials
@@ -45,16 +45,16 @@ bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, do
 
 class Planarizer {
  public:
-  Planarizer(State& state, Findings& findings, Memory& memory, bool is_last, const Job& job)
+  Planarizer(State& state, Defects& defects, Memory& memory, bool is_last, const Job& job)
       : s_(state),
-        f_(findings),
+        f_(defects),
         memory_(memory),
         is_last_(is_last),
         job_(job),
         units_(units_of(state)),
         places_(places_of(state, units_, state.options.planar_reach * state.mesh.diagonal())),
         around_(units_, state.corners.count()),
-        near_(state, findings, units_, around_, places_),
+        near_(state, defects, units_, around_, places_),
         diagonals_(state.diagonals),
         edges_(state.corners.count()),
         first_(state.labels.pieces.size() + 1, 0),
@@ -65,7 +65,7 @@ class Planarizer {
     for (const Unit& u : units_) ++first_[u.piece + 1];
     for (std::size_t l = 1; l < first_.size(); ++l) first_[l] += first_[l - 1];
     for (std::size_t l = 0; l + 1 < first_.size(); ++l)
-      faults_.push_back(f_.faults(static_cast<std::int32_t>(l)) & ~kBent);
+      kinds_.push_back(f_.kinds(static_cast<std::int32_t>(l)) & ~kBent);
     for (const Hit& h : f_.hits()) met_.insert({h.a, h.b});
     for (const Unit& u : units_) {
       kept_.emplace_back(u.loop.size(), 0);
@@ -193,8 +193,8 @@ class Planarizer {
     f_.judge(judged_);
   }
 
-  /// Moves the corners of polygons that are at fault or not planar less, or triangulates these polygons.
-  /// \return whether anything was done; false if nothing is at fault
+  /// Moves the corners of polygons that are defective or not planar less far, or triangulates these polygons.
+  /// \return whether anything was done; false if nothing is defective
   bool hold_back(bool firmly) {
     acted_.assign(units_.size(), false);
     bool any = false;
@@ -237,14 +237,14 @@ class Planarizer {
   bool hold_back_piece(std::int32_t l, bool firmly) {
     bool any = false;
     const double most = kPlanar * s_.mesh.diagonal();
-    const auto& verdicts = f_.of(l).polygons;
+    const auto& polygons = f_.of(l).polygons;
     for (std::int32_t part = 0; part < s_.polygons.count_of(l); ++part) {
       const auto loop = s_.polygons.of(s_.polygons.first_of(l) + part);
-      const std::uint8_t faults = verdicts[part].faults & ~(kBent | kGiven | faults_[l]);
+      const std::uint8_t kinds = polygons[part].kinds & ~(kBent | kGiven | kinds_[l]);
       const bool flat = is_flat(loop, at_, most);
-      if (faults == 0 && (flat || units_[unit_of(l, part)].left)) continue;
-      const Cause cause = faults & (kCrossing | kNoArea) ? Cause::crossing : faults ? Cause::flipped : Cause::apart;
-      if ((faults != 0 && !firmly && settle(l, part, loop, cause)) || give_up(l, part, loop, cause, firmly)) {
+      if (kinds == 0 && (flat || units_[unit_of(l, part)].left)) continue;
+      const Cause cause = kinds & (kCrossing | kNoArea) ? Cause::crossing : kinds ? Cause::flipped : Cause::apart;
+      if ((kinds != 0 && !firmly && settle(l, part, loop, cause)) || give_up(l, part, loop, cause, firmly)) {
         any = true;
       } else {
         stuck_.push_back(l);
@@ -253,27 +253,27 @@ class Planarizer {
     return any;
   }
 
-  /// A corner whose shorter move mends a fault, with the cost.
+  /// A corner whose shorter move mends a defect, with the cost.
   struct Way {
     double cost = std::numeric_limits<double>::infinity();
     std::int32_t corner = kNone;
     double reach = 0;
   };
 
-  /// Shortens the move of one corner, if that is enough to mend the fault, or triangulates one of the units at fault,
+  /// Shortens the move of one corner, if that is enough to mend the defect, or triangulates one of the blamed units,
   /// if that costs less.
-  /// \param is_mended  tests the fault with corners at their present places
+  /// \param is_mended  tests the defect with corners at their present places
   /// \return whether there is such a way, or something changes there in this round already
   template <class Function>
-  bool settle(std::span<const std::int32_t> corners, std::initializer_list<std::int32_t> at_fault, Cause cause,
+  bool settle(std::span<const std::int32_t> corners, std::initializer_list<std::int32_t> blamed, Cause cause,
               Function is_mended) {
-    if (std::any_of(at_fault.begin(), at_fault.end(), [&](std::int32_t u) { return acted_[u]; }) ||
+    if (std::any_of(blamed.begin(), blamed.end(), [&](std::int32_t u) { return acted_[u]; }) ||
         std::any_of(corners.begin(), corners.end(), [&](std::int32_t c) { return is_moving_[c]; }))
       return true;
     Way best;
     for (const std::int32_t c : corners) find_way(c, is_mended, best);
     std::int32_t freed = kNone;
-    for (const std::int32_t u : at_fault) {
+    for (const std::int32_t u : blamed) {
       const Unit& unit = units_[u];
       const std::size_t n = unit.loop.size();
       if (n == 3 || n > kFew || unit.free || unit.held || kOfFace * static_cast<double>(n - 2) >= best.cost) continue;
@@ -286,13 +286,13 @@ class Planarizer {
     }
     if (best.corner == kNone) return false;
     lower(best.corner, best.reach);
-    for (const std::int32_t u : at_fault)
+    for (const std::int32_t u : blamed)
       if (units_[u].cause == Cause::none) units_[u].cause = cause;
     return true;
   }
   bool settle(std::int32_t l, std::int32_t part, std::span<const std::int32_t> loop, Cause cause) {
     return settle(loop, {unit_of(l, part)}, cause,
-                  [&] { return (f_.verdict(l, part).faults & ~(kBent | kGiven | faults_[l])) == 0; });
+                  [&] { return (f_.defects_now(l, part).kinds & ~(kBent | kGiven | kinds_[l])) == 0; });
   }
   bool settle(const Hit& h) {
     std::vector<std::int32_t> corners(h.corners.begin(), h.corners.end());
@@ -301,7 +301,7 @@ class Planarizer {
                   [&] { return !f_.meet_now(h.a, h.b); });
   }
 
-  /// Replaces `best` if a shorter move of a corner mends a fault at a lower cost.
+  /// Replaces `best` if a shorter move of a corner mends a defect at a lower cost.
   template <class Function>
   void find_way(std::int32_t c, Function is_mended, Way& best) {
     const Vec3 was = at_[c];
@@ -341,9 +341,9 @@ class Planarizer {
     return first_[l + 1] - 1;
   }
 
-  /// Applies the next step against a fault of a polygon: triangulates its unit, moves its corners less, or changes its
+  /// Applies the next step against a defect of a polygon: triangulates its unit, moves its corners less, or changes its
   /// triangles.
-  /// \param corners  the corners at fault
+  /// \param corners  the corners of the defect
   /// \return whether there was a step left
   bool give_up(std::int32_t l, std::int32_t part, std::span<const std::int32_t> corners, Cause cause, bool firmly) {
     const std::int32_t u = unit_of(l, part);
@@ -454,7 +454,7 @@ class Planarizer {
   }
 
   State& s_;
-  Findings& f_;
+  Defects& f_;
   Memory& memory_;
   const bool is_last_;
   const Job& job_;
@@ -466,7 +466,7 @@ class Planarizer {
   Edges edges_;
   std::vector<std::vector<Edge>> own_;         // by unit
   std::vector<std::int32_t> first_;            // by piece: its first unit
-  std::vector<std::uint8_t> faults_;           // by piece: the faults at the start
+  std::vector<std::uint8_t> kinds_;            // by piece: the defects at the start
   std::set<std::array<std::int32_t, 2>> met_;  // pairs of pieces that met
   std::vector<Vec3> at_;
   Kept kept_;
@@ -479,8 +479,8 @@ class Planarizer {
 
 }  // namespace
 
-Outcome make_planar(State& state, Findings& findings, Memory& memory, bool is_last, const Job& job) {
-  return Planarizer(state, findings, memory, is_last, job).run();
+Outcome make_planar(State& state, Defects& defects, Memory& memory, bool is_last, const Job& job) {
+  return Planarizer(state, defects, memory, is_last, job).run();
 }
 
 bool is_planar(const State& state) {

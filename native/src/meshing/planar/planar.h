@@ -8,7 +8,7 @@
 #include "complex/state.h"
 #include "isimp/core/job.h"
 #include "isimp/meshing/polygonize.h"
-#include "judge/findings.h"
+#include "judge/defects.h"
 #include "planar/unit.h"
 
 namespace isimp::meshing::planar {
@@ -25,19 +25,19 @@ struct Memory {
 struct Outcome {
   PlanarReport report;
   std::vector<std::int32_t> let_go;  ///< regions whose snapped planes were released, in rising order
-  std::vector<std::int32_t> stuck;   ///< pieces with a polygon that could not be made planar, or not without a fault
+  std::vector<std::int32_t> stuck;   ///< pieces with a polygon that could not be made planar, or not without a defect
 };
 
 /// Makes every polygon planar: planes and corners are moved together so that corners lie on all their planes. A corner
-/// that can't, within reach, is cut off its polygon by a triangle. No fault is added. A defective polygon (1) moves its
-/// corners less, (2) is triangulated, (3) returns to its old triangulation and positions, which had no fault. A piece
+/// that can't, within reach, is cut off its polygon by a triangle. No defect is added. A defective polygon (1) moves its
+/// corners less, (2) is triangulated, (3) returns to its old triangulation and positions, which had no defect. A piece
 /// is stuck only if such a triangle can't be a polygon of its own (it would face away, or one of its edges is an edge
-/// of other polygons). A polygon that is planar at its old place is never cut for a fault.
+/// of other polygons). A polygon that is planar at its old place is never cut for a defect.
 /// \param is_last  stuck polygons keep their old shape, though it is not planar
-/// \param findings  of the present state; up to date afterwards
+/// \param defects  of the present state; up to date afterwards
 /// \param memory  results of the last try, replaced by the results of this one
 /// Cost: about twenty sparse solves in three unknowns a polygon, and a judgement of the changed pieces in each round.
-Outcome make_planar(State& state, Findings& findings, Memory& memory, bool is_last, const Job& job);
+Outcome make_planar(State& state, Defects& defects, Memory& memory, bool is_last, const Job& job);
 
 /// Whether all polygons are planar.
 bool is_planar(const State& state);

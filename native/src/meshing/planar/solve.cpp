@@ -35,12 +35,12 @@ class Pinned {
 };
 
 /// Releases snapped planes that too many corners can't be on together with their other planes. Among the planes at such
-/// a corner the one of the smallest unit is at fault.
+/// a corner the one of the smallest unit is blamed.
 /// \param kept  reset to true for all corners of released units
 /// \return their units
 std::vector<std::int32_t> release(std::vector<Unit>& units, const Around& around, Kept& kept,
                                   const std::vector<bool>& is_new) {
-  std::vector<std::int32_t> faults(units.size(), 0);
+  std::vector<std::int32_t> misses(units.size(), 0);
   for (std::int32_t c = 0; c < around.corners(); ++c) {
     bool is_missed = false;
     std::int32_t least = kNone;
@@ -50,11 +50,11 @@ std::vector<std::int32_t> release(std::vector<Unit>& units, const Around& around
       if (!unit.held || !unit.scan.snapped || !is_new[u]) continue;
       if (least == kNone || unit.scan.area < units[least].scan.area) least = u;
     }
-    if (is_missed && least != kNone) ++faults[least];
+    if (is_missed && least != kNone) ++misses[least];
   }
   std::vector<std::int32_t> gone;
   for (std::size_t u = 0; u < units.size(); ++u) {
-    if (faults[u] <= kTooMany * static_cast<double>(units[u].loop.size())) continue;
+    if (misses[u] <= kTooMany * static_cast<double>(units[u].loop.size())) continue;
     units[u].held = false;
     gone.push_back(static_cast<std::int32_t>(u));
     for (const std::int32_t c : units[u].loop)

@@ -45,9 +45,9 @@ using Key = std::array<std::int32_t, 4>;  ///< an act, and the numbers that iden
 
 class Coarsener {
  public:
-  Coarsener(State& state, Findings& findings, const Misses& usual, Scope scope, Job& job)
+  Coarsener(State& state, Defects& defects, const Misses& usual, Scope scope, Job& job)
       : s_(state),
-        findings_(findings),
+        defects_(defects),
         usual_(usual),
         scope_(std::move(scope)),
         job_(job),
@@ -64,9 +64,9 @@ class Coarsener {
     const std::int32_t before = s_.polygons.count();
     try_all(0.0, 0.5);
     // Better places make other unions possible.
-    improve_places(s_, findings_, job_);
+    improve_places(s_, defects_, job_);
     tried_.clear();
-    ease(s_, findings_, scope_, job_);
+    ease(s_, defects_, scope_, job_);
     // Corners that can move again may not need diagonals that they needed before.
     try_all(0.6, 1.0);
     return before - s_.polygons.count();
@@ -180,7 +180,7 @@ class Coarsener {
       else if (is_there(c.piece) && is_there(c.other) && c.version == version_[c.other] && may_unite(c.piece, c.other))
         unite(c);
     }
-    findings_.renew_hits();
+    defects_.renew_hits();
   }
 
   void drop_diagonal(std::int32_t l) {
@@ -193,7 +193,7 @@ class Coarsener {
       s_.set_diagonals(l, all);
       return true;
     };
-    attempt(s_, findings_, {l}, l, drop, Places::better);
+    attempt(s_, defects_, {l}, l, drop, Places::better);
     std::vector<Candidate> more;
     add_diagonal(l, more);
     queue(more);
@@ -210,7 +210,7 @@ class Coarsener {
       s_.unite(c.piece, c.other, loop);
       return true;
     };
-    if (!attempt(s_, findings_, {c.other}, c.piece, join, Places::better)) return;
+    if (!attempt(s_, defects_, {c.other}, c.piece, join, Places::better)) return;
     scope_.add(c.piece);
     --left;
     --pieces_in_[region];
@@ -227,7 +227,7 @@ class Coarsener {
     queue(more);
   }
 
-  /// Whether a polygon is so faulty, both with its corners at their present places and on the mesh, that a new
+  /// Whether a polygon is so defective, both with its corners at their present places and on the mesh, that a new
   /// placement is not worth a try.
   [[nodiscard]] bool is_hopeless(std::span<const std::int32_t> vertices, const Vec3& normal) const {
     if (vertices.size() < 3) return false;
@@ -239,10 +239,10 @@ class Coarsener {
       home.push_back(s_.mesh.vertices()[vertices[i]]);
       placed.push_back(corner == kNone ? home.back() : s_.corners.position[corner]);
     }
-    const double bend = findings_.bounds().bend > 0 ? findings_.bounds().bend : kFree * s_.mesh.diagonal();
-    const Bounds bounds{kHopeless * bend, findings_.bounds().thickness};
-    return judge_polygon(polygon, placed, normal, bounds).faults != 0 &&
-           judge_polygon(polygon, home, normal, bounds).faults != 0;
+    const double bend = defects_.bounds().bend > 0 ? defects_.bounds().bend : kFree * s_.mesh.diagonal();
+    const Bounds bounds{kHopeless * bend, defects_.bounds().thickness};
+    return judge_polygon(polygon, placed, normal, bounds).kinds != 0 &&
+           judge_polygon(polygon, home, normal, bounds).kinds != 0;
   }
 
   /// Whether the union of two pieces, with the given loop, or a neighbour that loses a corner by it is hopeless.
@@ -266,7 +266,7 @@ class Coarsener {
   /// Whether the piece across a half-edge is hopeless without the corner that it leaves.
   [[nodiscard]] bool spoils_beside(std::int32_t h) const {
     const std::int32_t l = s_.labels.across(h);
-    if (l == kNone || s_.is_large(l) || !s_.diagonals[l].empty() || findings_.faults(l) != 0) return false;
+    if (l == kNone || s_.is_large(l) || !s_.diagonals[l].empty() || defects_.kinds(l) != 0) return false;
     std::vector<std::int32_t> vertices;
     for (const std::int32_t g : s_.complex.chords(l))
       if (s_.mesh.from(g) != s_.mesh.from(h)) vertices.push_back(s_.mesh.from(g));
@@ -274,7 +274,7 @@ class Coarsener {
   }
 
   State& s_;
-  Findings& findings_;
+  Defects& defects_;
   const Misses usual_;
   Scope scope_;
   Job& job_;
@@ -299,8 +299,8 @@ Misses mean_misses(const State& state) {
   return count > 0 ? Misses{sum.error / count, sum.square / count} : sum;
 }
 
-std::int32_t coarsen(State& state, Findings& findings, const Misses& usual, Scope scope, Job& job) {
-  return Coarsener(state, findings, usual, std::move(scope), job).run();
+std::int32_t coarsen(State& state, Defects& defects, const Misses& usual, Scope scope, Job& job) {
+  return Coarsener(state, defects, usual, std::move(scope), job).run();
 }
 
 }  // namespace isimp::meshing

@@ -2,7 +2,7 @@
 
 #include "complex/state.h"
 #include "isimp/core/job.h"
-#include "judge/findings.h"
+#include "judge/defects.h"
 #include "place/ease.h"
 
 namespace isimp::meshing {
@@ -15,7 +15,7 @@ struct Misses {
 Misses mean_misses(const State& state);
 
 /// Undoes splits and diagonals that are not needed: removes diagonals and unites split pieces with neighbours, wherever
-/// no polygon becomes faulty by it. Neighbours of the same region come first. A neighbour of another region must be at
+/// no polygon becomes defective by it. Neighbours of the same region come first. A neighbour of another region must be at
 /// least as large and near the same plane, and the region that loses the piece must keep another. A part that is not
 /// connected with the rest of its region stays in the region. One change is tried after another (trials.h), the most
 /// promising first: unions whose pieces share most of their boundary. Changes that would plainly fail are not tried.
@@ -24,6 +24,6 @@ Misses mean_misses(const State& state);
 /// \param scope  diagonals and unions of other pieces are not tried
 /// \return the number of polygons removed
 /// Cost: a trial for each diagonal and each pair of adjacent pieces that may be united, twice.
-std::int32_t coarsen(State& state, Findings& findings, const Misses& usual, Scope scope, Job& job);
+std::int32_t coarsen(State& state, Defects& defects, const Misses& usual, Scope scope, Job& job);
 
 }  // namespace isimp::meshing

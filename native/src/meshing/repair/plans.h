@@ -7,7 +7,7 @@
 
 namespace isimp::meshing {
 
-/// The actions against the faults of a piece.
+/// The actions against the defects of a piece.
 enum class Action : std::uint8_t {
   none,
   pull_concerned,  ///< move the corners concerned halfway back to the scan
@@ -17,9 +17,9 @@ enum class Action : std::uint8_t {
   split,           ///< split the piece in two
 };
 
-/// A plan: the actions for the first, second, third ... time that a piece is found faulty. The last one is repeated.
+/// A plan: the actions for the first, second, third ... time that a piece is found defective. The last one is repeated.
 ///
-/// How often an action leaves the piece, or both halves of it, without a fault in the next round; scans, buildings and
+/// How often an action leaves the piece, or both halves of it, without a defect in the next round; scans, buildings and
 /// nasty meshes of 5,000 to a million faces at 50, 300 and 1,000 regions (23,600 actions):
 ///
 /// | piece      | pull_concerned | pull_all | add_anchor | add_diagonal | split |

@@ -12,7 +12,7 @@
 #include "isimp/core/sorted.h"
 #include "isimp/core/to_integer.h"
 #include "judge/bounds.h"
-#include "judge/findings.h"
+#include "judge/defects.h"
 #include "place/improve.h"
 #include "place/keep_planes.h"
 #include "place/rims.h"
@@ -20,8 +20,8 @@
 #include "place/symmetry.h"
 #include "planar/planar.h"
 #include "repair/coarsen.h"
-#include "repair/flaws.h"
 #include "repair/junctions.h"
+#include "repair/list_defects.h"
 #include "repair/plans.h"
 
 namespace isimp::meshing {
@@ -41,12 +41,12 @@ constexpr double kWorthwhile = 0.97;          ///< a pass that leaves more of th
 
 class Repairer {
  public:
-  Repairer(State& state, Job& job) : s_(state), job_(job), findings_(state, bounds_of(state), job) {
+  Repairer(State& state, Job& job) : s_(state), job_(job), defects_(state, bounds_of(state), job) {
     const std::int32_t pieces = s_.labels.piece_count();
     const double all = pieces + kOfOpening * openings_of(s_.mesh);
     most_polygons_ = pieces + to_integer(s_.options.repair_budget * all, kLeastBudget,
                                          std::numeric_limits<std::int32_t>::max() - pieces);
-    if (s_.options.planar) findings_.judge_planar();
+    if (s_.options.planar) defects_.judge_planar();
   }
 
   RepairOutcome run() {
@@ -62,16 +62,16 @@ class Repairer {
       mend(kRounds);
     }
     join_again();
-    improve_places(s_, findings_, job_);
+    improve_places(s_, defects_, job_);
     const Job::Part part(job_, "repairing", 0.75, 1.0);
     if (fall_back()) {
-      coarsen(s_, findings_, usual_, acted_, job_);
+      coarsen(s_, defects_, usual_, acted_, job_);
       fall_back();
     }
-    slide_corners(s_, findings_, job_);
-    straighten_rims(s_, findings_, job_);
-    outcome_.let_go = keep_to_planes(s_, findings_, job_);
-    mirror_corners(s_, findings_, job_);
+    slide_corners(s_, defects_, job_);
+    straighten_rims(s_, defects_, job_);
+    outcome_.let_go = keep_to_planes(s_, defects_, job_);
+    mirror_corners(s_, defects_, job_);
     if (s_.options.planar) {
       make_planar();
     } else {
@@ -79,7 +79,7 @@ class Repairer {
     }
     outcome_.mirrored = mirrored_corners(s_);
     outcome_.rims = rims_of(s_);
-    list_flaws(s_, findings_, outcome_, job_);
+    list_defects(s_, defects_, outcome_, job_);
     return outcome_;
   }
 
@@ -91,11 +91,11 @@ class Repairer {
     mend(kRounds);
     may_split_ = true;
     while (true) {
-      std::vector<bool> faulty = findings_.faulty(kCrossing | kFlipped | kNoArea);
+      std::vector<bool> defective = defects_.defective(kCrossing | kFlipped | kNoArea);
       const std::vector<std::int32_t> image = piece_images(s_);  // a join and its image are undone together
       for (std::size_t l = 0; l < image.size(); ++l)
-        if (image[l] != kNone && faulty[l]) faulty[image[l]] = true;
-      if (!take_back(s_, faulty, joins)) return;
+        if (image[l] != kNone && defective[l]) defective[image[l]] = true;
+      if (!take_back(s_, defective, joins)) return;
       for (const std::int32_t l : s_.labels.touched) tries_[l] = 0;
       changed_ = s_.labels.touched;
       bring_up_to_date();
@@ -109,7 +109,7 @@ class Repairer {
       const double from = 0.75 - 0.5 * std::pow(0.4, pass);  // most meshes need one pass
       const Job::Part part(job_, "repairing", from, 0.75 - 0.2 * std::pow(0.4, pass));
       const std::int32_t before = s_.polygons.count();
-      outcome_.taken_back += coarsen(s_, findings_, usual_, {}, job_);
+      outcome_.taken_back += coarsen(s_, defects_, usual_, {}, job_);
       acted_.clear(s_.labels.piece_count());
       std::fill(tries_.begin(), tries_.end(), 0);
       mend(kRounds);
@@ -119,7 +119,7 @@ class Repairer {
     }
   }
 
-  /// Acts and looks again, until nothing is faulty, nothing helps or the rounds are over.
+  /// Acts and looks again, until nothing is defective, nothing helps or the rounds are over.
   void mend(int rounds) {
     for (int round = 0; round < rounds; ++round, ++outcome_.rounds) {
       job_.report(std::min(0.95, round / 20.0));
@@ -138,7 +138,7 @@ class Repairer {
     judge(changed);
   }
 
-  /// The last resort: remaining faulty polygons are replaced by the scan's triangles, so that every remaining defect
+  /// The last resort: remaining defective polygons are replaced by the scan's triangles, so that every remaining defect
   /// exists in the scan.
   /// \return whether any polygon was replaced
   bool fall_back() {
@@ -148,9 +148,9 @@ class Repairer {
       any = false;
       polygons_ = s_.polygons.count();
       find_met();
-      const std::vector<bool> faulty = findings_.faulty();
-      for (std::int32_t l = 0; l < static_cast<std::int32_t>(faulty.size()); ++l)
-        if (faulty[l]) {
+      const std::vector<bool> defective = defects_.defective();
+      for (std::int32_t l = 0; l < static_cast<std::int32_t>(defective.size()); ++l)
+        if (defective[l]) {
           acted_.add(l);
           any = shatter(l) || any;
         }
@@ -168,8 +168,8 @@ class Repairer {
     bool is_last = false;
     for (int go = 0;; ++go) {
       Transaction transaction(s_);
-      findings_.keep();
-      const planar::Outcome outcome = planar::make_planar(s_, findings_, memory, is_last, job_);
+      defects_.keep();
+      const planar::Outcome outcome = planar::make_planar(s_, defects_, memory, is_last, job_);
       outcome_.planar = outcome.report;
       outcome_.let_go = outcome.let_go;
       if (outcome.stuck.empty() || is_last) return transaction.commit();
@@ -190,7 +190,7 @@ class Repairer {
   /// Finds the pieces that meet in the present hits. To be called after each judgement, which replaces the hits.
   void find_met() {
     met_.assign(s_.labels.pieces.size(), nullptr);
-    for (const Hit& h : findings_.hits())
+    for (const Hit& h : defects_.hits())
       if (!h.excused) met_[h.a] = met_[h.b] = &h;
   }
 
@@ -207,56 +207,56 @@ class Repairer {
   }
 
   void judge(std::span<const std::int32_t> pieces) {
-    findings_.judge(pieces);
+    defects_.judge(pieces);
     tries_.resize(s_.labels.pieces.size(), 0);
   }
 
-  /// One step of its plan for every faulty piece.
+  /// One step of its plan for every defective piece.
   /// \return whether anything was done
   bool act() {
     const auto pieces = s_.labels.piece_count();
     spared_.assign(pieces, false);
     find_met();
     // If two pieces meet, the smaller is not split.
-    for (const Hit& h : findings_.hits())
+    for (const Hit& h : defects_.hits())
       if (!h.excused && h.a != h.b) spared_[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
     bool any = false;
     polygons_ = s_.polygons.count();
     foresee_cuts();
     for (std::int32_t l = 0; l < pieces; ++l) {
-      const std::uint8_t faults = findings_.faults(l);
-      if (faults == 0 && !met_[l]) continue;
+      const std::uint8_t kinds = defects_.kinds(l);
+      if (kinds == 0 && !met_[l]) continue;
       job_.poll();
-      if (may_split_ && (faults & kNoArea) && dissolve(l)) {
+      if (may_split_ && (kinds & kNoArea) && dissolve(l)) {
         any = true;
         continue;
       }
-      const Action action = next_action(l, faults);
+      const Action action = next_action(l, kinds);
       if (action == Action::none) continue;
       acted_.add(l);
       ++tries_[l];
-      any = take(action, l, is_spared(l, faults)) || any;
+      any = take(action, l, is_spared(l, kinds)) || any;
     }
     cuts_.clear();
     return any;
   }
 
-  /// The next action in the plan for a piece with these faults; none if the plan is used up.
-  [[nodiscard]] Action next_action(std::int32_t l, std::uint8_t faults) const {
-    if (faults == 0 && !met_[l]) return Action::none;
-    const Plan plan = plan_for(l, faults);
+  /// The next action in the plan for a piece with these defects; none if the plan is used up.
+  [[nodiscard]] Action next_action(std::int32_t l, std::uint8_t kinds) const {
+    if (kinds == 0 && !met_[l]) return Action::none;
+    const Plan plan = plan_for(l, kinds);
     if (tries_[l] >= static_cast<int>(plan.size()) + kPatience) return Action::none;
     const Action action = plan[std::min<std::size_t>(tries_[l], plan.size() - 1)];
     return may_split_ || action <= Action::pull_all ? action : Action::none;
   }
 
-  [[nodiscard]] Plan plan_for(std::int32_t l, std::uint8_t faults) const {
-    if (faults & kCrossing) return plans::kForCrossing;
-    if (faults & (kFlipped | kNoArea)) return plans::kForFlipped;
+  [[nodiscard]] Plan plan_for(std::int32_t l, std::uint8_t kinds) const {
+    if (kinds & kCrossing) return plans::kForCrossing;
+    if (kinds & (kFlipped | kNoArea)) return plans::kForFlipped;
     return met_[l] ? Plan(plans::kForMeeting) : Plan(plans::kForBent);
   }
 
-  [[nodiscard]] bool is_spared(std::int32_t l, std::uint8_t faults) const { return faults == 0 && spared_[l]; }
+  [[nodiscard]] bool is_spared(std::int32_t l, std::uint8_t kinds) const { return kinds == 0 && spared_[l]; }
 
   /// Finds the cuts of all pieces whose next action is a split, on all threads. The cuts hold for pieces that do not
   /// change before their split.
@@ -264,8 +264,8 @@ class Repairer {
     if (spent()) return;
     std::vector<std::int32_t> some;
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
-      const std::uint8_t faults = findings_.faults(l);
-      if (next_action(l, faults) == Action::split && !(faults & kNoArea) && !waits(is_spared(l, faults)))
+      const std::uint8_t kinds = defects_.kinds(l);
+      if (next_action(l, kinds) == Action::split && !(kinds & kNoArea) && !waits(is_spared(l, kinds)))
         some.push_back(l);
     }
     cuts_.resize(s_.labels.pieces.size());
@@ -367,10 +367,10 @@ class Repairer {
   /// The ends of edges that cross or the corners of facets that meet; else all of the piece.
   [[nodiscard]] std::vector<std::int32_t> corners_concerned(std::int32_t l) const {
     std::vector<std::int32_t> some;
-    for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
-      const PolygonVerdict& v = findings_.of(l).polygons[i];
+    for (std::size_t i = 0; i < defects_.of(l).polygons.size(); ++i) {
+      const PolygonDefects& v = defects_.of(l).polygons[i];
       const auto loop = s_.polygons.of(s_.polygons.first_of(l) + static_cast<std::int32_t>(i));
-      if (v.faults & (kFlipped | kNoArea)) some.insert(some.end(), loop.begin(), loop.end());
+      if (v.kinds & (kFlipped | kNoArea)) some.insert(some.end(), loop.begin(), loop.end());
       for (const std::int32_t e : v.crossing)
         if (e >= 0) some.insert(some.end(), {loop[e], loop[(e + 1) % loop.size()]});
     }
@@ -381,8 +381,8 @@ class Repairer {
   /// Adds a corner on the one of two chords that cross that its boundary leaves further.
   bool bend(std::int32_t l) {
     bool any = false;
-    for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
-      const auto& crossing = findings_.of(l).polygons[i].crossing;
+    for (std::size_t i = 0; i < defects_.of(l).polygons.size(); ++i) {
+      const auto& crossing = defects_.of(l).polygons[i].crossing;
       if (crossing[0] < 0) continue;
       const auto polygon = s_.polygons.of(s_.polygons.first_of(l) + static_cast<std::int32_t>(i));
       std::int32_t worse = kNone;
@@ -413,9 +413,9 @@ class Repairer {
   bool add_diagonal(std::int32_t l) {
     std::int32_t worst = kNone;
     double most = -1;
-    for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
-      const PolygonVerdict& v = findings_.of(l).polygons[i];
-      const double badness = v.bend + (v.faults & ~kBent ? s_.mesh.diagonal() : 0.0);
+    for (std::size_t i = 0; i < defects_.of(l).polygons.size(); ++i) {
+      const PolygonDefects& v = defects_.of(l).polygons[i];
+      const double badness = v.bend + (v.kinds & ~kBent ? s_.mesh.diagonal() : 0.0);
       if (badness <= most) continue;
       most = badness;
       worst = s_.polygons.first_of(l) + static_cast<std::int32_t>(i);
@@ -449,8 +449,8 @@ class Repairer {
 
   /// The middle of the shorter of two edges of one polygon that cross; nothing where none do.
   [[nodiscard]] std::optional<Vec3> place_of_crossing(std::int32_t l) const {
-    for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
-      const auto& crossing = findings_.of(l).polygons[i].crossing;
+    for (std::size_t i = 0; i < defects_.of(l).polygons.size(); ++i) {
+      const auto& crossing = defects_.of(l).polygons[i].crossing;
       if (crossing[0] < 0) continue;
       const auto loop = s_.polygons.of(s_.polygons.first_of(l) + static_cast<std::int32_t>(i));
       const auto end = [&](std::int32_t e) { return s_.corners.position[loop[e % loop.size()]]; };
@@ -465,7 +465,7 @@ class Repairer {
   Job& job_;
   RepairOutcome outcome_;
   std::int32_t most_polygons_ = 0, polygons_ = 0;  // polygons_: as they will be after the acts of this round
-  Findings findings_;
+  Defects defects_;
   std::vector<int> tries_;             // by piece
   std::vector<bool> spared_;           // by piece: of two that meet, the smaller
   std::vector<Cut> cuts_;              // by piece: where it will be split in this round, as far as was foreseen

@@ -6,7 +6,7 @@
 
 namespace isimp::meshing {
 
-/// The result of the repair: remaining faults, and counts of its actions.
+/// The result of the repair: remaining defects, and counts of its actions.
 struct RepairOutcome {
   std::int32_t crossing = 0, flipped = 0, bent = 0;  ///< polygons
   std::int64_t intersecting = 0, excused = 0;  ///< pairs of polygons; excused: their regions intersect in the scan
@@ -22,15 +22,15 @@ struct RepairOutcome {
   RimReport rims;
   std::vector<std::int32_t> let_go;  ///< as PolygonMesh::planes_let_go
   /// As in MeshingReport, but polygons are numbered as in State and a pair is listed once.
-  std::vector<Imperfection> imperfect;
+  std::vector<ListedDefect> defects;
 };
 
-constexpr std::size_t kMostListed = 1000;         ///< flaws of a kind that a report lists
+constexpr std::size_t kMostListed = 1000;         ///< defects of a kind that a report lists
 constexpr std::int64_t kMostCounted = 1'000'000;  ///< pairs of the scan's own faces that are counted
 
 /// Finds polygons that cross themselves, are flipped, are bent or intersect, and changes them and their neighbours
 /// until none is left or nothing helps: pulls corners back to the mesh, adds corners, adds diagonals, splits pieces.
-/// Then undoes changes that were not needed. Remaining faulty polygons are replaced by the scan's own faces.
+/// Then undoes changes that were not needed. Remaining defective polygons are replaced by the scan's own faces.
 RepairOutcome repair(State& state, Job& job);
 
 }  // namespace isimp::meshing

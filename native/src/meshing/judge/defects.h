@@ -12,10 +12,10 @@
 
 namespace isimp::meshing {
 
-/// The findings of the judge for the polygons of each piece, kept up to date while polygons change.
-class Findings {
+/// The defects of the polygons of each piece, kept up to date while polygons change.
+class Defects {
  public:
-  Findings(const State& state, const Bounds& bounds, const Job& job)
+  Defects(const State& state, const Bounds& bounds, const Job& job)
       : s_(state), bounds_(bounds), job_(job), excuses_(state.mesh, state.partition.face_region, state.regions, true) {}
 
   /// The input of the judge for one piece.
@@ -26,10 +26,10 @@ class Findings {
     bool is_face = false;  ///< the piece is one face of the scan
     bool operator==(const Source&) const = default;
   };
-  /// The findings for a piece's polygons.
+  /// The judged polygons of a piece.
   struct Found {
     Source source;
-    std::vector<PolygonVerdict> polygons;
+    std::vector<PolygonDefects> polygons;
     FacetSet facets;
   };
 
@@ -40,33 +40,33 @@ class Findings {
   /// of its own part of the scan (outline.h), as polygons cut off along the boundary may be steep. Triangulations avoid
   /// slivers, as every triangulation of a planar polygon is valid.
   void judge_planar() { apart_ = bounds_.no_slivers = true; }
-  /// Saves the present findings, so that the pieces of a rolled-back trial need not be judged again. Replaces the
-  /// findings saved before.
+  /// Saves the present defects, so that the pieces of a rolled-back trial need not be judged again. Replaces the
+  /// defects saved before.
   void keep();
-  /// Judges changed polygons. The change is accepted if no piece has a new fault and no changed facet has an unexcused
-  /// intersection. The new findings then replace the old ones, and `renew_hits` must follow the last accepted change.
+  /// Judges changed polygons. The change is accepted if no piece has a new defect and no changed facet has an unexcused
+  /// intersection. The new defects then replace the old ones, and `renew_hits` must follow the last accepted change.
   /// \param pieces  all pieces that may have changed, each once
-  /// \param whole  a piece that must have no fault at all, kNone for none
+  /// \param whole  a piece that must have no defect at all, kNone for none
   /// \return whether the change is accepted
   /// Cost: that of judging the changed pieces; intersections are searched for changed facets only.
   bool accepts(std::span<const std::int32_t> pieces, std::int32_t whole = kNone);
   /// Finds the intersections of the pieces of accepted changes, then calls `keep`.
   void renew_hits();
   [[nodiscard]] const Found& of(std::int32_t piece) const { return found_[piece]; }
-  /// The verdict on one of a piece's polygons with its corners at their present places.
-  [[nodiscard]] PolygonVerdict verdict(std::int32_t piece, std::int32_t part) const;
+  /// The defects of one of a piece's polygons with its corners at their present places.
+  [[nodiscard]] PolygonDefects defects_now(std::int32_t piece, std::int32_t part) const;
   /// Whether polygons of two pieces meet with their corners at their present places.
   [[nodiscard]] bool meet_now(std::int32_t a, std::int32_t b) const;
   /// The regions of two polygons that meet, in rising order.
   [[nodiscard]] ScanMeetings::Pair regions_of(const Hit& h) const;
-  /// All faults of a piece's polygons together.
-  [[nodiscard]] std::uint8_t faults(std::int32_t piece) const { return faults_[piece]; }
+  /// The kinds of defects of a piece's polygons.
+  [[nodiscard]] std::uint8_t kinds(std::int32_t piece) const { return kinds_[piece]; }
   /// Pairs of polygons that meet, in rising order, except pairs of two faces of the scan at their places.
   [[nodiscard]] const std::vector<Hit>& hits() const { return hits_; }
   /// Pairs of two faces of the scan at their places that meet.
   [[nodiscard]] GivenHits given_hits(std::size_t most, std::int64_t most_counted) const;
-  /// By piece: whether it has one of some faults of its own, or meets another and is not excused.
-  [[nodiscard]] std::vector<bool> faulty(std::uint8_t which = 0xff) const;
+  /// By piece: whether it has a defect of some kinds, or meets another and is not excused.
+  [[nodiscard]] std::vector<bool> defective(std::uint8_t which = 0xff) const;
   [[nodiscard]] const Bounds& bounds() const { return bounds_; }
   /// The number of judgements of polygons, repeated ones included.
   [[nodiscard]] std::int64_t judged() const { return judged_; }
@@ -91,7 +91,7 @@ class Findings {
   /// The areas beyond the chords of a piece of several polygons that are to be planar; of others none.
   [[nodiscard]] std::vector<Vec3> areas_beyond(std::int32_t piece) const;
   /// \param beyond  the result of `areas_beyond`
-  PolygonVerdict judge_one(std::int32_t piece, std::int32_t part, std::span<const Vec3> beyond,
+  PolygonDefects judge_one(std::int32_t piece, std::int32_t part, std::span<const Vec3> beyond,
                            std::vector<Facet>* facets) const;
   /// Whether a piece is a face of the scan that has no area.
   [[nodiscard]] bool is_given(std::int32_t piece) const;
@@ -103,10 +103,10 @@ class Findings {
   std::vector<std::int32_t> accepted_;  // pieces, of changes since the last `renew_hits`
   std::vector<Found> found_;            // by piece
   std::int64_t judged_ = 0;
-  std::vector<std::uint8_t> faults_;          // by piece
+  std::vector<std::uint8_t> kinds_;           // by piece
   Arounds around_;                            // by piece: its facets' box
   std::vector<Hit> hits_;                     // in rising order
-  std::vector<std::unique_ptr<Found>> kept_;  // findings of pieces that have changed since `keep`
+  std::vector<std::unique_ptr<Found>> kept_;  // defects of pieces that have changed since `keep`
   std::vector<Hit> kept_hits_;                // all hits at `keep`
   ScanMeetings excuses_;                      // with patches: the repair can't part regions that meet there
 };

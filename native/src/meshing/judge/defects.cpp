@@ -1,4 +1,4 @@
-#include "judge/findings.h"
+#include "judge/defects.h"
 
 #include <algorithm>
 #include <iterator>
@@ -14,7 +14,7 @@ namespace {
 constexpr std::int32_t kFew = 4;  ///< pieces that are judged on one thread
 }
 
-Findings::Source Findings::source_of(std::int32_t piece) const {
+Defects::Source Defects::source_of(std::int32_t piece) const {
   Source s{{}, {}, s_.planes[piece].normal, s_.labels.is_face(piece)};
   s_.polygons.for_each_of(piece, [&](std::int32_t q) {
     for (const std::int32_t c : s_.polygons.of(q)) {
@@ -26,7 +26,7 @@ Findings::Source Findings::source_of(std::int32_t piece) const {
   return s;
 }
 
-bool Findings::is_source(const Source& s, std::int32_t piece) const {
+bool Defects::is_source(const Source& s, std::int32_t piece) const {
   auto loop = s.loops.begin();
   auto place = s.places.begin();
   const std::int32_t first = s_.polygons.first_of(piece);
@@ -38,15 +38,15 @@ bool Findings::is_source(const Source& s, std::int32_t piece) const {
   return loop == s.loops.end() && s.normal == s_.planes[piece].normal && s.is_face == s_.labels.is_face(piece);
 }
 
-bool Findings::is_given(std::int32_t piece) const {
+bool Defects::is_given(std::int32_t piece) const {
   std::vector<Vec3> corners;
   for (const std::int32_t v : s_.mesh.triangles()[s_.labels.pieces[piece].face])
     corners.push_back(s_.mesh.vertices()[v]);
-  return (judge_polygon(std::array{0, 1, 2}, corners, Vec3::Zero(), bounds_).faults & kNoArea) != 0;
+  return (judge_polygon(std::array{0, 1, 2}, corners, Vec3::Zero(), bounds_).kinds & kNoArea) != 0;
 }
 
-PolygonVerdict Findings::judge_one(std::int32_t piece, std::int32_t part, std::span<const Vec3> beyond,
-                                   std::vector<Facet>* facets) const {
+PolygonDefects Defects::judge_one(std::int32_t piece, std::int32_t part, std::span<const Vec3> beyond,
+                                  std::vector<Facet>* facets) const {
   const auto polygon = s_.polygons.of(s_.polygons.first_of(piece) + part);
   Bounds bounds = bounds_;
   Vec3 normal = s_.planes[piece].normal;
@@ -58,27 +58,27 @@ PolygonVerdict Findings::judge_one(std::int32_t piece, std::int32_t part, std::s
   return judge_polygon(polygon, s_.corners.position, normal, bounds, {{}, piece, part}, facets);
 }
 
-PolygonVerdict Findings::verdict(std::int32_t piece, std::int32_t part) const {
+PolygonDefects Defects::defects_now(std::int32_t piece, std::int32_t part) const {
   return judge_one(piece, part, areas_beyond(piece), nullptr);
 }
 
-bool Findings::meet_now(std::int32_t a, std::int32_t b) const {
+bool Defects::meet_now(std::int32_t a, std::int32_t b) const {
   const FacetSet some = find(a, source_of(a)).facets;
   return a == b ? facets_meet(some, some) : facets_meet(some, find(b, source_of(b)).facets);
 }
 
-std::vector<Vec3> Findings::areas_beyond(std::int32_t piece) const {
+std::vector<Vec3> Defects::areas_beyond(std::int32_t piece) const {
   return apart_ && s_.polygons.count_of(piece) > 1 ? areas_beyond_chords(s_, piece) : std::vector<Vec3>{};
 }
 
-Findings::Found Findings::find(std::int32_t piece, Source source) const {
+Defects::Found Defects::find(std::int32_t piece, Source source) const {
   Found f{std::move(source), {}, {}};
   const std::vector<Vec3> beyond = areas_beyond(piece);
   for (std::int32_t part = 0; part < s_.polygons.count_of(piece); ++part)
     f.polygons.push_back(judge_one(piece, part, beyond, &f.facets.facets));
   f.facets.locate(s_.corners.position);
-  if (f.polygons.size() == 1 && f.polygons[0].faults == kNoArea && f.source.is_face && is_given(piece))
-    f.polygons[0].faults = kGiven;
+  if (f.polygons.size() == 1 && f.polygons[0].kinds == kNoArea && f.source.is_face && is_given(piece))
+    f.polygons[0].kinds = kGiven;
   const auto is_home = [&](std::int32_t c) {
     return s_.corners.position[c] == s_.mesh.vertices()[s_.corners.vertex[c]];
   };
@@ -87,21 +87,21 @@ Findings::Found Findings::find(std::int32_t piece, Source source) const {
   return f;
 }
 
-void Findings::set(std::int32_t piece, Found found) {
+void Defects::set(std::int32_t piece, Found found) {
   ISIMP_ASSERT(found.polygons.size() == static_cast<std::size_t>(s_.polygons.count_of(piece)),
-               "every polygon of a piece has a verdict");
+               "every polygon of a piece is judged");
   found_[piece] = std::move(found);
   around_.set(piece, found_[piece].facets);
-  faults_[piece] = 0;
-  for (const PolygonVerdict& v : found_[piece].polygons) faults_[piece] |= v.faults & ~kGiven;
+  kinds_[piece] = 0;
+  for (const PolygonDefects& v : found_[piece].polygons) kinds_[piece] |= v.kinds & ~kGiven;
 }
 
-void Findings::judge(std::span<const std::int32_t> pieces) {
+void Defects::judge(std::span<const std::int32_t> pieces) {
   const std::size_t count = s_.labels.pieces.size();
   ISIMP_ASSERT(found_.size() <= count, "pieces keep their numbers");
   found_.resize(count);
   kept_.resize(count);
-  faults_.resize(count, 0);
+  kinds_.resize(count, 0);
   std::vector<bool> changed(count, false);
   std::vector<Was> was(pieces.size(), Was::same);
   std::vector<Found> fresh(pieces.size());
@@ -126,12 +126,12 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
     if (was[i] == Was::kept) kept.reset();
   }
   around_.settle();
-  std::vector<bool> same(count);  // by piece: whether its findings are the kept ones
+  std::vector<bool> same(count);  // by piece: whether its defects are the kept ones
   for (std::size_t l = 0; l < count; ++l) same[l] = !kept_[l];
   find_hits_of(changed, same);
 }
 
-void Findings::find_hits_of(const std::vector<bool>& changed, const std::vector<bool>& same) {
+void Defects::find_hits_of(const std::vector<bool>& changed, const std::vector<bool>& same) {
   std::vector<const FacetSet*> facets;
   facets.reserve(found_.size());
   for (const Found& f : found_) facets.push_back(&f.facets);
@@ -148,7 +148,7 @@ void Findings::find_hits_of(const std::vector<bool>& changed, const std::vector<
                "each pair of polygons that meet is there once");
 }
 
-FacetSet Findings::changed_facets(std::int32_t piece, const Found& fresh) const {
+FacetSet Defects::changed_facets(std::int32_t piece, const Found& fresh) const {
   const FacetSet &now = fresh.facets, &was = found_[piece].facets;
   FacetSet changed;
   for (std::size_t k = 0; k < now.facets.size(); ++k)
@@ -158,8 +158,8 @@ FacetSet Findings::changed_facets(std::int32_t piece, const Found& fresh) const 
   return changed;
 }
 
-bool Findings::meets_any(std::size_t i, std::span<const std::int32_t> pieces, std::span<const Found> fresh,
-                         const FacetSet& changed) {
+bool Defects::meets_any(std::size_t i, std::span<const std::int32_t> pieces, std::span<const Found> fresh,
+                        const FacetSet& changed) {
   if (changed.solid.empty()) return false;
   const std::int32_t l = pieces[i];
   const auto is_excused = [&](std::int32_t k) {
@@ -185,15 +185,15 @@ bool Findings::meets_any(std::size_t i, std::span<const std::int32_t> pieces, st
   return any;
 }
 
-bool Findings::accepts(std::span<const std::int32_t> pieces, std::int32_t whole) {
+bool Defects::accepts(std::span<const std::int32_t> pieces, std::int32_t whole) {
   std::vector<std::int32_t> changed;
   for (const std::int32_t l : pieces)
     if (!is_source(found_[l].source, l)) changed.push_back(l);
-  for (const std::int32_t l : changed) {  // without facets first: most that are refused have a fault of their own
-    const std::uint8_t allowed = l == whole ? kGiven : faults_[l] | kGiven;
+  for (const std::int32_t l : changed) {  // without facets first: most that are refused have a defect of their own
+    const std::uint8_t allowed = l == whole ? kGiven : kinds_[l] | kGiven;
     const std::vector<Vec3> beyond = areas_beyond(l);
     for (std::int32_t part = 0; part < s_.polygons.count_of(l); ++part)
-      if (judge_one(l, part, beyond, nullptr).faults & ~allowed) return false;
+      if (judge_one(l, part, beyond, nullptr).kinds & ~allowed) return false;
     judged_ += s_.polygons.count_of(l);
   }
   std::vector<Found> fresh;
@@ -207,25 +207,25 @@ bool Findings::accepts(std::span<const std::int32_t> pieces, std::int32_t whole)
   return true;
 }
 
-void Findings::renew_hits() {
+void Defects::renew_hits() {
   std::vector<bool> changed(found_.size(), false);
   for (const std::int32_t l : std::exchange(accepted_, {})) changed[l] = true;
   find_hits_of(changed, std::vector<bool>(found_.size(), false));
   keep();
 }
 
-void Findings::keep() {
+void Defects::keep() {
   for (auto& kept : kept_) kept.reset();
   kept_hits_ = hits_;
 }
 
-ScanMeetings::Pair Findings::regions_of(const Hit& h) const {
+ScanMeetings::Pair Defects::regions_of(const Hit& h) const {
   ScanMeetings::Pair regions{s_.labels.pieces[h.a].region, s_.labels.pieces[h.b].region};
   std::sort(regions.begin(), regions.end());
   return regions;
 }
 
-void Findings::find_excuses(std::span<Hit> hits) {
+void Defects::find_excuses(std::span<Hit> hits) {
   std::vector<ScanMeetings::Pair> pairs;
   pairs.reserve(hits.size());
   for (const Hit& h : hits) pairs.push_back(regions_of(h));
@@ -233,19 +233,19 @@ void Findings::find_excuses(std::span<Hit> hits) {
   for (std::size_t i = 0; i < hits.size(); ++i) hits[i].excused = excuses_.meet(pairs[i]);
 }
 
-GivenHits Findings::given_hits(std::size_t most, std::int64_t most_counted) const {
+GivenHits Defects::given_hits(std::size_t most, std::int64_t most_counted) const {
   std::vector<const FacetSet*> facets;
   facets.reserve(found_.size());
   for (const Found& f : found_) facets.push_back(&f.facets);
   return find_given_hits(facets, around_, most, most_counted, job_);
 }
 
-std::vector<bool> Findings::faulty(std::uint8_t which) const {
-  std::vector<bool> faulty(found_.size());
-  for (std::size_t l = 0; l < found_.size(); ++l) faulty[l] = (faults_[l] & which) != 0;
+std::vector<bool> Defects::defective(std::uint8_t which) const {
+  std::vector<bool> defective(found_.size());
+  for (std::size_t l = 0; l < found_.size(); ++l) defective[l] = (kinds_[l] & which) != 0;
   for (const Hit& h : hits_)
-    if (!h.excused) faulty[h.a] = faulty[h.b] = true;
-  return faulty;
+    if (!h.excused) defective[h.a] = defective[h.b] = true;
+  return defective;
 }
 
 }  // namespace isimp::meshing
