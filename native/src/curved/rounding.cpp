@@ -39,7 +39,7 @@ class Rounding {
   }
 
   Partition run(Job& job) {
-    std::map<std::int32_t, std::vector<Cut>> cuts;  // by class
+    std::map<std::int32_t, std::vector<PatchCut>> cuts;  // by class
     mates_.patch.assign(label_.size(), kNone);
     for (const RoundPatch& p : scene_.patches) {
       if (p.proxy.segments > 0)
@@ -48,10 +48,10 @@ class Rounding {
     }
     for (RoundPatch& p : scene_.patches)
       if (p.proxy.segments > 0)
-        if (std::optional<Cut> c = cut_of(p)) cuts[p.together].push_back(std::move(*c));
+        if (std::optional<PatchCut> c = cut_of(p)) cuts[p.together].push_back(std::move(*c));
     for (const auto& [together, some] : cuts)
       if (pay(some))
-        for (const Cut& c : some) add(c);
+        for (const PatchCut& c : some) add(c);
     if (proxies_.empty()) return part_;
     clean(job);
     return made(job);
@@ -59,24 +59,24 @@ class Rounding {
 
  private:
   /// A patch in cells, and faces that get the region of a plane.
-  struct Cut {
+  struct PatchCut {
     RoundPatch* patch = nullptr;
     Cells cells;
     std::vector<std::pair<std::int32_t, std::int32_t>> given;
   };
 
-  std::optional<Cut> cut_of(RoundPatch& patch) {
+  std::optional<PatchCut> cut_of(RoundPatch& patch) {
     // A plane that touches a patch is its first segment.
     const int segments = patch.proxy.segments + (patch.tangent[0] != kNone) + (patch.tangent[1] != kNone);
     const bool is_wide = patch.proxy.full || patch.proxy.closed || (segments >= kFewest && patch.proxy.span >= kNarrow);
     if (!is_edit() && !is_wide) return std::nullopt;
-    Cut c{&patch, {}, give_to_tangents(patch)};
+    PatchCut c{&patch, {}, give_to_tangents(patch)};
     if (patch.faces.face.empty()) return std::nullopt;
     c.cells = cut(f_, patch.proxy, patch.faces, mates_);
     return c;
   }
 
-  void add(const Cut& c) {
+  void add(const PatchCut& c) {
     const PatchFaces& faces = c.patch->faces;
     for (const auto& [face, plane] : c.given) label_[face] = region_of(plane);
     double area = 0;
@@ -100,13 +100,13 @@ class Rounding {
 
   /// Whether the cells of patches with the same segments are about as near to the faces as the regions that were there.
   /// A patch that was found must pass, an edit need not.
-  [[nodiscard]] bool pay(const std::vector<Cut>& cuts) const {
+  [[nodiscard]] bool pay(const std::vector<PatchCut>& cuts) const {
     if (is_edit()) return true;
     double now = 0, before = 0;
     const auto add = [&](std::int32_t i, const Vec3& normal, double offset) {
       now += f_.area(i) * std::pow(normal.dot(f_.centre(i)) - offset, 2);
     };
-    for (const Cut& c : cuts) {
+    for (const PatchCut& c : cuts) {
       before += c.patch->before;
       const Some& face = c.patch->faces.face;
       for (std::size_t k = 0; k < face.size(); ++k)

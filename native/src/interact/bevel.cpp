@@ -112,8 +112,7 @@ class Growth {
   /// their top; the plane with the shortest outline for its area is chosen.
   void take_above_plane() {
     const auto [top, mean] = depth();
-    using Entry = std::pair<double, std::int32_t>;  // highest first, ties to the higher index
-    std::priority_queue<Entry> queue;
+    std::priority_queue<std::pair<double, std::int32_t>> queue;  // highest first, ties to the higher index
     const auto push_around = [&](std::int32_t i) {
       for (const std::int32_t j : graph_.neighbours[i])
         if (may_take(j)) queue.emplace(height(j), j);

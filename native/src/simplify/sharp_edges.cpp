@@ -220,8 +220,8 @@ class Sharpener {
       job_.poll();
       planes_[r] = robust_plane(faces, regions_[r].normal);
     }
-    using Entry = std::tuple<double, std::int32_t, std::int32_t>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    using LabelPrice = std::tuple<double, std::int32_t, std::int32_t>;
+    std::priority_queue<LabelPrice, std::vector<LabelPrice>, std::greater<>> queue;
     const auto offer = [&](std::int32_t f, std::int32_t r) {
       for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
         const std::int32_t g = mesh_.opposite(h) == kNone ? kNone : mesh_.opposite(h) / 3;

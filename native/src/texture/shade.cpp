@@ -86,7 +86,7 @@ bool ColourShade::add_drawn(const Texel& texel, const Samples& samples) {
       const float x = static_cast<float>(texel.x) + (static_cast<float>(i) + 0.5F) * step;
       const float y = static_cast<float>(texel.y) + (static_cast<float>(j) + 0.5F) * step;
       const FaceLook& face = look(index);
-      if (face.state == FaceLook::State::steep) {
+      if (face.steepness == FaceLook::Steepness::steep) {
         add(view_.at(index, x, y), share);
         continue;
       }
@@ -149,8 +149,8 @@ void ColourShade::add_layers(const Hit& hit, float weight) {
 
 const FaceLook& ColourShade::look(std::int32_t index) {
   FaceLook& face = looks_[index];
-  if (face.state != FaceLook::State::unknown) return face;
-  face.state = FaceLook::State::steep;
+  if (face.steepness != FaceLook::Steepness::unknown) return face;
+  face.steepness = FaceLook::Steepness::steep;
   const FlatFace& f = view_.faces()[index];
   if (!(width_of(f) > kSteep)) return face;
   const auto pixels = canvas_.sampler.corner_pixels(f.face);
@@ -172,7 +172,7 @@ const FaceLook& ColourShade::look(std::int32_t index) {
     face.normal_per_x = b_x * b + c_x * c;
     face.normal_per_y = b_y * b + c_y * c;
   }
-  face.state = FaceLook::State::flat;
+  face.steepness = FaceLook::Steepness::flat;
   return face;
 }
 

@@ -26,13 +26,13 @@ struct Canvas {
 
 /// The appearance of a face at the points of a chart: all of it grows by the same in every texel.
 struct FaceLook {
-  enum class State : std::uint8_t { unknown, flat, steep };  // steep: sampled by weights instead
+  enum class Steepness : std::uint8_t { unknown, flat, steep };  // steep: sampled by weights instead
 
   float x = 0, y = 0;                   ///< place of its first corner
   Eigen::Vector2f pixel, per_x, per_y;  ///< place in the picture, and how it grows
   Eigen::Vector3f normal, normal_per_x, normal_per_y;
   std::int32_t image = kNone;
-  State state = State::unknown;
+  Steepness steepness = Steepness::unknown;
 };
 
 /// Computes the colours, normals and further layers of the texels of a polygon from the scan.

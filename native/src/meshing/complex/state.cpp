@@ -108,12 +108,12 @@ std::int32_t State::region_of(std::int32_t piece, std::span<const std::int32_t> 
       ->first;
 }
 
-Cut State::find_cut(std::int32_t piece, const Vec3* place) {
+Separation State::find_cut(std::int32_t piece, const Vec3* place) {
   const std::vector<std::int32_t> faces = labels.flood(piece);
   return place ? find_part_near(cutter_, faces, *place) : find_halves(cutter_, faces);
 }
 
-bool State::split(std::int32_t piece, const Cut& cut, Job& job) {
+bool State::split(std::int32_t piece, const Separation& cut, Job& job) {
   if (cut.faces.empty()) return false;
   ISIMP_ASSERT(labels.label[cut.faces[0]] == piece && labels.label[cut.stays] == piece, "a cut is of the piece");
   const std::int32_t fresh = labels_.part(cut.faces, cut.stays, Cause::repair);

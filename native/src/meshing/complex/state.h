@@ -42,7 +42,7 @@ class State {
 
   /// Where a piece would be split: in halves, or near a place. Threads may ask for several pieces at a time after the
   /// face marks of labels have been cleared.
-  [[nodiscard]] Cut find_cut(std::int32_t piece, const Vec3* place);
+  [[nodiscard]] Separation find_cut(std::int32_t piece, const Vec3* place);
   /// The pieces across the chords of one, in rising order.
   [[nodiscard]] std::vector<std::int32_t> neighbours(std::int32_t piece) const;
   /// Calls fn(piece) for each of them, once for each chord.
@@ -69,7 +69,7 @@ class State {
   // Changes of labels.
   /// Splits a piece in two (and on, until all of it is discs).
   /// \return whether it could be
-  bool split(std::int32_t piece, const Cut& cut, Job& job);
+  bool split(std::int32_t piece, const Separation& cut, Job& job);
   /// Makes each face of a piece a piece of its own, all corners of which stay on the mesh.
   /// \return whether that is new
   bool shatter(std::int32_t piece);

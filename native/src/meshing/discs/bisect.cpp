@@ -131,7 +131,7 @@ std::int32_t split_evenly(Cutter& cutter, std::int32_t piece, std::int32_t parts
   return static_cast<std::int32_t>(n) - 1;
 }
 
-Cut find_part_near(const Cutter& cutter, std::span<const std::int32_t> faces, const Vec3& place) {
+Separation find_part_near(const Cutter& cutter, std::span<const std::int32_t> faces, const Vec3& place) {
   constexpr double kLag = 0.5;  // leaves the near part about a quarter of the way to the farthest face
   if (faces.size() < 2) return {};
   Ground ground(cutter, faces);
@@ -148,7 +148,7 @@ Cut find_part_near(const Cutter& cutter, std::span<const std::int32_t> faces, co
   return {ground.nearest_to(0), far};
 }
 
-Cut find_halves(const Cutter& cutter, std::span<const std::int32_t> faces, std::array<std::int32_t, 2> seeds) {
+Separation find_halves(const Cutter& cutter, std::span<const std::int32_t> faces, std::array<std::int32_t, 2> seeds) {
   if (faces.size() < 2) return {};
   Ground ground(cutter, faces);
   if (seeds[0] == kNone) {
@@ -161,7 +161,7 @@ Cut find_halves(const Cutter& cutter, std::span<const std::int32_t> faces, std::
 }
 
 std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause, std::array<std::int32_t, 2> seeds) {
-  const Cut cut = find_halves(cutter, cutter.labels.faces_of(piece), seeds);
+  const Separation cut = find_halves(cutter, cutter.labels.faces_of(piece), seeds);
   return cut.faces.empty() ? kNone : cutter.labels.part(cut.faces, cut.stays, cause);
 }
 

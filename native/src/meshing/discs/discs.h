@@ -58,7 +58,7 @@ struct Cutter {
 };
 
 /// The part of a piece that a cut separates from the rest. Both are connected.
-struct Cut {
+struct Separation {
   std::vector<std::int32_t> faces;  ///< the part; empty for a piece of a single face
   std::int32_t stays = kNone;       ///< a face of the rest
 };
@@ -66,11 +66,11 @@ struct Cut {
 /// Where a piece is cut in two halves, each face to the nearer of two faces over the surface: the given ones or, where
 /// there are none, two that are far apart.
 /// \param faces  all of the piece; threads may search in several pieces at a time
-Cut find_halves(const Cutter& cutter, std::span<const std::int32_t> faces,
-                std::array<std::int32_t, 2> seeds = {kNone, kNone});
+Separation find_halves(const Cutter& cutter, std::span<const std::int32_t> faces,
+                       std::array<std::int32_t, 2> seeds = {kNone, kNone});
 
 /// Where a piece is cut in the faces near a place and the rest.
-Cut find_part_near(const Cutter& cutter, std::span<const std::int32_t> faces, const Vec3& place);
+Separation find_part_near(const Cutter& cutter, std::span<const std::int32_t> faces, const Vec3& place);
 
 /// Parts a piece in two halves.
 /// \return the new label, kNone for a single face

@@ -62,8 +62,8 @@ class Trees {
     std::unordered_map<std::int32_t, std::int32_t> loop_of_edge;
     for (std::size_t i = 0; i < shape_.loops.size(); ++i)
       for (const std::int32_t h : shape_.loops[i]) loop_of_edge[h] = static_cast<std::int32_t>(i);
-    using Entry = std::tuple<double, std::int32_t, bool>;  // loop length, half-edge, whether it leads in from a hole
-    std::priority_queue<Entry> queue;
+    // Loop length, half-edge, whether it leads in from a hole.
+    std::priority_queue<std::tuple<double, std::int32_t, bool>> queue;
     const auto push = [&](std::int32_t h, bool from_hole) {
       if (in_tree(h)) return;
       const Search& s = cutter_.vertices;

@@ -75,7 +75,7 @@ class Planarizer {
     weigh(units_, places_.base);
   }
 
-  Outcome run() {
+  PlanarOutcome run() {
     const bool is_again = !memory_.reach.empty();
     recall();
     std::vector<bool> is_new(units_.size(), true);
@@ -400,8 +400,8 @@ class Planarizer {
     return true;
   }
 
-  Outcome sum_up() {
-    Outcome out;
+  PlanarOutcome sum_up() {
+    PlanarOutcome out;
     PlanarReport& r = out.report;
     r.asked = true;
     std::int32_t whole = 0;
@@ -479,7 +479,7 @@ class Planarizer {
 
 }  // namespace
 
-Outcome make_planar(State& state, Defects& defects, Memory& memory, bool is_last, const Job& job) {
+PlanarOutcome make_planar(State& state, Defects& defects, Memory& memory, bool is_last, const Job& job) {
   return Planarizer(state, defects, memory, is_last, job).run();
 }
 

@@ -22,7 +22,7 @@ struct Memory {
   std::vector<double> reach;  ///< by corner
 };
 
-struct Outcome {
+struct PlanarOutcome {
   PlanarReport report;
   std::vector<std::int32_t> let_go;  ///< regions whose snapped planes were released, in rising order
   std::vector<std::int32_t> stuck;   ///< pieces with a polygon that could not be made planar, or not without a defect
@@ -37,7 +37,7 @@ struct Outcome {
 /// \param defects  of the present state; up to date afterwards
 /// \param memory  results of the last try, replaced by the results of this one
 /// Cost: about twenty sparse solves in three unknowns a polygon, and a judgement of the changed pieces in each round.
-Outcome make_planar(State& state, Defects& defects, Memory& memory, bool is_last, const Job& job);
+PlanarOutcome make_planar(State& state, Defects& defects, Memory& memory, bool is_last, const Job& job);
 
 /// Whether all polygons are planar.
 bool is_planar(const State& state);

@@ -169,7 +169,7 @@ class Repairer {
     for (int go = 0;; ++go) {
       Transaction transaction(s_);
       defects_.keep();
-      const planar::Outcome outcome = planar::make_planar(s_, defects_, memory, is_last, job_);
+      const planar::PlanarOutcome outcome = planar::make_planar(s_, defects_, memory, is_last, job_);
       outcome_.planar = outcome.report;
       outcome_.let_go = outcome.let_go;
       if (outcome.stuck.empty() || is_last) return transaction.commit();
@@ -276,13 +276,13 @@ class Repairer {
     });
   }
 
-  [[nodiscard]] Cut find_cut(std::int32_t l) const {
+  [[nodiscard]] Separation find_cut(std::int32_t l) const {
     const std::optional<Vec3> crossing = place_of_crossing(l);
     return s_.find_cut(l, crossing ? &*crossing : met_[l] ? &met_[l]->where : nullptr);
   }
 
   /// The cut that was foreseen unless the piece has changed since, else another.
-  [[nodiscard]] Cut take_cut(std::int32_t l) {
+  [[nodiscard]] Separation take_cut(std::int32_t l) {
     if (l < static_cast<std::int32_t>(cuts_.size()) && !cuts_[l].faces.empty() && !out_of_date(l))
       return std::exchange(cuts_[l], {});
     s_.labels.face_marks.clear();
@@ -468,7 +468,7 @@ class Repairer {
   Defects defects_;
   std::vector<int> tries_;             // by piece
   std::vector<bool> spared_;           // by piece: of two that meet, the smaller
-  std::vector<Cut> cuts_;              // by piece: where it will be split in this round, as far as was foreseen
+  std::vector<Separation> cuts_;       // by piece: where it will be split in this round, as far as was foreseen
   std::vector<const Hit*> met_;        // by piece: where it meets another; null where it does not
   std::vector<std::int32_t> also_;     // pieces to be judged in addition to the result of an update
   bool may_split_ = true;              // else acts only move corners

@@ -118,7 +118,7 @@ class Greedy {
     [[nodiscard]] std::int32_t around() const { return last - first; }
     [[nodiscard]] Vec3 sum() const { return {x, y, z}; }
   };
-  using Entry = std::pair<double, std::int32_t>;  // price, cluster
+  using PricedCluster = std::pair<double, std::int32_t>;  // price, cluster
   struct Watch {
     double turned;  // turn of the hub at which the price is checked again
     std::int32_t node, number;
@@ -430,7 +430,7 @@ class Greedy {
   std::vector<Node> node_;
   std::vector<Hub> hubs_;
   std::vector<std::int32_t> seen_, place_, left_;
-  std::vector<Entry> heap_;
+  std::vector<PricedCluster> heap_;
   std::int32_t clusters_ = 0, stamp_ = 0;
   std::size_t room_ = 0;  // length of `row_` from which it is compacted
 };
