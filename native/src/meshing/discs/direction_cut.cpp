@@ -15,7 +15,7 @@ constexpr double kGain = 3;          ///< times the roughness of the sides: a pi
 constexpr double kNear = 0.7071;     ///< cosine of 45 degrees: how near to a direction its faces look
 constexpr double kStraight = 0.999;  ///< cosine of 2.5 degrees: a face that is nearer to a direction is no speck
 constexpr double kRest = 0.01;       ///< share of the area that needs no direction of its own
-constexpr double kSmall = 0.5;       ///< share of the adjacent part: a smaller part is no side of its own
+constexpr double kSmall = 0.5;       ///< share of the adjacent component: a smaller one is no side of its own
 constexpr int kDirections = 10;      ///< at most
 constexpr int kRefinements = 3;      ///< rounds: each direction becomes the mean of the faces near it
 constexpr int kSmoothings = 2;       ///< rounds in which a face takes the direction of two of its neighbours
@@ -57,28 +57,28 @@ class Looks {
     return own;
   }
 
-  /// The connected parts of faces of one direction. A small part is united with an adjacent one of about the same
+  /// The components of faces of one direction. A small one is united with an adjacent one of about the same
   /// direction: it is a strip of that side, left because regions did not end at the edge of the side.
-  [[nodiscard]] std::vector<std::vector<std::int32_t>> parts(const std::vector<std::uint8_t>& own) const {
-    std::vector<std::vector<std::int32_t>> parts;
-    std::vector<std::int32_t> part_of(own.size(), kNone);
+  [[nodiscard]] std::vector<std::vector<std::int32_t>> components(const std::vector<std::uint8_t>& own) const {
+    std::vector<std::vector<std::int32_t>> components;
+    std::vector<std::int32_t> component_of(own.size(), kNone);
     for (std::size_t i = 0; i < own.size(); ++i)
-      if (part_of[i] == kNone) {
-        parts.emplace_back(1, faces_[i]);
-        flood(own, static_cast<std::int32_t>(parts.size()) - 1, parts.back(), part_of);
+      if (component_of[i] == kNone) {
+        components.emplace_back(1, faces_[i]);
+        flood(own, static_cast<std::int32_t>(components.size()) - 1, components.back(), component_of);
       }
-    std::vector<Vec3> sum(parts.size(), Vec3::Zero());
-    for (std::size_t i = 0; i < own.size(); ++i) sum[part_of[i]] += looks_[i].area * looks_[i].normal;
-    for (std::size_t k = 0; k < parts.size(); ++k) {
-      const std::int32_t to = larger_beside(parts[k], part_of, sum);
+    std::vector<Vec3> sum(components.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < own.size(); ++i) sum[component_of[i]] += looks_[i].area * looks_[i].normal;
+    for (std::size_t k = 0; k < components.size(); ++k) {
+      const std::int32_t to = larger_beside(components[k], component_of, sum);
       if (to == kNone) continue;
-      for (const std::int32_t f : parts[k]) part_of[place_[f]] = to;
-      parts[to].insert(parts[to].end(), parts[k].begin(), parts[k].end());
+      for (const std::int32_t f : components[k]) component_of[place_[f]] = to;
+      components[to].insert(components[to].end(), components[k].begin(), components[k].end());
       sum[to] += sum[k];
-      parts[k].clear();
+      components[k].clear();
     }
-    std::erase_if(parts, [](const auto& part) { return part.empty(); });
-    return parts;
+    std::erase_if(components, [](const auto& c) { return c.empty(); });
+    return components;
   }
 
  private:
@@ -88,27 +88,28 @@ class Looks {
   };
 
   /// All faces of one direction that hang together with the first one.
-  void flood(const std::vector<std::uint8_t>& own, std::int32_t number, std::vector<std::int32_t>& part,
-             std::vector<std::int32_t>& part_of) const {
-    const std::uint8_t direction = own[place_[part[0]]];
-    part_of[place_[part[0]]] = number;
-    for (std::size_t k = 0; k < part.size(); ++k)
-      for_each_beside(part[k], [&](std::int32_t j) {
-        if (part_of[j] != kNone || own[j] != direction) return;
-        part_of[j] = number;
-        part.push_back(faces_[j]);
+  void flood(const std::vector<std::uint8_t>& own, std::int32_t number, std::vector<std::int32_t>& component,
+             std::vector<std::int32_t>& component_of) const {
+    const std::uint8_t direction = own[place_[component[0]]];
+    component_of[place_[component[0]]] = number;
+    for (std::size_t k = 0; k < component.size(); ++k)
+      for_each_beside(component[k], [&](std::int32_t j) {
+        if (component_of[j] != kNone || own[j] != direction) return;
+        component_of[j] = number;
+        component.push_back(faces_[j]);
       });
   }
 
-  /// The largest adjacent part that is much larger and has about the same direction; kNone where there is none.
-  [[nodiscard]] std::int32_t larger_beside(std::span<const std::int32_t> part, std::span<const std::int32_t> part_of,
+  /// The largest adjacent component that is much larger and has about the same direction; kNone where there is none.
+  [[nodiscard]] std::int32_t larger_beside(std::span<const std::int32_t> component,
+                                           std::span<const std::int32_t> component_of,
                                            std::span<const Vec3> sum) const {
-    if (part.empty()) return kNone;
-    const std::int32_t from = part_of[place_[part[0]]];
+    if (component.empty()) return kNone;
+    const std::int32_t from = component_of[place_[component[0]]];
     std::int32_t best = kNone;
-    for (const std::int32_t f : part)
+    for (const std::int32_t f : component)
       for_each_beside(f, [&](std::int32_t j) {
-        const std::int32_t k = part_of[j];
+        const std::int32_t k = component_of[j];
         const double size = sum[from].norm(), other = sum[k].norm();
         if (k == from || size > kSmall * other || sum[from].dot(sum[k]) < kSameWay * size * other) return;
         if (best == kNone || other > sum[best].norm()) best = k;
@@ -200,9 +201,9 @@ std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece) {
   const std::vector<std::uint8_t> own = looks.nearest_directions(few ? 0 : kRest);
   const double after = looks.roughness(own);
   if (after > (few ? kExact : kCurve) || kGain * after > before) return 0;
-  const std::vector<std::vector<std::int32_t>> parts = looks.parts(own);
-  for (std::size_t k = 1; k < parts.size(); ++k) cutter.labels.part(parts[k], parts[0][0], Cause::wall);
-  return static_cast<std::int32_t>(parts.size()) - 1;
+  const std::vector<std::vector<std::int32_t>> components = looks.components(own);
+  for (std::size_t k = 1; k < components.size(); ++k) cutter.labels.part(components[k], components[0][0], Cause::wall);
+  return static_cast<std::int32_t>(components.size()) - 1;
 }
 
 bool has_flat_sides(const Cutter& cutter, const Job& job) {

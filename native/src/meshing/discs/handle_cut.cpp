@@ -137,23 +137,24 @@ std::vector<std::int32_t> strip_along(Cutter& cutter, std::int32_t piece, const 
   return strip;
 }
 
-/// Adds to the strip all parts of the rest of its piece except the largest.
-/// \return the largest part
-std::vector<std::int32_t> keep_largest_part(Labels& labels, std::int32_t piece, std::span<const std::int32_t> faces,
-                                            std::vector<std::int32_t>& strip) {
+/// Adds to the strip all components of the rest of its piece except the largest.
+/// \return the largest component
+std::vector<std::int32_t> keep_largest_component(Labels& labels, std::int32_t piece,
+                                                 std::span<const std::int32_t> faces,
+                                                 std::vector<std::int32_t>& strip) {
   const std::int32_t to = labels.label[strip[0]];
-  std::vector<std::vector<std::int32_t>> parts;
+  std::vector<std::vector<std::int32_t>> components;
   for (const std::int32_t f : faces) {
     if (labels.label[f] != piece) continue;
     labels.pieces.edit(piece).face = f;
-    parts.push_back(labels.faces_of(piece));
-    for (const std::int32_t g : parts.back()) labels.label.set(g, kNone);
+    components.push_back(labels.faces_of(piece));
+    for (const std::int32_t g : components.back()) labels.label.set(g, kNone);
   }
-  const auto largest =
-      std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
-  for (auto part = parts.begin(); part != parts.end(); ++part) {
-    for (const std::int32_t f : *part) labels.label.set(f, part == largest ? piece : to);
-    if (part != largest) strip.insert(strip.end(), part->begin(), part->end());
+  const auto largest = std::max_element(components.begin(), components.end(),
+                                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  for (auto c = components.begin(); c != components.end(); ++c) {
+    for (const std::int32_t f : *c) labels.label.set(f, c == largest ? piece : to);
+    if (c != largest) strip.insert(strip.end(), c->begin(), c->end());
   }
   labels.pieces.edit(piece).face = largest->front();
   return std::move(*largest);
@@ -191,9 +192,9 @@ class HandleCutter {
     for (const std::int32_t f : strip) cutter_.face_marks.add(f);
     const auto stays = std::find_if(faces_.begin(), faces_.end(), [&](auto f) { return !cutter_.face_marks.has(f); });
     labels_.part(strip, *stays, Cause::handle);
-    std::vector<std::int32_t> rest = keep_largest_part(labels_, piece_, faces_, strip);
+    std::vector<std::int32_t> rest = keep_largest_component(labels_, piece_, faces_, strip);
     const Shape a = labels_.shape(rest), b = labels_.shape(strip, true);
-    if (b.parts == 1 && a.genus + b.genus < genus_) {
+    if (b.components == 1 && a.genus + b.genus < genus_) {
       genus_ = a.genus;
       faces_ = std::move(rest);
       for (const std::int32_t f : strip)

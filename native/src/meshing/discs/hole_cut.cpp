@@ -252,18 +252,18 @@ class Ears {
 
 std::int32_t part_along_marks(Cutter& cutter, std::span<const std::int32_t> faces) {
   Labels& labels = cutter.labels;
-  std::vector<std::vector<std::int32_t>> parts;
+  std::vector<std::vector<std::int32_t>> components;
   cutter.face_marks.clear();
   for (const std::int32_t start : faces) {
     if (!cutter.face_marks.add(start)) continue;
-    std::vector<std::int32_t>& part = parts.emplace_back(1, start);
-    for (std::size_t i = 0; i < part.size(); ++i)
-      for (std::int32_t h = 3 * part[i], end = h + 3; h < end; ++h)
+    std::vector<std::int32_t>& component = components.emplace_back(1, start);
+    for (std::size_t i = 0; i < component.size(); ++i)
+      for (std::int32_t h = 3 * component[i], end = h + 3; h < end; ++h)
         if (labels.inner(h) && !cutter.halfedge_marks.has(h) && cutter.face_marks.add(labels.mesh.opposite(h) / 3))
-          part.push_back(labels.mesh.opposite(h) / 3);
+          component.push_back(labels.mesh.opposite(h) / 3);
   }
-  for (std::size_t k = 1; k < parts.size(); ++k) labels.part(parts[k], faces[0], Cause::hole);
-  return static_cast<std::int32_t>(parts.size()) - 1;
+  for (std::size_t k = 1; k < components.size(); ++k) labels.part(components[k], faces[0], Cause::hole);
+  return static_cast<std::int32_t>(components.size()) - 1;
 }
 
 std::int32_t cut_holes(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {

@@ -41,7 +41,7 @@ constexpr std::int32_t kAhead = 12;  ///< faces between the current one and the 
 
 }  // namespace
 
-bool Shape::is_disc() const { return parts == 1 && loops.size() == 1 && genus == 0 && pinches == 0; }
+bool Shape::is_disc() const { return components == 1 && loops.size() == 1 && genus == 0 && pinches == 0; }
 
 std::int32_t Shape::longest_loop(const Mesh& mesh) const {
   std::int32_t longest = 0;
@@ -107,7 +107,7 @@ std::int32_t Labels::part(std::span<const std::int32_t> faces, std::int32_t stay
   return to;
 }
 
-Shape Labels::shape(std::span<const std::int32_t> faces, bool check_parts) const {
+Shape Labels::shape(std::span<const std::int32_t> faces, bool check_components) const {
   Shape s;
   vertex_marks.clear();
   halfedge_marks.clear();
@@ -126,13 +126,13 @@ Shape Labels::shape(std::span<const std::int32_t> faces, bool check_parts) const
     }
   for (const std::int32_t f : faces)
     for (const std::int32_t v : mesh.triangles()[f]) inside += vertex_marks.add(v);
-  if (check_parts) {
-    s.parts = 0;
+  if (check_components) {
+    s.components = 0;
     face_marks.clear();
     std::vector<std::int32_t> stack;
     for (const std::int32_t start : faces) {
       if (!face_marks.add(start)) continue;
-      ++s.parts;
+      ++s.components;
       stack.push_back(start);
       while (!stack.empty()) {
         const std::int32_t f = stack.back();
@@ -144,7 +144,7 @@ Shape Labels::shape(std::span<const std::int32_t> faces, bool check_parts) const
   }
   // A pinch counts as two vertices, so 2 chi = 2 V - 2 E + 2 F with V = inside + boundary, 2 E = 3 F + boundary.
   const std::int64_t chi = (2 * inside + boundary - static_cast<std::int64_t>(faces.size())) / 2;
-  s.genus = static_cast<std::int32_t>((2 * s.parts - static_cast<std::int64_t>(s.loops.size()) - chi) / 2);
+  s.genus = static_cast<std::int32_t>((2 * s.components - static_cast<std::int64_t>(s.loops.size()) - chi) / 2);
   return s;
 }
 

@@ -53,7 +53,7 @@ struct Piece {
 /// How far a piece is from being a disc.
 struct Shape {
   std::vector<std::vector<std::int32_t>> loops;  ///< boundary half-edges in order, the piece on their left
-  std::int32_t parts = 1;                        ///< connected components
+  std::int32_t components = 1;
   std::int32_t genus = 0;
   std::int32_t pinches = 0;           ///< visits of a boundary vertex beyond its first
   std::int32_t pinch_vertex = kNone;  ///< one that is visited more than once
@@ -110,8 +110,8 @@ struct Labels {
   /// Sets a new label for `faces`. They (except a strip along a handle) and the rest are connected and not empty.
   /// \param stays  a face that keeps its label
   std::int32_t part(std::span<const std::int32_t> faces, std::int32_t stays, Cause cause);
-  /// Topology of a piece from its faces; connectivity is checked only if `check_parts`.
-  [[nodiscard]] Shape shape(std::span<const std::int32_t> faces, bool check_parts = false) const;
+  /// Topology of a piece from its faces; connectivity is checked only if `check_components`.
+  [[nodiscard]] Shape shape(std::span<const std::int32_t> faces, bool check_components = false) const;
 };
 
 /// Labels the faces: one label for each connected piece of a region.
