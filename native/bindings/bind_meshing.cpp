@@ -39,7 +39,7 @@ const char* name_of(Defect kind) {
 
 py::list listed_defects(const MeshingReport& r) {
   py::list list;
-  for (const ListedDefect& i : r.defects) {
+  for (const ListedDefect& i : r.imperfect) {
     py::dict entry("polygon"_a = i.polygon, "flaw"_a = name_of(i.kind));
     if (i.other >= 0) entry["other"] = i.other;
     list.append(entry);

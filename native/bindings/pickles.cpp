@@ -152,7 +152,7 @@ CurvedProxy unpack_curved(const py::tuple& packed) {
 py::tuple pack_report(const MeshingReport& report) {
   const auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean,
-               distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, defects,
+               distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
                diagonals, rounds, work, capped, planar, rims, boxes, let_go] = report;
   const auto& [work_faces, work_corners, work_polygons] = work;
   const auto& [rim_reach, rim_edges, rim_added, rim_lost] = rims;
@@ -160,7 +160,7 @@ py::tuple pack_report(const MeshingReport& report) {
   return pack_all(polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                   closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max,
                   planarity_mean, distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least,
-                  without_area, defects, diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked,
+                  without_area, imperfect, diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked,
                   is_planar, whole, added, apart, crossed, turned, meeting, left_off, rim_reach, rim_edges, rim_added,
                   rim_lost, boxes, let_go);
 }
@@ -169,17 +169,17 @@ MeshingReport unpack_report(const py::tuple& packed) {
   MeshingReport report;
   auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches, closed_regions,
          repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
-         crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, defects, diagonals, rounds,
+         crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds,
          work, capped, planar, rims, boxes, let_go] = report;
   auto& [work_faces, work_corners, work_polygons] = work;
   auto& [rim_reach, rim_edges, rim_added, rim_lost] = rims;
   auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting, left_off] = planar;
   unpack_all(packed, polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
              closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean,
-             distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, defects,
+             distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
              diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar, whole, added, apart,
              crossed, turned, meeting, left_off, rim_reach, rim_edges, rim_added, rim_lost, boxes, let_go);
-  for (const ListedDefect& i : defects) check(i.kind <= Defect::excused);
+  for (const ListedDefect& i : imperfect) check(i.kind <= Defect::excused);
   return report;
 }
 

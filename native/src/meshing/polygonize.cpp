@@ -103,10 +103,10 @@ void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> p
   std::map<Defect, std::size_t> listed;
   for (const ListedDefect& i : list) {
     if (++listed[i.kind] > kMostListed) continue;
-    report.defects.push_back(i);
-    if (i.other != kNone) report.defects.push_back({i.other, i.kind, i.polygon});
+    report.imperfect.push_back(i);
+    if (i.other != kNone) report.imperfect.push_back({i.other, i.kind, i.polygon});
   }
-  std::sort(report.defects.begin(), report.defects.end());
+  std::sort(report.imperfect.begin(), report.imperfect.end());
 }
 
 PolygonMesh polygons_of(State& state, Job& job) {

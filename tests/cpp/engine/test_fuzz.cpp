@@ -219,7 +219,7 @@ std::int32_t thin_faces(const Mesh& mesh) {
 /// of the repair was spent and the report names them.
 std::string unexcused(std::string defects, const PolygonMesh& polygons, const Mesh& mesh) {
   if (polygons.report.repair_capped)
-    for (const ListedDefect& i : polygons.report.defects)
+    for (const ListedDefect& i : polygons.report.imperfect)
       if (i.kind == Defect::no_area)
         defects =
             std::regex_replace(defects, std::regex("polygon " + std::to_string(i.polygon) + " has no area; "), "");

@@ -92,7 +92,7 @@ TEST(MapCoordinates, RoughScansOfFewMetresAreAsGoodAsAtZero) {
     PartitionOptions options;
     options.proxies = 300;
     const PolygonMesh p = polygonize(mesh, partition(mesh, options, job), {}, job);
-    EXPECT_TRUE(p.report.defects.empty());
+    EXPECT_TRUE(p.report.imperfect.empty());
     EXPECT_LE(p.report.polygons, 306);
     EXPECT_LE((p.vertices[0] - by).norm(), 6);
   }

@@ -34,7 +34,7 @@ class Coarsen : public testing::Test {
 TEST_F(Coarsen, HalfARingGoesToTheDiscInIt) {
   const MeshingReport r = report_of(labelled::by(labels(0.4)));
   EXPECT_EQ(r.regions, 3);
-  EXPECT_TRUE(r.defects.empty());
+  EXPECT_TRUE(r.imperfect.empty());
   EXPECT_LT(r.polygons, 5);  // two halves of the ring, two of the rest, the disc
 }
 

@@ -61,7 +61,7 @@ TEST(Junctions, ThatNearlyCoincideBecomeOne) {
     EXPECT_EQ(after.vertices.size(), before.vertices.size() - 1);
     EXPECT_EQ(after.report.joined_junctions, 1);
     EXPECT_EQ(before.report.joined_junctions, 0);
-    EXPECT_TRUE(after.report.defects.empty());
+    EXPECT_TRUE(after.report.imperfect.empty());
   }
 }
 
@@ -114,7 +114,7 @@ TEST(Junctions, OnARidgeBecomeOneOnTheRidge) {
   Job job;
   const PolygonMesh polygons = polygonize(mesh, part, {}, job);
   EXPECT_EQ(polygons.report.joined_junctions, 1);
-  EXPECT_TRUE(polygons.report.defects.empty());
+  EXPECT_TRUE(polygons.report.imperfect.empty());
   EXPECT_LT(polygons.report.planarity_max, 1e-12) << "all four planes go through the vertex";
 }
 
@@ -131,7 +131,7 @@ TEST(Junctions, JoinedOnShapesOfAllKindsLeaveSoundPolygonsOnAnyThreads) {
       EXPECT_EQ(one.loops, three.loops);
       EXPECT_EQ(one.vertices, three.vertices);
       EXPECT_TRUE(one.report.closed && one.report.manifold);
-      EXPECT_TRUE(one.report.defects.empty());
+      EXPECT_TRUE(one.report.imperfect.empty());
       joined += one.report.joined_junctions;
     }
   EXPECT_GT(joined, 20);

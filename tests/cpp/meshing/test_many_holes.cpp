@@ -39,7 +39,7 @@ TEST(ManyHoles, RowsOfHolesArePartedByRows) {
     EXPECT_EQ(judge::defects_against(p, mesh, one), "") << n;
     EXPECT_EQ(p.report.polygons, n + 1);
     EXPECT_EQ(p.report.split_for_holes, n);
-    EXPECT_TRUE(p.report.defects.empty());
+    EXPECT_TRUE(p.report.imperfect.empty());
   }
 }
 
@@ -85,7 +85,7 @@ TEST(ManyHoles, WallsArePartedFromTheirPlate) {
   Job job;
   const PolygonMesh p = polygonize(mesh, two, {}, job);
   EXPECT_EQ(judge::defects_against(p, mesh, two), "");
-  EXPECT_TRUE(p.report.defects.empty());
+  EXPECT_TRUE(p.report.imperfect.empty());
   EXPECT_EQ(p.report.split_for_repair, 0);
   EXPECT_LE(p.report.planarity_max, 1e-12);
   EXPECT_LE(p.report.polygons, 4 * n * n + 4 + 2 * (n + 1));  // the walls, the sides, rows of both faces
@@ -226,9 +226,9 @@ TEST(Soups, AllPairsAreCountedAndTheFirstListed) {
   EXPECT_EQ(p.report.excused, pairs);
   EXPECT_FALSE(p.report.excused_at_least);
   EXPECT_EQ(p.report.intersecting, 0);
-  ASSERT_EQ(p.report.defects.size(), 2000U);
+  ASSERT_EQ(p.report.imperfect.size(), 2000U);
   std::map<ListedDefect, int> listed;
-  for (const ListedDefect& i : p.report.defects) ++listed[i];
+  for (const ListedDefect& i : p.report.imperfect) ++listed[i];
   for (const auto& [i, times] : listed) {
     EXPECT_EQ(times, 1);
     EXPECT_TRUE(listed.contains({i.other, i.kind, i.polygon}));

@@ -137,12 +137,12 @@ TEST(Polygonize, WhatMeetsInTheScanIsExcusedByName) {
   EXPECT_EQ(corner_counts(p), std::vector<int>(12, 4));
   EXPECT_EQ(p.report.intersecting, 0);
   EXPECT_EQ(p.report.excused, 6);
-  ASSERT_EQ(p.report.defects.size(), 12U);
-  EXPECT_TRUE(std::is_sorted(p.report.defects.begin(), p.report.defects.end()));
-  for (const ListedDefect& i : p.report.defects) {
+  ASSERT_EQ(p.report.imperfect.size(), 12U);
+  EXPECT_TRUE(std::is_sorted(p.report.imperfect.begin(), p.report.imperfect.end()));
+  for (const ListedDefect& i : p.report.imperfect) {
     EXPECT_EQ(i.kind, Defect::excused);
     const auto back = ListedDefect{i.other, Defect::excused, i.polygon};
-    EXPECT_TRUE(std::binary_search(p.report.defects.begin(), p.report.defects.end(), back));
+    EXPECT_TRUE(std::binary_search(p.report.imperfect.begin(), p.report.imperfect.end(), back));
     const auto second = [&](std::int32_t q) { return p.polygon_region[q] >= 6; };
     EXPECT_NE(second(i.polygon), second(i.other));
   }

@@ -47,7 +47,7 @@ void expect_sound(const PolygonMesh& out, const Mesh& mesh, const Partition& par
   EXPECT_LE(bend(out, mesh.origin(), false), kPlanar * mesh.diagonal());
   EXPECT_LE(bend(out, mesh.origin(), true), kPlanar * mesh.diagonal());
   EXPECT_EQ(judge::defects_against(out, mesh, part), "");
-  EXPECT_TRUE(out.report.defects.empty());
+  EXPECT_TRUE(out.report.imperfect.empty());
   const PlanarReport& r = out.report.planar;
   EXPECT_EQ(r.faces_added, r.added_for_apart + r.added_for_crossing + r.added_for_flipped + r.added_for_meeting);
 }

@@ -33,7 +33,7 @@ TEST(Slide, KeepsCornersWithinReach) {
   for (const double reach : {0.0, 0.01, 0.05}) {
     const PolygonMesh polygons = meshed(mesh, reach);
     EXPECT_LE(polygons.report.distance_max, reach * mesh.diagonal() + 1e-12);
-    EXPECT_EQ(polygons.report.defects.size(), 0U);
+    EXPECT_EQ(polygons.report.imperfect.size(), 0U);
   }
 }
 

@@ -81,7 +81,7 @@ struct MeshingReport {
   bool excused_at_least = false;  ///< there are more excused pairs: a million of the scan's faces were counted
   std::int32_t without_area = 0;  ///< polygons that are a face of the scan that has no area itself
   std::vector<ListedDefect>
-      defects;  ///< the first 1,000 of each defect, by polygon, in rising order; a pair is listed under both
+      imperfect;  ///< the first 1,000 defects of each kind, by polygon, in rising order; a pair is listed under both
   std::int32_t diagonals = 0;  ///< edges that repair put across a region
   std::int32_t repair_rounds = 0;
   MeshingWork work;
