@@ -16,6 +16,8 @@ from .prepared import Prepared, face_regions, joined_pairs, pair_lengths, triang
 from .task import Stopped, Watch
 
 ALONG_AN_AXIS = 0.94  #: cosine of the angle from which a plane's normal is not along an axis: 20 degrees
+#: numbers of a bound that would bring the regions of a drawn model nearer to it
+NEARER = ("nearer_bound", "nearer_regions", "nearer_times")
 
 
 def engine_call(watch: Watch, begin: float, end: float, stage: str, function, *args):
@@ -337,11 +339,6 @@ def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int
     args = (prepared.mesh, regions.partition, found.polygons, 0.0)
     away = engine_call(watch, end - 0.1 * (end - begin), end, "measuring", engine.within.scan_distances, *args)
     numbers = _mesh_numbers(found, regions, away) | {"regions_before": before.numbers["regions"]}
-    if before.made is not None:
-        args = (prepared.mesh, found.partition, before.made)
-        nearer = engine_call(watch, end, end, "measuring", engine.nearer.nearer_by_bound, *args)
-        if nearer is not None:
-            numbers |= {"nearer_bound": nearer.bound, "nearer_regions": nearer.regions, "nearer_times": nearer.times}
     return replace(
         regions,
         polygons=found.polygons,
@@ -354,7 +351,7 @@ def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int
 def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
     """away: (V,) how far the scan's vertices are from the polygons, NaN where they are in no region."""
     polygons, report = found.polygons, found.report
-    names = ("regions", "error", "left_out", "regions_left_out", "symmetry")
+    names = ("regions", "error", "left_out", "regions_left_out", "symmetry", *NEARER)
     more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
     numbers = {name: regions.numbers[name] for name in names if name in regions.numbers}
     numbers |= planes_known(regions.partition)

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from . import recipe as rcp
-from .applying import APPLY, PREPARING, TIMES, apply_mesh, carried_colors, defects, engine_call, with_regions
+from .applying import APPLY, NEARER, PREPARING, TIMES, apply_mesh, carried_colors, defects, engine_call, with_regions
 from .cache import Cache
 from .engine import ENGINE_PROBLEM, engine
 from .language import said
@@ -244,6 +244,10 @@ class Session:
         if barriers is not None:
             inside = engine.guided.inside_regions(prepared.mesh, partition, barriers)
             numbers |= {"barriers": len(barriers), "barriers_inside": inside}
+        args = (prepared.mesh, partition, made)
+        nearer = engine_call(watch, end, end, "measuring", engine.nearer.nearer_by_bound, *args)
+        if nearer is not None:
+            numbers |= dict(zip(NEARER, (nearer.bound, nearer.regions, nearer.times), strict=True))
         return replace(with_regions(prepared, partition, kept, numbers), made=made)
 
     def _expected(self, prepared: Prepared, partition, watch, at: float) -> dict[str, int]:

@@ -52,6 +52,7 @@ def result(settings: Settings, source: Input, cleaned: Cleaned, estimate: bool) 
         "cut_handles": regions.repaired["cut_handles"],
         "openings": closing.told(regions.mesh),
         "partition": regions.partition.report,
+        "nearer": regions.nearer and regions.nearer.as_dict(),
     }
 
 
@@ -84,6 +85,8 @@ def result_lines(result: dict[str, Any]) -> Iterator[str]:
         yield f"    {more}"
     if result["partition"]["tolerance"] is not None:
         yield f"    {words.found(result['partition'])}"
+    if result["nearer"] is not None:
+        yield f"    {words.nearer(result['nearer'])}"
     if result["closed_below"] and (result["filled_holes"] or result["cut_handles"]):
         things = {"hole": result["filled_holes"], "handle": result["cut_handles"]}
         closed = " and ".join(words.count(number, thing) for thing, number in things.items() if number)

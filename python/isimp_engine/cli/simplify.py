@@ -114,6 +114,8 @@ class Regions:
     expected: dict[str, int]  #: estimated counts of polygons: see `expected_polygons`
     meshing: MeshingOptions
     regular: RegulariseOptions | None
+    made: Made | None  #: how the partition was made; None if it was edited since
+    nearer: Nearer | None  #: a bound that would bring the regions of a drawn model nearer to it
 
 
 @dataclass(frozen=True)
@@ -122,7 +124,6 @@ class Model(Regions):
 
     found: Within
     clutter: list[Clutter]  #: regions that took many polygons; with --clutter they are left out since
-    nearer: Nearer | None  #: a bound that would bring the regions of a drawn model nearer to it
 
 
 def make_regions(
@@ -146,10 +147,15 @@ def make_regions(
                 raise UsageError(str(error).replace("angle must", "--regularise must")) from None
     elif recipe is not None and recipe.regular is not None:
         regular = recipe.regular
+    # Another partition would lose edits and planes.
+    edited = regular is not None or (recipe is not None and recipe.edits)
+    made = None if edited else Made(settings.partition, guides)
+    with steps("partition") as job:
+        nearer = nearer_by_bound(mesh, part, made, job) if made else None
     with steps("mesh") as job:
         expected = expected_polygons(mesh, part, meshing, job)
     steps.say(f"expected: {words.expected(expected)}")
-    return Regions(mesh, part, guides, repaired, repaired_at, closed, expected, meshing, regular)
+    return Regions(mesh, part, guides, repaired, repaired_at, closed, expected, meshing, regular, made, nearer)
 
 
 def _partition(
@@ -184,20 +190,15 @@ def make_model(
     settings: Settings, source: Input, steps: Steps, cleaned: Cleaned | None = None, files: GuideFiles = _NO_FILES
 ) -> Model:
     """Repair, partition and mesh. cleaned: see `make_regions`."""
-    made = make_regions(settings, source, steps, cleaned, files)
-    recipe = settings.recipe
+    regions = make_regions(settings, source, steps, cleaned, files)
     with steps("mesh") as job:
-        # Another partition would lose edits and planes.
-        edited = made.regular is not None or (recipe is not None and recipe.edits)
-        anew = None if edited else Made(settings.partition, made.guides)
-        found = polygonize_within(made.mesh, made.partition, made.meshing, job, anew)
-        nearer = nearer_by_bound(made.mesh, found.partition, anew, job) if anew else None
+        found = polygonize_within(regions.mesh, regions.partition, regions.meshing, job, regions.made)
     many = clutter(found.polygons)
     if many and settings.clutter != KEEP_CLUTTER:
         with steps("mesh") as job, refused(source):
-            part = without_clutter(made.mesh, found.partition, many, settings.clutter == BOX_CLUTTER)
-            found = polygonize_within(made.mesh, part, made.meshing, job)
-    return Model(**vars(made) | {"partition": found.partition}, found=found, clutter=many, nearer=nearer)
+            part = without_clutter(regions.mesh, found.partition, many, settings.clutter == BOX_CLUTTER)
+            found = polygonize_within(regions.mesh, part, regions.meshing, job)
+    return Model(**vars(regions) | {"partition": found.partition}, found=found, clutter=many)
 
 
 def _make(

@@ -484,11 +484,16 @@ def test_a_bound_holds_for_the_polygons_too(quads):
     assert "scan_distance" not in Session().replay(quads, Recipe((Partition(proxies=12), Mesh()))).numbers
 
 
-def test_a_bound_that_is_nearer_to_a_drawn_model_is_known_after_mesh():
+def test_a_bound_that_is_nearer_to_a_drawn_model_is_known_after_mesh(monkeypatch):
     scan = scan_of(*shapes.bent_pipe())
     drawn = Recipe((Partition(count_by="detail", detail=0.0025, adaptivity=0.0), Mesh()))
-    numbers = Session().replay(scan, drawn).numbers
+    session = Session()
+    numbers = session.replay(scan, drawn).numbers
     assert numbers["nearer_bound"] > 0
     assert numbers["nearer_times"] >= engine.nearer.LEAST_TIMES
+    with monkeypatch.context() as patch:  # the Partition step has found it
+        patch.setattr(engine.nearer, "nearer_by_bound", None)
+        again = session.replay(scan, Recipe((*drawn.steps[:1], Mesh(flatness=0.01)))).numbers
+    assert again["nearer_bound"] == numbers["nearer_bound"]
     edited = drawn.steps[:1] + (AddProxy(face=0), *drawn.steps[1:])
     assert "nearer_bound" not in Session().replay(scan, Recipe(edited)).numbers

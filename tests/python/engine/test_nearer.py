@@ -52,6 +52,9 @@ def test_the_command_names_it(tmp_path, capsys):
     assert main(["simplify", str(tmp_path / "scan.ply"), str(out), "--report", str(report)]) == 0
     told = json.loads(report.read_text())["nearer"]
     assert told["regions"] > 1
-    assert f"--bound {told['bound']:.3g} has {told['regions']} regions" in capsys.readouterr().out
+    line = f"--bound {told['bound']:.3g} has {told['regions']} regions"
+    assert line in capsys.readouterr().out
+    assert main(["info", "--estimate", str(tmp_path / "scan.ply")]) == 0
+    assert line in capsys.readouterr().out
     assert main(["simplify", str(tmp_path / "scan.ply"), str(out), "--report", str(report), "--bound", "0.02"]) == 0
     assert json.loads(report.read_text())["nearer"] is None
