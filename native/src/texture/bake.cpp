@@ -10,8 +10,8 @@
 #include "flood.h"
 #include "isimp/core/to_integer.h"
 #include "sampler.h"
+#include "samples.h"
 #include "shade.h"
-#include "tile.h"
 #include "unchanged.h"
 
 namespace isimp {
@@ -26,7 +26,7 @@ using detail::TexelBox;
 
 constexpr std::int32_t kLeastSamples = 2, kMostSamples = 4;  // a side of a texel
 
-/// Bakes all polygons: small ones share the threads, and so do the tiles of large ones. `make_shade(view, q)` returns
+/// Bakes all polygons: small ones share the threads, and so do the squares of large ones. `make_shade(view, q)` returns
 /// the function for each texel, `samples_of(q)` the number of samples along a side.
 template <class SamplesOf, class MakeShade>
 void for_all(const Scene& scene, const Threads& threads, Job& job, SamplesOf samples_of, MakeShade make_shade) {
@@ -41,7 +41,7 @@ void for_all(const Scene& scene, const Threads& threads, Job& job, SamplesOf sam
   for (std::int32_t q = 0; q < count; ++q) {
     const TexelBox box = detail::box_of_outline(scene.polygons, scene.atlas, q);
     if (box.width() <= 0 || box.height() <= 0 || scene.skipped[q] != 0) continue;
-    const bool one_thread_does = std::max(box.width(), box.height()) <= 4 * PolygonView::kTile;
+    const bool one_thread_does = std::max(box.width(), box.height()) <= 4 * PolygonView::kSquare;
     (one_thread_does ? small : large).push_back(q);
   }
   std::atomic<std::int32_t> done{0};
@@ -49,13 +49,13 @@ void for_all(const Scene& scene, const Threads& threads, Job& job, SamplesOf sam
   for (const std::int32_t q : large) {
     job.report(static_cast<double>(done++) / count);
     look(shared, q);
-    const std::int32_t tiles = shared.tile_count();
-    threads.share(tiles, [&](const auto& next) {
+    const std::int32_t squares = shared.square_count();
+    threads.share(squares, [&](const auto& next) {
       Samples samples;
       auto shade = make_shade(shared, q);
-      for (std::int32_t t = next(); t < tiles; t = next()) {
+      for (std::int32_t t = next(); t < squares; t = next()) {
         job.poll();
-        detail::do_tile(scene, shared, q, t, samples_of(q), samples, shade);
+        detail::bake_square(scene, shared, q, t, samples_of(q), samples, shade);
       }
     });
   }
@@ -68,8 +68,8 @@ void for_all(const Scene& scene, const Threads& threads, Job& job, SamplesOf sam
       const std::int32_t q = small[i];
       look(view, q);
       auto shade = make_shade(view, q);
-      for (std::int32_t t = 0; t < view.tile_count(); ++t)
-        detail::do_tile(scene, view, q, t, samples_of(q), samples, shade);
+      for (std::int32_t t = 0; t < view.square_count(); ++t)
+        detail::bake_square(scene, view, q, t, samples_of(q), samples, shade);
     }
   });
 }

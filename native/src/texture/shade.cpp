@@ -41,7 +41,7 @@ ColourShade::ColourShade(const Scene& scene, const PolygonView& view, std::int32
 }
 
 ColourShade::~ColourShade() {
-  // Threads that bake tiles of the same polygon add to the same numbers.
+  // Threads that bake squares of the same polygon add to the same numbers.
   PolygonTexels& all = canvas_.texture.texels[polygon_];
   std::atomic_ref(all.inside) += counts_.inside;
   std::atomic_ref(all.searched) += counts_.searched;
@@ -108,7 +108,7 @@ void ColourShade::add_searched(const Texel& texel, const Samples& samples, float
   const float step = 1 / static_cast<float>(n);
   const std::size_t first = static_cast<std::size_t>(texel.y - samples.box.y0) * n * width +
                             static_cast<std::size_t>(texel.x - samples.box.x0) * n;
-  // A face found in this row of this tile helps; the result must not depend on the threads.
+  // A face found in this row of this square helps; the result must not depend on the threads.
   if (texel.y != last_y_ || texel.x < last_x_ || last_x_ < samples.box.x0) last_ = kNone;
   for (std::int32_t j = 0; j < n; j += 2)
     for (std::int32_t i = 0; i < n; i += 2) {

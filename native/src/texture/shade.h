@@ -7,7 +7,7 @@
 
 #include "relief.h"
 #include "sampler.h"
-#include "tile.h"
+#include "samples.h"
 
 namespace isimp::detail {
 

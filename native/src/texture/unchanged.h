@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "isimp/texture/bake.h"
-#include "tile.h"
+#include "samples.h"
 
 namespace isimp::detail {
 

@@ -80,7 +80,7 @@ void PolygonView::look(const ChartFrame& frame, const TexelBox& box, std::int32_
                                           // none
   edges_.clear();
   for (const FlatFace& f : upright_) edges_.push_back(edges_of(f));
-  tiles_.build(boxes_, box, static_cast<float>(kTile), false);
+  squares_.build(boxes_, box, static_cast<float>(kSquare), false);
   const float texels = static_cast<float>(box.width()) * static_cast<float>(box.height());
   const float cells = std::clamp(static_cast<float>(faces_.size()), 1.0F, kMostCells);
   grid_.build(upright_boxes_, box, std::max(4.0F, std::sqrt(kInCell * texels / cells)), true);
@@ -161,21 +161,21 @@ void PolygonView::collect(const ChartFrame& frame, std::int32_t region, const Le
   }
 }
 
-TexelBox PolygonView::tile(std::int32_t t) const {
-  const std::int32_t x = box_.x0 + t % tiles_.columns() * kTile, y = box_.y0 + t / tiles_.columns() * kTile;
-  return {x, y, std::min(box_.x1, x + kTile), std::min(box_.y1, y + kTile)};
+TexelBox PolygonView::square(std::int32_t t) const {
+  const std::int32_t x = box_.x0 + t % squares_.columns() * kSquare, y = box_.y0 + t / squares_.columns() * kSquare;
+  return {x, y, std::min(box_.x1, x + kSquare), std::min(box_.y1, y + kSquare)};
 }
 
 /// Own faces come first and own the texels that they cover. Then the adjacent ones are drawn into the other texels.
 void PolygonView::draw(std::int32_t t, std::int32_t n, std::span<const Span> wanted, std::vector<std::int32_t>& index,
                        std::vector<float>& depth) const {
-  const TexelBox tile = this->tile(t);
-  const std::int32_t w = tile.width() * n, h = tile.height() * n;
+  const TexelBox square = this->square(t);
+  const std::int32_t w = square.width() * n, h = square.height() * n;
   index.assign(static_cast<std::size_t>(w) * h, kNone);
   depth.assign(static_cast<std::size_t>(w) * h, std::numeric_limits<float>::infinity());
-  const auto s = static_cast<float>(n), x0 = static_cast<float>(tile.x0), y0 = static_cast<float>(tile.y0);
+  const auto s = static_cast<float>(n), x0 = static_cast<float>(square.x0), y0 = static_cast<float>(square.y0);
   bool own = true;
-  for (const std::int32_t item : tiles_.in(t % tiles_.columns(), t / tiles_.columns())) {
+  for (const std::int32_t item : squares_.in(t % squares_.columns(), t / squares_.columns())) {
     const FlatFace& f = faces_[item];
     if (own && !f.own) {
       own = false;

@@ -67,7 +67,7 @@ struct Quad {
   unsigned wanted;  ///< bit k: whether point k is used
 };
 
-/// Texels of a row of a tile: [begin, end).
+/// Texels of a row of a square: [begin, end).
 struct Span {
   std::int32_t begin = 0, end = 0;
 };
@@ -135,7 +135,7 @@ class Visited {
 /// The faces that a polygon can show, seen along its normal and the directions that lean from it.
 class PolygonView {
  public:
-  static constexpr std::int32_t kTile = 128;  // texels; samples of a tile fit into a cache
+  static constexpr std::int32_t kSquare = 128;  // texels: side of the squares that are drawn; samples fit into a cache
 
   PolygonView(const Mesh& mesh, const Neighbourhood& near) : mesh_(mesh), near_(near) {}
 
@@ -143,10 +143,10 @@ class PolygonView {
   void look(const ChartFrame& frame, const TexelBox& box, std::int32_t region, const Lean& lean);
 
   [[nodiscard]] const TexelBox& box() const { return box_; }
-  [[nodiscard]] std::int32_t tile_count() const { return tiles_.columns() * tiles_.rows(); }
-  [[nodiscard]] TexelBox tile(std::int32_t t) const;
+  [[nodiscard]] std::int32_t square_count() const { return squares_.columns() * squares_.rows(); }
+  [[nodiscard]] TexelBox square(std::int32_t t) const;
 
-  /// Draws the faces of a tile with n x n samples a texel. `index` receives, for each sample, the visible one of
+  /// Draws the faces of a square with n x n samples a texel. `index` receives, for each sample, the visible one of
   /// `faces()`, or kNone; rows from the bottom.
   /// \param wanted  for each row of texels; nothing is drawn outside
   void draw(std::int32_t t, std::int32_t n, std::span<const Span> wanted, std::vector<std::int32_t>& index,
@@ -172,7 +172,7 @@ class PolygonView {
   std::vector<FlatFace> faces_, upright_;  // as they are drawn, and as they lie above the plane
   std::vector<FlatEdges> edges_;           // edges of the latter
   std::vector<FlatBox> boxes_, upright_boxes_;
-  Bins tiles_, grid_;
+  Bins squares_, grid_;
 };
 
 }  // namespace isimp::detail

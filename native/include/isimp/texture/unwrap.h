@@ -18,7 +18,7 @@ struct ChartFrame {
   bool operator==(const ChartFrame&) const = default;
 };
 
-/// Polygons laid out in squares of texels, the tiles. x points right, y up. (0, 0) is the lower left corner of the
+/// Polygons laid out in images of texels, the UDIM tiles. x points right, y up. (0, 0) is the lower left corner of the
 /// first tile. The tiles are stacked: tile t has the rows from t * side on.
 struct Atlas {
   std::int32_t side = 0;   ///< side of a tile, texels

@@ -11,7 +11,7 @@
 namespace isimp {
 namespace {
 
-constexpr std::int32_t kTile = 64;            // faces: one bit each
+constexpr std::int32_t kBundle = 64;          // faces: one bit each
 constexpr std::int32_t kLargestPatch = 24;    // faces
 constexpr std::int32_t kPatchesARegion = 10;  // for the largest size
 constexpr float kCrease = 0.95F;              // cosine: neighbours that differ by more are never in one patch
@@ -25,15 +25,15 @@ std::int32_t patch_size_for(std::int32_t faces, std::int32_t proxies) {
   return size;
 }
 
-/// Patches within one tile, by sets of faces as bits of a word.
-class Tile {
+/// Patches within one bundle, by sets of faces as bits of a word.
+class Bundle {
  public:
   void read(const FaceGraph& graph, std::span<const FaceRecord> faces, std::int32_t begin, std::int32_t count) {
     for (std::int32_t i = 0; i < count; ++i) {
       const FaceRecord& f = faces[begin + i];
       std::uint64_t joined = 0;
       for (const std::int32_t j : graph.neighbours[begin + i]) {
-        // By masks, as no processor predicts well which neighbours lie in the tile; the face itself replaces the
+        // By masks, as no processor predicts well which neighbours lie in the bundle; the face itself replaces the
         // others.
         const auto at = static_cast<std::uint32_t>(j - begin), own = static_cast<std::uint32_t>(i);
         const std::uint32_t outside = 0U - static_cast<std::uint32_t>(at >= static_cast<std::uint32_t>(count));
@@ -43,10 +43,10 @@ class Tile {
       }
       joined_[i] = joined;
     }
-    left_ = ~std::uint64_t{0} >> (kTile - count);
+    left_ = ~std::uint64_t{0} >> (kBundle - count);
   }
   [[nodiscard]] bool empty() const { return left_ == 0; }
-  /// The next patch, of no more faces than `most`: calls `visit` with the place of each of them in the tile.
+  /// The next patch, of no more faces than `most`: calls `visit` with the place of each of them in the bundle.
   template <class Visit>
   void take(std::int32_t most, Visit visit) {
     std::uint64_t border = left_ & (~left_ + 1);
@@ -63,7 +63,7 @@ class Tile {
   }
 
  private:
-  std::uint64_t joined_[kTile];
+  std::uint64_t joined_[kBundle];
   std::uint64_t left_ = 0;
 };
 
@@ -75,24 +75,24 @@ struct Patches {
   std::vector<std::uint8_t> open;  // whether a face of the patch is on a border
 };
 
-/// The patches of the tiles from `begin` to `end`, numbered from 0.
+/// The patches of the bundles from `begin` to `end`, numbered from 0.
 Patches patches_between(const FaceGraph& graph, std::span<const FaceRecord> faces, Hierarchy& h, std::int32_t begin,
                         std::int32_t end, Job& job) {
   const std::int32_t n = graph.size();
   Patches patches;
-  Tile tile;
-  std::int32_t out = begin * kTile;
+  Bundle bundle;
+  std::int32_t out = begin * kBundle;
   for (std::int32_t t = begin; t < end; ++t) {
     if ((t & 0xff) == 0) job.poll();
-    const std::int32_t base = t * kTile;
-    tile.read(graph, faces, base, std::min(kTile, n - base));
-    while (!tile.empty()) {
+    const std::int32_t base = t * kBundle;
+    bundle.read(graph, faces, base, std::min(kBundle, n - base));
+    while (!bundle.empty()) {
       const auto id = static_cast<std::int32_t>(patches.first.size());
       patches.first.push_back(out);
       NodeSum s;
       RegionSum sum;
       bool open = false;
-      tile.take(h.patch_size, [&](int i) {
+      bundle.take(h.patch_size, [&](int i) {
         const FaceRecord& f = faces[base + i];
         const auto& around = graph.neighbours[base + i];
         s.x += f.area * f.nx;
@@ -119,12 +119,12 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
 
 Patches make_patches(const FaceGraph& graph, std::span<const FaceRecord> faces, Hierarchy& h, const Threads& threads,
                      Job& job) {
-  const std::int32_t n = graph.size(), tiles = (n + kTile - 1) / kTile;
+  const std::int32_t n = graph.size(), bundles = (n + kBundle - 1) / kBundle;
   h.patch.resize(static_cast<std::size_t>(n));
   h.patch_face.resize(static_cast<std::size_t>(n));
   const std::int32_t pieces = threads.pieces(n);
   std::vector<Patches> found(static_cast<std::size_t>(pieces));
-  threads.run(tiles, pieces, [&](std::int32_t k, std::int32_t begin, std::int32_t end) {
+  threads.run(bundles, pieces, [&](std::int32_t k, std::int32_t begin, std::int32_t end) {
     found[k] = patches_between(graph, faces, h, begin, end, job);
   });
   Patches all = std::move(found[0]);

@@ -15,8 +15,8 @@ namespace isimp {
 
 /// A mesh as small smooth patches, and coarser and coarser graphs of them: made once, cut at any number of regions.
 ///
-/// Patches: the faces in Morton order are cut into tiles of 64; a patch is a set of at most `patch_size` faces that are
-/// connected within a tile without crossing a crease. Levels: the graph of patches, merged round by round (see
+/// Patches: the faces in Morton order are cut into bundles of 64; a patch is a set of at most `patch_size` faces,
+/// connected within a bundle without crossing a crease. Levels: the graph of patches, merged round by round (see
 /// merge_round). The cut uses the coarsest level that still has several nodes a region, so that the last merges are
 /// made one at a time from exact prices.
 struct Hierarchy {

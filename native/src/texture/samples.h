@@ -34,7 +34,7 @@ struct Scene {
   }
 };
 
-/// The samples of one tile of a polygon.
+/// The samples of a square of texels of one polygon.
 struct Samples {
   std::vector<std::int32_t> index;  ///< (n * width by n * height) of the view's faces
   std::vector<float> depth;
@@ -62,19 +62,19 @@ struct Texel {
   Hit hit;        ///< the closest point, where its share is above 0
 };
 
-/// Draws tile t of polygon q with n x n samples a texel, and finds the band along its edges. Returns whether any texel
-/// is the polygon's.
-bool draw_tile(const Scene& scene, const PolygonView& view, std::int32_t q, std::int32_t t, std::int32_t n,
-               Samples& samples);
+/// Draws square t of polygon q with n x n samples a texel, and finds the band along its edges.
+/// \return whether any texel is the polygon's
+bool draw_square(const Scene& scene, const PolygonView& view, std::int32_t q, std::int32_t t, std::int32_t n,
+                 Samples& samples);
 
-/// Finds the closest points of the texels of two rows of a tile that show them.
+/// Finds the closest points of the texels of two rows of a square that show them.
 void search_rows(const PolygonView& view, std::int32_t row, Samples& samples);
 
-/// Draws a tile and calls shade(texel, samples) for each texel that its polygon owns, row by row.
+/// Draws a square and calls shade(texel, samples) for each texel that its polygon owns, row by row.
 template <class Shade>
-void do_tile(const Scene& scene, const PolygonView& view, std::int32_t q, std::int32_t t, std::int32_t n,
-             Samples& samples, Shade& shade) {
-  if (!draw_tile(scene, view, q, t, n, samples)) return;
+void bake_square(const Scene& scene, const PolygonView& view, std::int32_t q, std::int32_t t, std::int32_t n,
+                 Samples& samples, Shade& shade) {
+  if (!draw_square(scene, view, q, t, n, samples)) return;
   const TexelBox& box = samples.box;
   const std::int32_t width = box.width();
   for (std::int32_t j = 0; j < box.height(); ++j) {

@@ -1,4 +1,4 @@
-#include "tile.h"
+#include "samples.h"
 
 #include <algorithm>
 #include <array>
@@ -32,7 +32,7 @@ bool find_own(const Scene& scene, std::int32_t q, Samples& samples) {
   return any;
 }
 
-/// Finds the band in which the colours of a tile blend into those of the closest points.
+/// Finds the band in which the colours of a square blend into those of the closest points.
 void find_band(const Scene& scene, std::int32_t q, Samples& samples) {
   if (!(scene.band > 0)) return;
   const TexelBox& box = samples.box;
@@ -75,9 +75,9 @@ Scene::Scene(const Mesh& m, const Partition& partition, const PolygonMesh& poly,
 
 Lean Scene::lean_of(std::int32_t q) const { return {outline_of(polygons, atlas, q), slopes_of(polygons, slopes, q)}; }
 
-bool draw_tile(const Scene& scene, const PolygonView& view, std::int32_t q, std::int32_t t, std::int32_t n,
-               Samples& samples) {
-  samples.box = view.tile(t);
+bool draw_square(const Scene& scene, const PolygonView& view, std::int32_t q, std::int32_t t, std::int32_t n,
+                 Samples& samples) {
+  samples.box = view.square(t);
   samples.n = n;
   if (!find_own(scene, q, samples)) return false;
   view.draw(t, n, samples.wanted, samples.index, samples.depth);
@@ -91,7 +91,7 @@ void search_rows(const PolygonView& view, std::int32_t row, Samples& samples) {
   const std::int32_t width = box.width(), rows = std::min(2, box.height() - row);
   samples.hits.resize(2 * (static_cast<std::size_t>(width) + 1));
   std::int32_t last = kNone;
-  // Quads begin at even texels of the tile.
+  // Quads begin at even texels of the square.
   std::int32_t begin = samples.wanted[row].begin, end = samples.wanted[row].end;
   if (rows == 2 && samples.wanted[row + 1].end > 0) {
     begin = end > 0 ? std::min(begin, samples.wanted[row + 1].begin) : samples.wanted[row + 1].begin;
