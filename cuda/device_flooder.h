@@ -154,7 +154,7 @@ class DeviceFlooder final : public Flooder {
     });
   }
 
-  void naive(const Proxies& proxies, std::int32_t nearest, Search search, std::int32_t threads, Job& job) override {
+  void naive(const Proxies& proxies, std::int32_t nearest, bool brute, std::int32_t threads, Job& job) override {
     if (!placed()) throw InvalidInput("naive flooding wants the faces placed");
     if (nearest < 1 || nearest > kMostNearest)
       throw InvalidInput("nearest must be in [1, " + std::to_string(kMostNearest) + "], got " +
@@ -167,7 +167,6 @@ class DeviceFlooder final : public Flooder {
       const std::vector<std::int32_t> host_in_part = seeds_in_components(proxies);
       const Readable<std::int32_t> start(memory_, host.start), region(memory_, host.region),
           in_part(memory_, host_in_part);
-      const bool brute = search == Search::brute;
       const Grid grid{brute ? nullptr : start.data(), region.data(), host.side};
       const ChooseNear choose{view,           place_.data(), centres.data(), component_.data(),
                               in_part.data(), nearest,       regions_,       grid};

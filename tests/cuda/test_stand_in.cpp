@@ -43,7 +43,7 @@ std::vector<std::pair<const char*, std::function<void(Flooder&)>>> steps(Job& jo
            [&job](Flooder& f) {
              const std::vector<float> centre(3 * 1000, 0.5F);
              f.place(centre, {});
-             f.naive(some_proxies(), 2, Search::grid, 1, job);
+             f.naive(some_proxies(), 2, false, 1, job);
            }},
           {"fit", [](Flooder& f) { (void)f.fit(1); }},
           {"nearest", [](Flooder& f) { (void)f.nearest_faces(some_proxies(), 1); }},

@@ -130,7 +130,7 @@ Regions parallel_lloyd(const Surface& surface, parallel::Flooder& flooder, std::
   for (std::int32_t round = 0; round < options.iterations; ++round) {
     job.report(static_cast<double>(round) / (options.iterations + 1));
     if (naive) {
-      flooder.naive(proxies, options.nearest, options.search, options.threads, job);
+      flooder.naive(proxies, options.nearest, options.search == Search::brute, options.threads, job);
     } else {
       flooder.queued(proxies, options.threads, job);
     }

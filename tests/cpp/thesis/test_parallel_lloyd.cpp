@@ -128,10 +128,10 @@ TEST(Flooder, NaiveFloodingTakesTheBestOfTheNearest) {
   for (std::int32_t r = 0; r < 60; ++r) plain[proxies.seed[r]] = r;
   Job job;
   for (const std::string& name : parallel::backends())
-    for (const Search search : {Search::grid, Search::brute}) {
+    for (const bool brute : {false, true}) {
       const auto flooder = load(mesh, name);
       flooder->place(centre, {});
-      flooder->naive(proxies, 5, search, 2, job);
+      flooder->naive(proxies, 5, brute, 2, job);
       EXPECT_EQ(labels_of(*flooder, mesh), plain) << name;
     }
 }
@@ -151,7 +151,7 @@ TEST(Flooder, RepairLeavesTheLargestPieceAndFillsTheRest) {
   for (const std::string& name : parallel::backends()) {
     const auto flooder = parallel::backend(name).load({faces, neighbours});
     flooder->place(std::vector<float>(27, 0.5F), {});
-    flooder->naive(proxies, 2, Search::grid, 1, job);
+    flooder->naive(proxies, 2, false, 1, job);
     std::vector<std::int32_t> labels(9);
     flooder->labels(labels);
     EXPECT_EQ(labels, (std::vector<std::int32_t>{0, 0, 0, 0, 1, 1, 1, 0, 0}));

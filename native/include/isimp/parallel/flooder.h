@@ -6,10 +6,12 @@
 #include <vector>
 
 #include "isimp/core/job.h"
-#include "isimp/core/search.h"
 #include "isimp/parallel/sums.h"
 
 namespace isimp::parallel {
+
+/// The most regions that naive flooding compares for a face.
+inline constexpr std::int32_t kMostNearest = 32;
 
 /// A surface in the form for flooding. Index N is a sentinel that stands for "no neighbour".
 struct FloodSurface {
@@ -49,10 +51,11 @@ class Flooder {
   /// \return the steps
   virtual std::int32_t queued(const Proxies& proxies, std::int32_t threads, Job& job) = 0;
   /// Gives every face the best of the `nearest` regions whose centres are nearest to its own, connected or not.
-  /// \param nearest  in [1, kMostNearest].
+  /// \param nearest  in [1, kMostNearest]
+  /// \param brute  compares all regions in place of those in a grid; the same result
   /// Cost: about O(N nearest); by brute force O(N R).
   /// Source: the thesis's naive one
-  virtual void naive(const Proxies& proxies, std::int32_t nearest, Search search, std::int32_t threads, Job& job) = 0;
+  virtual void naive(const Proxies& proxies, std::int32_t nearest, bool brute, std::int32_t threads, Job& job) = 0;
 
   /// The sums of the regions' faces; also of the centres if the faces are placed.
   struct Fit {

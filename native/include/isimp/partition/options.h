@@ -7,7 +7,6 @@
 #include <tuple>
 
 #include "isimp/core/options.h"
-#include "isimp/core/search.h"
 
 namespace isimp {
 
@@ -33,6 +32,12 @@ enum class Method {
 enum class Connect {
   repair,  ///< the largest piece of each region grows over the others: parallel, and it loses less
   flood,   ///< one sequential round of lloyd, the thesis's own
+};
+
+/// How Method::naive finds the regions nearest to a face.
+enum class Search {
+  grid,   ///< by a grid of the regions' centres
+  brute,  ///< by a search of all of them, as in the thesis: O(F P); the same regions
 };
 
 /// The plane in which regions mirror.
@@ -192,7 +197,7 @@ constexpr auto fields(const PartitionOptions*) {
       threads_field(&O::threads),
       field("backend", &O::backend,
             "Where 'naive' and 'queued' run: one of backends(). The labels are the same on all."),
-      field("nearest", &O::nearest, between(1, kMostNearest), Unit::none,
+      field("nearest", &O::nearest, between(1, 32), Unit::none,
             "Number of nearest regions that a face compares in 'naive'."),
       choice("search", &O::search, {{"grid", Search::grid}, {"brute", Search::brute}},
              "How 'naive' finds them: 'grid', or 'brute', which compares all regions, as in the thesis."),
