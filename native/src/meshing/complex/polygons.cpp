@@ -126,20 +126,42 @@ void Polygons::close_gaps() {
   corners_.assign(std::move(left));
 }
 
+std::vector<std::int32_t> Polygons::with_diagonals(std::span<const Edge> edges, const Diagonals& diagonals,
+                                                   const Corners& corners) const {
+  std::vector<std::int32_t> pieces;
+  for (const Edge& e : edges) {
+    const std::int32_t c = corners.of_vertex[e[0]];
+    if (c == kNone || c >= static_cast<std::int32_t>(around_.size())) continue;
+    for (const std::int32_t q : at(c)) {
+      const auto& own = diagonals[piece(q)];
+      if (std::any_of(own.begin(), own.end(), [&](const Edge& d) { return edge(d[0], d[1]) == e; }))
+        pieces.push_back(piece(q));
+    }
+  }
+  return pieces;
+}
+
 void Polygons::collect(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
                        std::vector<std::int32_t>& changed) {
   if (!loops_.in_transaction()) close_gaps();
   pieces_.resize(labels.pieces.size());
   diagonals.resize(labels.pieces.size());
-  std::vector<bool> fresh(labels.pieces.size(), false);
-  for (const std::int32_t l : changed) fresh[l] = true;
+  std::vector<std::int32_t> fresh = changed;
+  sort_unique(fresh);
   const bool any = std::any_of(diagonals.begin(), diagonals.end(), [](const auto& d) { return !d.empty(); });
-  const std::vector<Edge> ends = any ? chord_ends(complex, labels.mesh, changed) : std::vector<Edge>{};
+  // No diagonal is the same as a chord or another diagonal. A piece that has not changed can only lose one to a piece
+  // that has.
+  const std::vector<Edge> ends = any ? chord_ends(complex, labels.mesh, fresh) : std::vector<Edge>{};
+  std::vector<Edge> edges = ends;
+  for (const std::int32_t l : fresh)
+    for (const auto& d : diagonals[l]) edges.push_back(edge(d[0], d[1]));
+  std::vector<std::int32_t> pieces = with_diagonals(edges, diagonals, corners);
+  pieces.insert(pieces.end(), fresh.begin(), fresh.end());
+  sort_unique(pieces);
   std::set<Edge> added;
   std::vector<Cycle> cycles;
-  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
-    if (!fresh[l] && diagonals[l].empty()) continue;
-    if (!fresh[l]) {  // whose chords are the same: only others can have taken the place of a diagonal
+  for (const std::int32_t l : pieces) {
+    if (!std::binary_search(fresh.begin(), fresh.end(), l)) {
       const auto is_taken = [&](const auto& d) {
         const Edge e = edge(d[0], d[1]);
         return std::binary_search(ends.begin(), ends.end(), e) || added.contains(e);

@@ -76,7 +76,7 @@ class Polygons {
   /// Rebuilds the polygons of changed pieces. A diagonal is dropped if a chord or another diagonal joins the same ends.
   /// \param changed  pieces whose chords or diagonals changed, or that are no more; pieces that lose a diagonal are
   ///                 added
-  /// Cost: O(polygons of these + diagonals of all + pieces).
+  /// Cost: O(polygons of these and at their corners); also O(pieces) if no piece has a diagonal.
   void collect(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
                std::vector<std::int32_t>& changed);
   /// Removes unused numbers, if they are more than half. Not within a transaction.
@@ -99,6 +99,9 @@ class Polygons {
   };
   void remove(std::int32_t piece);
   void add(std::int32_t piece, std::span<const std::vector<std::int32_t>> cycles, Corners& corners);
+  /// The pieces that have one of some edges as a diagonal, as it was when their polygons were built.
+  [[nodiscard]] std::vector<std::int32_t> with_diagonals(std::span<const std::array<std::int32_t, 2>> edges,
+                                                         const Diagonals& diagonals, const Corners& corners) const;
 
   Logged<Loop> loops_;                        // by number
   Logged<std::int32_t> corners_;              // corners of all loops, with gaps where loops were removed
