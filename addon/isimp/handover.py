@@ -16,7 +16,7 @@ from .outcome import Outcome
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Polygons of any mesh with the attributes that exporters read of the engine's PolygonMesh."""
+    """The polygons of any mesh, with those attributes of the engine's PolygonMesh that exporters read."""
 
     vertices: np.ndarray  #: (V, 3) float64
     loops: np.ndarray  #: (L,) int32

@@ -36,7 +36,7 @@ class Scan:
 
     @cached_property
     def layers_digest(self) -> str:
-        """Equal for equal layers."""
+        """A digest of the layers, equal for equal layers."""
         digest = hashlib.blake2b(digest_size=16)
         for name in sorted(self.layers):
             digest.update(f"{name}\0{self.layers[name].shape}".encode())

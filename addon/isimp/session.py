@@ -97,7 +97,7 @@ class Session:
         end: float = 1.0,
         closing: Closing = NONE_CLOSED,
     ) -> Prepared:
-        """The scan, checked and repaired. Raises ValueError if nothing usable is in it."""
+        """Check and repair the scan. Raises ValueError if it has no usable face."""
         key = (scan.digest, closing)
         prepared = self._meshes.get(key)
         if prepared is None:

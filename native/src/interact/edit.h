@@ -51,7 +51,7 @@ struct Edit {
   /// Replaces the partition by another one of the same surface.
   void restart(const Partition& partition);
 
-  /// Regions that edits do not change, by region, or empty for none. At first the locked ones.
+  /// By region: 1 if edits must not change it; empty if there is no such region. Initially the locked regions.
   [[nodiscard]] const std::vector<std::uint8_t>& held() const { return held_; }
   void hold(std::vector<std::uint8_t> regions);
   void hold_all_but(std::span<const std::int32_t> regions);

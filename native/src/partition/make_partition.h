@@ -20,7 +20,7 @@ Partition make_partition(const Surface& surface, const Parts& parts, const Regio
 /// Measures the error from the normals there are, which with a bound need not be the mean ones.
 void restate_error(const FaceGraph& graph, Partition& part);
 
-/// Copies how the number of regions was found, and their limits: bound, tolerance, noise.
+/// Copies the values that determined the number of regions: bound, tolerance, noise.
 void take_how_found(Partition& part, const Partition& before);
 
 }  // namespace isimp

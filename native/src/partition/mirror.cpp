@@ -22,7 +22,7 @@ class Sorted {
               [&](std::int32_t a, std::int32_t b) { return at(a) != at(b) ? at(a) < at(b) : a < b; });
   }
 
-  /// The nearest one that is alike, kNone if there is none. Ties to the lower number.
+  /// The nearest patch that is alike, kNone if there is none. Ties go to the lower number.
   [[nodiscard]] std::int32_t nearest(const Patch& wanted) const {
     const double reach = kNear * std::sqrt(wanted.area);
     double least = reach;

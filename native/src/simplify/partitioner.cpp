@@ -63,8 +63,8 @@ std::int32_t proxies_for(std::int32_t triangles, std::int32_t faces) {
   return std::clamp(static_cast<std::int32_t>(std::lround(triangles / kTriangles)), 1, faces);
 }
 
-/// The kept data, if it was made under the same guides and adaptivity; else only these, and the data that does not
-/// depend on them.
+/// Returns the kept data if its guides and adaptivity are the same. Otherwise returns the given ones, with that part of
+/// the kept data that does not depend on them.
 Partitioner::Kept Partitioner::recall(Guides guides, double adaptivity) const {
   const std::lock_guard lock(mutex_);
   const bool same = kept_->guides.weights == guides.weights && kept_->guides.barriers == guides.barriers;

@@ -18,7 +18,8 @@ inline std::int32_t polygon_of(std::int32_t owner) { return owner >= 0 ? owner :
 /// The corners of a polygon in texels.
 std::span<const std::array<double, 2>> outline_of(const PolygonMesh& polygons, const Atlas& atlas, std::int32_t q);
 
-/// (side * height) rows from the bottom. A centre that two polygons of a chart claim belongs to the first of them.
+/// (side * height) the owner of each texel, row by row from the bottom. If two polygons of a chart claim the centre of
+/// a texel, it belongs to the first of them.
 Array<std::int32_t> find_owners(const PolygonMesh& polygons, const Atlas& atlas, const Threads& threads, Job& job);
 
 /// A box of texels: [x0, x1) by [y0, y1).

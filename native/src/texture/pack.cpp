@@ -109,7 +109,8 @@ class Taking {
   explicit Taking(std::int32_t cells)
       : cells_(cells), last_(static_cast<std::size_t>(cells) * cells, static_cast<Cell>(-1)) {}
 
-  /// The lowest row at which a chart is free whose left column is x, or one from which it reaches beyond `most` rows.
+  /// The lowest free row for a chart with left column x. If none is below it, a row from which the chart reaches
+  /// beyond row `most`.
   [[nodiscard]] std::int32_t lowest(std::int32_t x, const Profile& p, std::int32_t most) const {
     std::int32_t y = 0;
     for (std::int32_t k = 0, clear = 0; clear < p.width() && y + p.height <= most; k = k + 1 < p.width() ? k + 1 : 0) {

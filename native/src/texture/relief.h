@@ -27,7 +27,7 @@ class Relief {
   Relief(const Mesh& mesh, const std::vector<Eigen::Vector3f>& normals, const Appearance& appearance)
       : mesh_(mesh), normals_(normals), look_(appearance), sampler_(mesh, appearance) {}
 
-  /// A unit vector.
+  /// The shaded normal at a point of a face, a unit vector.
   Eigen::Vector3f operator()(std::int32_t face, float b, float c) const;
 
  private:

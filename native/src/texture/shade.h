@@ -24,7 +24,7 @@ struct Canvas {
   }
 };
 
-/// The appearance of a face at the points of a chart: all of it grows by the same in every texel.
+/// The appearance of a face at the points of a chart: each value changes by a constant from texel to texel.
 struct FaceLook {
   enum class Steepness : std::uint8_t { unknown, flat, steep };  // steep: sampled by weights instead
 

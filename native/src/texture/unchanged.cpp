@@ -7,7 +7,7 @@
 namespace isimp::detail {
 namespace {
 
-/// For each region the earlier one with the same faces; kNone without one, or if no face is known.
+/// The earlier region with the same faces, by region; kNone if there is none or no face is known.
 std::vector<std::int32_t> same_regions(const Neighbourhood& now, const Neighbourhood& before,
                                        const Partition& earlier) {
   std::vector<std::int32_t> same(now.start.size() - 1, kNone);

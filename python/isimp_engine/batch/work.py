@@ -45,7 +45,7 @@ def simplify(task: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def figures(report: dict[str, Any]) -> dict[str, Any]:
-    """Return the values of a report for a row; see docs/scale.md."""
+    """Return the figures of a report that the table of a batch lists; see docs/scale.md."""
     output = report["output"]
     return {
         "faces": report["input"]["faces"],

@@ -55,7 +55,10 @@ class Local:
         return ""
 
     def threads(self, mb: float, waiting: int) -> int:
-        """Return the number of threads for the next piece; 0: no room now. waiting: this piece and all later ones."""
+        """Return the number of threads for the next piece; 0: no room now.
+
+        waiting: how many pieces have not started, this one included.
+        """
         need = self._need(mb)
         free = self._mb - sum(self._need(job.mb) for job in self._running.values())
         if self._running and (len(self._running) >= self._jobs or need > free):

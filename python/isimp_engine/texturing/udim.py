@@ -16,7 +16,7 @@ def is_pattern(path: Path) -> bool:
 
 
 def files(path: Path) -> dict[int, Path]:
-    """The files of a pattern that there are, by the number of their tile; of another path itself, as 1001."""
+    """Return the existing files of a pattern by tile number. A path without a pattern is tile 1001."""
     if not is_pattern(path):
         return {FIRST: path}
     before, after = _MARK.split(path.name, maxsplit=1)

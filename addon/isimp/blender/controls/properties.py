@@ -10,7 +10,7 @@ _PARTITION, _REGULARISE = rcp.Partition(), rcp.Regularise()
 
 
 def _weights(self, context, edit_text):
-    """The suggestions of the field for weights."""
+    """Return the suggestions for the field of weights."""
     scan, problem = targets.find(context)
     return [] if problem else weights.names(scan)
 

@@ -404,7 +404,7 @@ class RecipeOperator:
 
 
 def _was_edited(before: dict, work, outcome) -> bool:
-    """Whether the scan has changed since its regions were found, and steps before the last were done again on it."""
+    """Whether the scan changed after its regions were found, so that steps before the last one ran again."""
     changed = before.get("scan", "") not in {"", outcome.numbers["scan"]}
     return changed and len(work.recipe.steps) > 1
 

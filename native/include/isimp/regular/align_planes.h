@@ -40,7 +40,7 @@ enum class Align : std::uint8_t {
 Partition align_planes(const Mesh& mesh, const Partition& partition, std::span<const std::int32_t> faces, Align to,
                        const Vec3& up, std::optional<double> length, Job& job);
 
-/// The plane of best fit of a region. To turn it about `centre` to another normal n adds
+/// The plane of best fit of a region. Turning it about `centre` to another normal n adds
 /// sqrt(n^T spread n - normal^T spread normal) to the root mean square distance of the region.
 struct RegionFit {
   Vec3 normal;             ///< of length 1

@@ -12,7 +12,7 @@
 namespace isimp::detail {
 namespace {
 
-/// std::from_chars, which some standard libraries lack for numbers with a point; both round correctly.
+/// Replaces std::from_chars, which some standard libraries lack for numbers with a point. Both round correctly.
 auto from_characters(const char* begin, const char* end, double& value) {
 #ifdef ISIMP_FAST_FLOAT
   return fast_float::from_chars(begin, end, value);

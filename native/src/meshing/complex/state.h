@@ -35,8 +35,8 @@ struct SharedBoundary {
 /// positions from it. Several changes may come before one update. A `Transaction` can undo changes and their effects.
 class State {
  public:
-  /// \param job  polled by `update` too
-  /// \param moments  as of Labels
+  /// \param job  `update` polls it too, so it must outlive the state
+  /// \param moments  as in Labels
   State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job,
         std::span<const SurfaceMoments> moments = {});
 

@@ -88,7 +88,7 @@ class BoxTree {
     return false;
   }
   [[nodiscard]] const NumberedBox& at(std::int32_t place) const { return all_[place]; }
-  /// Moves the box at a place, and adapts the boxes around it; the order of the tree does not change.
+  /// Replaces the box at a place and updates the boxes that contain it. The order of the tree does not change.
   /// Cost: O(log n).
   void move(std::int32_t place, const Box& box);
 

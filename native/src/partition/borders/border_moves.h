@@ -42,7 +42,8 @@ struct BorderProxy {
             static_cast<float>(inverse / 2)};
   }
   [[nodiscard]] float dot(const FaceRecord& f) const { return f.nx * x + f.ny * y + f.nz * z; }
-  /// The growth of |S| for the face's area w when it joins: (|S + w n| - |S|) / w. When it leaves, with -n for n.
+  /// The growth of |S| for each unit of area when a face of area w and normal n joins: (|S + w n| - |S|) / w.
+  /// \param along  n . S / |S|; its negative for a face that leaves
   [[nodiscard]] float growth(float along, float area) const {
     constexpr float kSmall = 0.05F;  // w / 2 |S| up to which the second order of the series is enough
     const float half_ratio = area * half_inverse;
@@ -52,7 +53,7 @@ struct BorderProxy {
   }
 };
 
-/// A stretch of faces whose labels may be read; the sentinel behind the last face may always be.
+/// A range of faces whose labels may be read. The sentinel after the last face is always readable.
 struct Reach {
   std::int32_t begin, end, sentinel;
   [[nodiscard]] bool holds(std::int32_t i) const {

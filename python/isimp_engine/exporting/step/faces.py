@@ -124,7 +124,7 @@ Loop = list[tuple[Edge, bool]]
 
 
 class FaceMaker:
-    """Makes one face of a surface and loops of edges that run round it counter-clockwise, seen along the normal.
+    """Makes one face of a surface and loops of edges that run around it counter-clockwise, seen along the normal.
 
     limit: how far an edge may be from its image on the surface.
     """

@@ -203,7 +203,7 @@ def _spun(start: Turned, points: Array, profile: Array, open_ends: list[float]) 
 
 
 def _along(profile: Array, rho: Array, z: Array) -> tuple[Array, Array]:
-    """The place of points along a profile, whose first and last edges go on beyond its ends, and of its corners."""
+    """Return the arc lengths of points and of corners along a profile. Its end edges extend beyond its ends."""
     edges = np.diff(profile, axis=0)
     size = np.linalg.norm(edges, axis=1)
     corners = np.concatenate([[0.0], np.cumsum(size)])
@@ -232,7 +232,7 @@ def _pole_ends(profile: Array, corners: Array, open_ends: list[float], low: floa
 
 
 def _means(t: Array, rho: Array, z: Array, low: float, high: float) -> tuple[Array, Array, Array]:
-    """The medians of bins along the profile; few points stay as they are."""
+    """Return the medians of the points in bins along the profile, or the points themselves if they are few."""
     if len(t) <= 2 * _BINS:
         order = np.argsort(t, kind="stable")
         return t[order], rho[order], z[order]
