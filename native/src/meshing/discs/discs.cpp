@@ -8,8 +8,6 @@
 namespace isimp::meshing {
 namespace {
 
-/// Most boundary loops for which one chain makes two discs. With more, the polygons would have too many corners.
-constexpr std::size_t kFewLoops = 8;
 /// Loops, and two for a handle, beyond which a piece is parted by the directions its faces look in. Then each wall of a
 /// hole is a polygon. Other cuts give half to a third as many polygons, but repairing them takes a time that grows with
 /// the square of the holes.
@@ -59,8 +57,7 @@ void cut(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
   const std::size_t openings = shape.loops.size() + 2 * static_cast<std::size_t>(shape.genus);
   if (openings > kManyOpenings && cut_by_direction(cutter, piece) > 0) return;
   if (shape.genus == 0 && shape.loops.size() > 1 && cut_wall(cutter, piece, shape, job) > 0) return;
-  if (shape.genus == 0 && shape.loops.size() > kFewLoops && cut_holes(cutter, piece, shape, job) > 0) return;
-  if (shape.genus == 0 && shape.loops.size() > 1 && cut_chain(cutter, piece, shape) != kNone) return;
+  if (shape.genus == 0 && shape.loops.size() > 1 && cut_holes(cutter, piece, shape, job) > 0) return;
   if (shape.genus > 0 && shape.genus <= kFewHandles && cut_handles(cutter, piece, shape, job) > 0) return;
   bisect(cutter, piece, shape.genus > 0 ? Cause::handle : shape.loops.empty() ? Cause::closed : Cause::hole);
 }

@@ -86,11 +86,6 @@ std::int32_t split_evenly(Cutter& cutter, std::int32_t piece, std::int32_t parts
 /// \return the two pieces that changed, none if no hand-over helps
 std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex);
 
-/// Cuts a piece of genus 0 with several boundary loops along one chain of paths: from the longest loop to a near one,
-/// on to the next, ..., and back. If the chain reaches all loops, both parts are discs.
-/// \return the new label, kNone if there is no such chain
-std::int32_t cut_chain(Cutter& cutter, std::int32_t piece, const Shape& shape);
-
 /// Parts a piece with many loops or handles by the directions its faces look in: the walls of holes from the plate that
 /// they go through. No polygon can stand for both, and cuts from hole to hole would not part them.
 /// \return how many labels are new, the last ones; 0 if the faces look in one direction or in too many
@@ -112,7 +107,7 @@ bool is_perforated(const Cutter& cutter, std::int32_t regions, const Job& job);
 /// Cost: O(F).
 void part_walls(Cutter& cutter, const Job& job);
 
-/// Cuts a piece of genus 0 with many boundary loops along chains of paths from loop to loop, each as straight as can
+/// Cuts a piece of genus 0 with holes along chains of paths from loop to loop, each as straight as can
 /// be, so that holes in rows are parted by rows. All paths come from one forest of shortest paths.
 /// \return how many labels are new, the last ones; 0 if there is no such chain. Pieces may have holes left.
 /// Cost: O(n log n) for n faces of the piece.
