@@ -33,7 +33,7 @@ class Improved : public testing::Test {
   void split_some() {
     for (std::int32_t l = 0; l < 60; l += 3) {
       state_.labels.face_marks.clear();
-      state_.split(l, state_.find_cut(l, nullptr), job_);
+      state_.split(l, job_);
     }
     defects_.judge(state_.update_in_place({}));
   }

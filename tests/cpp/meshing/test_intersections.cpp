@@ -48,7 +48,7 @@ struct Made {
     arounds.settle();
     std::vector<Key> keys;
     const Job job;
-    for (const Hit& h : find_hits(sets, arounds, position, changed, known, Threads(2), job)) keys.push_back(h.key());
+    for (const Hit& h : find_hits(sets, arounds, changed, known, Threads(2), job)) keys.push_back(h.key());
     return keys;
   }
 

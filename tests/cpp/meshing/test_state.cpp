@@ -20,7 +20,7 @@ class Pieces : public testing::Test {
         part_(labelled::single(mesh_)),
         state_(mesh_, part_, options_, job_) {
     state_.update({});
-    EXPECT_TRUE(state_.split(0, state_.find_cut(0, nullptr), job_));
+    EXPECT_TRUE(state_.split(0, job_));
     state_.update({});
   }
 

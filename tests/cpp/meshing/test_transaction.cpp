@@ -96,10 +96,9 @@ class Hands {
   void act(Transaction* transaction = nullptr) {
     const std::int32_t l = piece();
     std::vector<std::int32_t> changed;
-    switch (below(8)) {
+    switch (below(7)) {
       case 0:
-        s_.labels.face_marks.clear();
-        s_.split(l, s_.find_cut(l, nullptr), job_);
+        s_.split(l, job_);
         break;
       case 1:
       case 2:
@@ -109,12 +108,9 @@ class Hands {
         if (s_.labels.faces_of(l).size() < 12 && s_.shatter(l)) changed.push_back(l);
         break;
       case 4:
-        s_.bend(one_of(s_.complex.chords(l)));
-        break;
-      case 5:
         toggle_corner(s_.mesh.from(one_of(s_.complex.loop(l))));
         break;
-      case 6:
+      case 5:
         add_diagonal(l);
         changed.push_back(l);
         break;

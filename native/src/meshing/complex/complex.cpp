@@ -171,9 +171,7 @@ bool Complex::bend(std::int32_t chord) {
   const std::size_t at = place_of(chord);
   collect_line(loop, at, line_);
   if (line_.size() < 3) return false;
-  const std::size_t bend = at + farthest(line_).where;
-  bent_.push_back(mesh_.from(loop[bend % loop.size()]));
-  add_corner(bent_.back());
+  add_corner(loop, at + farthest(line_).where);
   return true;
 }
 

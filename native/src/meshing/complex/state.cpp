@@ -108,15 +108,9 @@ std::int32_t State::region_of(std::int32_t piece, std::span<const std::int32_t> 
       ->first;
 }
 
-Separation State::find_cut(std::int32_t piece, const Vec3* place) {
-  const std::vector<std::int32_t> faces = labels.flood(piece);
-  return place ? find_part_near(cutter_, faces, *place) : find_halves(cutter_, faces);
-}
-
-bool State::split(std::int32_t piece, const Separation& cut, Job& job) {
-  if (cut.faces.empty()) return false;
-  ISIMP_ASSERT(labels.label[cut.faces[0]] == piece && labels.label[cut.stays] == piece, "a cut is of the piece");
-  const std::int32_t fresh = labels_.part(cut.faces, cut.stays, Cause::repair);
+bool State::split(std::int32_t piece, Job& job) {
+  const std::int32_t fresh = bisect(cutter_, piece, Cause::repair);
+  if (fresh == kNone) return false;
   make_discs(cutter_, {piece, fresh}, discs_, job);
   diagonals_.resize(labels.pieces.size());
   for (const std::int32_t l : labels.touched) diagonals_.set(l, {});

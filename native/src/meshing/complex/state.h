@@ -40,9 +40,6 @@ class State {
   State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job,
         std::span<const SurfaceMoments> moments = {});
 
-  /// Where a piece would be split: in halves, or near a place. Threads may ask for several pieces at a time after the
-  /// face marks of labels have been cleared.
-  [[nodiscard]] Separation find_cut(std::int32_t piece, const Vec3* place);
   /// The pieces across the chords of one, in rising order.
   [[nodiscard]] std::vector<std::int32_t> neighbours(std::int32_t piece) const;
   /// Calls fn(piece) for each of them, once for each chord.
@@ -67,9 +64,9 @@ class State {
   [[nodiscard]] std::vector<std::int32_t> loop_together(std::int32_t kept, std::int32_t gone) const;
 
   // Changes of labels.
-  /// Splits a piece in two (and on, until all of it is discs).
-  /// \return whether it could be
-  bool split(std::int32_t piece, const Separation& cut, Job& job);
+  /// Splits a piece in halves (and on, until all of it is discs).
+  /// \return false for a single face
+  bool split(std::int32_t piece, Job& job);
   /// Makes each face of a piece a piece of its own, all corners of which stay on the mesh.
   /// \return whether that is new
   bool shatter(std::int32_t piece);
@@ -93,7 +90,6 @@ class State {
   // Changes of polygons, as in Complex. Pieces with changed diagonals are an argument of `update`.
   void add_corner(std::int32_t vertex) { complex_.add_corner(vertex); }
   bool drop_corner(std::int32_t vertex) { return complex_.drop_corner(vertex); }
-  bool bend(std::int32_t chord) { return complex_.bend(chord); }
   /// The corner at a vertex, a new one if there is none.
   std::int32_t corner_at(std::int32_t vertex) { return corners_.at(vertex); }
   void set_diagonals(std::int32_t piece, std::vector<std::array<std::int32_t, 2>> all) {

@@ -1,4 +1,4 @@
-// Splits a piece in two or more parts of equal size, or near a place.
+// Splits a piece in two or more parts of equal size.
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -28,11 +28,9 @@ class Ground {
 
   /// Reaches all faces from one or some of them.
   /// \return the farthest
-  /// \param lag  by how much the first seed comes later than the others
-  std::int32_t grow(std::span<const std::int32_t> seeds, double lag = 0) {
+  std::int32_t grow(std::span<const std::int32_t> seeds) {
     for (Step& s : steps_) s.distance = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < seeds.size(); ++i)
-      reach(place_[seeds[i]], i == 0 ? lag : 0, static_cast<std::int32_t>(i));
+    for (std::size_t i = 0; i < seeds.size(); ++i) reach(place_[seeds[i]], 0, static_cast<std::int32_t>(i));
     std::int32_t last = seeds[0];
     while (!queue_.empty()) {
       const Front nearest = queue_.front();
@@ -51,7 +49,6 @@ class Ground {
   /// By the place of a face in `faces`, when all are reached: which of the seeds is nearest to it.
   [[nodiscard]] std::int32_t seed(std::size_t i) const { return steps_[i].seed; }
   [[nodiscard]] const Vec3& centre(std::size_t i) const { return steps_[i].centre; }
-  [[nodiscard]] double distance_of(std::int32_t face) const { return steps_[place_[face]].distance; }
   /// The faces that are nearest to a seed.
   [[nodiscard]] std::vector<std::int32_t> nearest_to(std::int32_t seed) const {
     std::vector<std::int32_t> some;
@@ -131,25 +128,9 @@ std::int32_t split_evenly(Cutter& cutter, std::int32_t piece, std::int32_t parts
   return static_cast<std::int32_t>(n) - 1;
 }
 
-Separation find_part_near(const Cutter& cutter, std::span<const std::int32_t> faces, const Vec3& place) {
-  constexpr double kLag = 0.5;  // leaves the near part about a quarter of the way to the farthest face
-  if (faces.size() < 2) return {};
-  Ground ground(cutter, faces);
-  std::int32_t near = faces[0];
-  double least = std::numeric_limits<double>::max();
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    const double d = (ground.centre(i) - place).squaredNorm();
-    if (d > least || (d == least && faces[i] > near)) continue;
-    least = d;
-    near = faces[i];
-  }
-  const std::int32_t far = ground.grow(std::array{near});
-  ground.grow(std::array{near, far}, kLag * ground.distance_of(far));
-  return {ground.nearest_to(0), far};
-}
-
-Separation find_halves(const Cutter& cutter, std::span<const std::int32_t> faces, std::array<std::int32_t, 2> seeds) {
-  if (faces.size() < 2) return {};
+std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause, std::array<std::int32_t, 2> seeds) {
+  const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+  if (faces.size() < 2) return kNone;
   Ground ground(cutter, faces);
   if (seeds[0] == kNone) {
     const std::int32_t a = ground.grow(std::array{faces[0]});
@@ -157,12 +138,7 @@ Separation find_halves(const Cutter& cutter, std::span<const std::int32_t> faces
     seeds = {b, ground.grow(std::array{b})};
   }
   ground.grow(seeds);
-  return {ground.nearest_to(1), seeds[0]};
-}
-
-std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause, std::array<std::int32_t, 2> seeds) {
-  const Separation cut = find_halves(cutter, cutter.labels.faces_of(piece), seeds);
-  return cut.faces.empty() ? kNone : cutter.labels.part(cut.faces, cut.stays, cause);
+  return cutter.labels.part(ground.nearest_to(1), seeds[0], cause);
 }
 
 }  // namespace isimp::meshing

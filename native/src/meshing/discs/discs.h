@@ -57,22 +57,8 @@ struct Cutter {
   Marks vertex_marks, blocked, halfedge_marks, face_marks;
 };
 
-/// The part of a piece that a cut separates from the rest. Both are connected.
-struct Separation {
-  std::vector<std::int32_t> faces;  ///< the part; empty for a piece of a single face
-  std::int32_t stays = kNone;       ///< a face of the rest
-};
-
-/// Where a piece is cut in two halves, each face to the nearer of two faces over the surface: the given ones or, where
-/// there are none, two that are far apart.
-/// \param faces  all of the piece; threads may search in several pieces at a time
-Separation find_halves(const Cutter& cutter, std::span<const std::int32_t> faces,
-                       std::array<std::int32_t, 2> seeds = {kNone, kNone});
-
-/// Where a piece is cut in the faces near a place and the rest.
-Separation find_part_near(const Cutter& cutter, std::span<const std::int32_t> faces, const Vec3& place);
-
-/// Parts a piece in two halves.
+/// Parts a piece in two halves, each face to the nearer of two faces over the surface: the given ones or, where there
+/// are none, two that are far apart.
 /// \return the new label, kNone for a single face
 std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause,
                     std::array<std::int32_t, 2> seeds = {kNone, kNone});

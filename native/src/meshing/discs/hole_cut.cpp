@@ -11,8 +11,10 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr double kTurn = 0.1;      ///< a sharp turn costs as much as a straight link of 1 / kTurn times the length
-constexpr double kAgain = 4;       ///< factor on the cost of a link to a loop that has been reached
+constexpr double kTurn = 0.1;  ///< a sharp turn costs as much as a straight link of 1 / kTurn times the length
+/// Factors on the cost of a link to a loop that has been reached; with few loops one chain is to reach all of them.
+constexpr double kAgain = 4, kAgainOfFew = 1e6;
+constexpr std::size_t kFew = 8;    ///< most loops that are few
 constexpr std::size_t kRow = 12;   ///< holes of a row that one polygon may lie at
 constexpr std::int32_t kMost = 8;  ///< links that are kept between the same two loops
 
@@ -33,6 +35,7 @@ class Ears {
         piece_(piece),
         shape_(shape),
         reached_(shape.loops.size(), false),
+        again_(shape.loops.size() > kFew ? kAgain : kAgainOfFew),
         row_(shape.loops.size(), kNone) {}
 
   /// Marks the half-edges of all ears.
@@ -228,7 +231,7 @@ class Ears {
       const std::int32_t to = links_[i].to;
       if (std::find(passed.begin(), passed.end(), to) != passed.end()) continue;
       const double straight = (1 + ahead.dot(direction(i))) / 2;
-      const double cost = links_[i].length * (reached_[to] ? kAgain : 1) / (kTurn + straight * straight);
+      const double cost = links_[i].length * (reached_[to] ? again_ : 1) / (kTurn + straight * straight);
       if (cost >= least || !is_free(i)) continue;
       least = cost;
       best = i;
@@ -241,6 +244,7 @@ class Ears {
   const std::int32_t piece_;
   const Shape& shape_;
   std::vector<bool> reached_;                                  // by loop
+  const double again_;                                         // factor on a link to a loop that has been reached
   std::vector<std::int32_t> row_;                              // by loop: its index in rows_, kNone for the outline
   std::vector<std::vector<std::int32_t>> rows_;                // the loops along each ear
   std::vector<Link> links_;                                    // by loop

@@ -139,7 +139,7 @@ void Defects::find_hits_of(const std::vector<bool>& changed, const std::vector<b
   std::copy_if(kept_hits_.begin(), kept_hits_.end(), std::back_inserter(hits_),
                [&](const Hit& h) { return (changed[h.a] || changed[h.b]) && same[h.a] && same[h.b]; });
   const auto known = static_cast<std::ptrdiff_t>(hits_.size());
-  const std::vector<Hit> found = find_hits(facets, around_, s_.corners.position, changed, same, s_.threads, job_);
+  const std::vector<Hit> found = find_hits(facets, around_, changed, same, s_.threads, job_);
   hits_.insert(hits_.end(), found.begin(), found.end());
   find_excuses(std::span(hits_).subspan(known));
   std::sort(hits_.begin(), hits_.end(), [](const Hit& x, const Hit& y) { return x.key() < y.key(); });

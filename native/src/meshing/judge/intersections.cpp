@@ -30,31 +30,6 @@ Box box_of(const Corners& t) {
   return box;
 }
 
-/// The mean of the points where edges of a triangle pass through the other one; if there are none, the centre of the
-/// smaller triangle.
-Vec3 meeting_place(const Corners& f, const Corners& g) {
-  Vec3 sum = Vec3::Zero();
-  int found = 0;
-  for (const auto* t : {&f, &g}) {
-    const Corners& other = t == &f ? g : f;
-    const Vec3 u = other[1] - other[0], v = other[2] - other[0], n = u.cross(v);
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 &p = (*t)[k], &q = (*t)[(k + 1) % 3];
-      const double from = (p - other[0]).dot(n), to = (q - other[0]).dot(n);
-      if (from * to >= 0) continue;
-      const Vec3 x = p + (q - p) * (from / (from - to)), d = x - other[0];
-      const double s = d.cross(v).dot(n), t2 = u.cross(d).dot(n);
-      if (s < 0 || t2 < 0 || s + t2 > n.squaredNorm()) continue;
-      sum += x;
-      ++found;
-    }
-  }
-  if (found > 0) return sum / found;
-  const auto area = [](const Corners& t) { return (t[1] - t[0]).cross(t[2] - t[0]).squaredNorm(); };
-  const Corners& small = area(f) < area(g) ? f : g;
-  return (small[0] + small[1] + small[2]) / 3;
-}
-
 /// Two facets that meet, by piece and index, the lower one first.
 struct Meeting {
   std::int32_t piece, index, other_piece, other_index;
@@ -125,23 +100,24 @@ bool meet(const Placed& f, const Placed& g) {
 
 Placed placed(const FacetSet& set, std::int32_t i) { return {set.facets[i].corner, set.solids[i], set.facings[i]}; }
 
-/// Appends the pairs of facets of two pieces, or of one, that meet, each pair once.
-/// \param near  scratch space
-void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<std::int32_t>& near, std::vector<Meeting>& met) {
-  near.clear();
+/// Calls fn(facet of a, facet of b) for the pairs of facets of two pieces, or of one, that meet, each pair once, until
+/// it returns true.
+/// \return whether it did
+template <class Function>
+bool any_meeting(const FacetSet& a, const FacetSet& b, Function fn) {
+  std::vector<std::int32_t> near;
   for (const std::int32_t j : b.solid)
     if (!b.boxes[j].apart(a.around)) near.push_back(j);
-  if (near.empty()) return;
+  if (near.empty()) return false;
   for (const std::int32_t i : a.solid) {
     const Box& box = a.boxes[i];
     if (box.apart(b.around)) continue;
-    const Facet& f = a.facets[i];
     for (const std::int32_t j : near) {
-      const Facet& g = b.facets[j];
-      if (box.apart(b.boxes[j]) || (&a == &b && (j <= i || f.part == g.part))) continue;
-      if (meet(placed(a, i), placed(b, j))) met.push_back({f.piece, i, g.piece, j});
+      if (box.apart(b.boxes[j]) || (&a == &b && (j <= i || a.facets[i].part == b.facets[j].part))) continue;
+      if (meet(placed(a, i), placed(b, j)) && fn(i, j)) return true;
     }
   }
+  return false;
 }
 
 constexpr std::int32_t kTogether = 16;  ///< pieces that one thread searches at a time
@@ -156,7 +132,6 @@ std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, cons
   std::vector<std::vector<Meeting>> met(moved.size() / kTogether + 1);  // by block
   threads.blocks(static_cast<std::int32_t>(moved.size()), kTogether,
                  [&](std::int32_t block, std::int32_t begin, std::int32_t end) {
-                   std::vector<std::int32_t> near;
                    for (std::int32_t i = begin; i < end; ++i) {
                      job.poll();
                      const std::int32_t l = moved[i];
@@ -164,8 +139,12 @@ std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, cons
                        const bool seen_from_there = changed[y] && y < l, is_known = known[l] && known[y];
                        // Two facets of one polygon are never tested, so a piece of one polygon has no pair.
                        const bool is_alone = y == l && pieces[l]->facets.back().part == 0;
-                       if (!seen_from_there && !is_known && !is_alone)
-                         find_meetings(*pieces[std::min(l, y)], *pieces[std::max(l, y)], near, met[block]);
+                       if (seen_from_there || is_known || is_alone) return;
+                       const auto [first, second] = std::minmax(l, y);
+                       any_meeting(*pieces[first], *pieces[second], [&](std::int32_t f, std::int32_t g) {
+                         met[block].push_back({first, f, second, g});
+                         return false;
+                       });
                      };
                      arounds.free.for_each_near(pieces[l]->around, look);
                      if (!pieces[l]->given) arounds.given.for_each_near(pieces[l]->around, look);
@@ -207,12 +186,9 @@ void Arounds::settle() {
 }
 
 std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds,
-                           std::span<const Vec3> position, const std::vector<bool>& changed,
-                           const std::vector<bool>& known, const Threads& threads, const Job& job) {
+                           const std::vector<bool>& changed, const std::vector<bool>& known, const Threads& threads,
+                           const Job& job) {
   std::vector<Hit> hits;
-  const auto corners = [&](const Facet& f) {
-    return Corners{position[f.corner[0]], position[f.corner[1]], position[f.corner[2]]};
-  };
   // Facets are in the order of parts, so the lower one is of the lower polygon.
   for (const Meeting& m : find_meetings(pieces, arounds, changed, known, threads, job)) {
     const Facet &f = pieces[m.piece]->facets[m.index], &g = pieces[m.other_piece]->facets[m.other_index];
@@ -220,7 +196,6 @@ std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, const Around
                     f.part,
                     g.piece,
                     g.part,
-                    meeting_place(corners(f), corners(g)),
                     {f.corner[0], f.corner[1], f.corner[2], g.corner[0], g.corner[1], g.corner[2]}});
   }
   std::stable_sort(hits.begin(), hits.end(), [](const Hit& x, const Hit& y) { return x.key() < y.key(); });
@@ -230,10 +205,7 @@ std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, const Around
 }
 
 bool facets_meet(const FacetSet& a, const FacetSet& b) {
-  std::vector<std::int32_t> near;
-  std::vector<Meeting> met;
-  find_meetings(a, b, near, met);
-  return !met.empty();
+  return any_meeting(a, b, [](std::int32_t, std::int32_t) { return true; });
 }
 
 GivenHits find_given_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds, std::size_t most,
@@ -252,7 +224,7 @@ GivenHits find_given_hits(std::span<const FacetSet* const> pieces, const Arounds
     result.is_all = result.count < most_counted;
     for (const std::int32_t y : met) {
       if (result.first.size() == most) break;
-      result.first.push_back({l, 0, y, 0, Vec3::Zero(), {}, true});
+      result.first.push_back({l, 0, y, 0, {}, true});
     }
   }
   return result;

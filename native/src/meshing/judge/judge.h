@@ -31,8 +31,7 @@ struct Facet {
 /// The defects of a polygon. All tests are exact on coordinates rounded to float32, as they will be stored.
 struct PolygonDefects {
   std::uint8_t kinds = 0;
-  double bend = 0;                               ///< largest distance of a corner from the plane
-  std::array<std::int32_t, 2> crossing{-1, -1};  ///< two edges that meet, by the index of their first corner
+  double bend = 0;  ///< largest distance of a corner from the plane
 };
 
 /// The cosine between a polygon and its piece up to which it counts as flipped; the second for polygons that planar
@@ -85,7 +84,6 @@ struct Arounds {
 /// Two polygons that meet elsewhere than in shared corners and edges.
 struct Hit {
   std::int32_t a, part_a, b, part_b;    ///< two pieces, a <= b, and the polygon of each
-  Vec3 where;                           ///< a place where they meet
   std::array<std::int32_t, 6> corners;  ///< corners of the two facets that meet there
   bool excused = false;                 ///< whether their regions meet in the scan itself
   [[nodiscard]] std::array<std::int32_t, 4> key() const { return {a, b, part_a, part_b}; }
@@ -98,8 +96,8 @@ struct Hit {
 /// \param known  by piece: pairs of two such are left out
 /// Cost: O(c log(pieces) + pairs of boxes) for c changed pieces.
 std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds,
-                           std::span<const Vec3> position, const std::vector<bool>& changed,
-                           const std::vector<bool>& known, const Threads& threads, const Job& job);
+                           const std::vector<bool>& changed, const std::vector<bool>& known, const Threads& threads,
+                           const Job& job);
 
 /// Whether a polygon of a piece meets one of another; of the same piece, where both are one set.
 bool facets_meet(const FacetSet& a, const FacetSet& b);

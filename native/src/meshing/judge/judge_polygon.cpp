@@ -87,10 +87,10 @@ bool touch(const std::vector<Point>& p, std::size_t i, std::size_t j) {
 
 constexpr std::size_t kSwept = 32;  ///< edges from which on the search is a sweep
 
-/// The same two edges as `find_crossing`, for many edges. The sweep takes edges in the order of their low ends along
-/// the longer side of the polygon, and compares each with all edges that begin before it ends.
+/// As `crosses`, for many edges. The sweep takes edges in the order of their low ends along the longer side of the
+/// polygon, and compares each with all edges that begin before it ends.
 /// Cost: about O(n log n) for n short edges.
-std::array<std::int32_t, 2> sweep_for_crossing(const std::vector<Point>& p) {
+bool sweep_crosses(const std::vector<Point>& p) {
   const auto n = p.size();
   double low[2] = {p[0].x(), p[0].y()}, high[2] = {low[0], low[1]};
   for (const Point& q : p)
@@ -109,24 +109,22 @@ std::array<std::int32_t, 2> sweep_for_crossing(const std::vector<Point>& p) {
     edges[i] = {std::min(a, b), std::max(a, b), i};
   }
   std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.from < b.from; });
-  std::array<std::size_t, 2> first{n, n};
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = a + 1; b < n && edges[b].from <= edges[a].to; ++b) {
       const auto [i, j] = std::minmax(edges[a].index, edges[b].index);
-      if (std::array{i, j} < first && touch(p, i, j)) first = {i, j};
+      if (touch(p, i, j)) return true;
     }
-  if (first[0] == n) return {-1, -1};
-  return {static_cast<std::int32_t>(first[0]), static_cast<std::int32_t>(first[1])};
+  return false;
 }
 
-/// The first two edges of the polygon that touch, {-1, -1} if it is simple.
-/// Cost: O(n^2) for fewer than kSwept edges, else as `sweep_for_crossing`.
-std::array<std::int32_t, 2> find_crossing(const std::vector<Point>& p) {
-  if (p.size() >= kSwept) return sweep_for_crossing(p);
+/// Whether two edges of the polygon touch elsewhere than where they follow each other.
+/// Cost: O(n^2) for fewer than kSwept edges, else as `sweep_crosses`.
+bool crosses(const std::vector<Point>& p) {
+  if (p.size() >= kSwept) return sweep_crosses(p);
   for (std::size_t i = 0; i + 1 < p.size(); ++i)
     for (std::size_t j = i + 1; j < p.size(); ++j)
-      if (touch(p, i, j)) return {static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)};
-  return {-1, -1};
+      if (touch(p, i, j)) return true;
+  return false;
 }
 
 /// Cuts ears off a simple polygon, the one with the shortest diagonal first (the first one, where corners are many).
@@ -318,8 +316,7 @@ PolygonDefects judge_polygon(std::span<const std::int32_t> polygon, std::span<co
   if (f.normal.dot(normal) <= bounds.facing * f.normal.norm()) found.kinds |= kFlipped;
   if (bounds.bend > 0 && f.bend > bounds.bend) found.kinds |= kBent;
   const bool convex = is_convex(f.points);
-  if (!convex) found.crossing = find_crossing(f.points);
-  if (found.crossing[0] >= 0) {
+  if (!convex && crosses(f.points)) {
     found.kinds |= kCrossing;
   } else if (facets) {
     constexpr std::size_t kFew = 64;

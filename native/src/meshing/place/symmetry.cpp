@@ -12,7 +12,7 @@
 
 #include "isimp/core/sorted.h"
 #include "isimp/partition/mirror.h"
-#include "place/ease.h"
+#include "judge/trials.h"
 #include "place/moves.h"
 
 namespace isimp::meshing {
@@ -118,8 +118,19 @@ class Mirroring {
         vertices.push_back(v);
       }
       sort_unique(vertices);
-      turn_corners(s_, defects_, vertices, job_);
+      for (const std::int32_t v : vertices) turn_corner(v);
+      defects_.renew_hits();
     }
+  }
+
+  /// Makes a corner no corner, or the other way round, if no polygon becomes defective.
+  void turn_corner(std::int32_t vertex) {
+    job_.poll();
+    attempt(s_, defects_, {}, kNone, [&] {
+      if (s_.complex.is_corner(vertex)) return s_.drop_corner(vertex);
+      s_.add_corner(vertex);
+      return true;
+    });
   }
 
   /// Places pairs, one after the other: at the mean of the one and the other's image, else at one of both.

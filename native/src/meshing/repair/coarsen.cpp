@@ -15,14 +15,9 @@ namespace isimp::meshing {
 namespace {
 
 constexpr std::int32_t kTogether = 256;  ///< pieces in which one thread searches for candidates
-constexpr double kHopeless = 1.5;        ///< times the bound: no placement will make a polygon so bent flat
 // Deviation that a union of two regions may add, as shares of the mean deviation of a region. Source: own trials, 15
 // scans, buildings and nasty meshes at 50 to 1,000 regions.
 constexpr double kError = 1, kSquare = 3;
-/// Bound on the bend if none is set, as a share of the diagonal: intersections of a polygon that is bent more depend on
-/// its triangulation.
-constexpr double kFree = 0.05;
-
 double error_of(const Plane& p) { return 2 * (p.area - p.projected); }
 double square_of(const Plane& p) { return p.area * p.normal.dot(p.spread * p.normal); }
 
@@ -45,11 +40,10 @@ using Key = std::array<std::int32_t, 4>;  ///< an act, and the numbers that iden
 
 class Coarsener {
  public:
-  Coarsener(State& state, Defects& defects, const Misses& usual, Scope scope, Job& job)
+  Coarsener(State& state, Defects& defects, const Misses& usual, Job& job)
       : s_(state),
         defects_(defects),
         usual_(usual),
-        scope_(std::move(scope)),
         job_(job),
         pieces_of_(s_.mesh.component_count(), 0),
         pieces_in_(s_.regions, 0) {
@@ -60,16 +54,9 @@ class Coarsener {
       }
   }
 
-  std::int32_t run() {
-    const std::int32_t before = s_.polygons.count();
-    try_all(0.0, 0.5);
-    // Better places make other unions possible.
-    improve_places(s_, defects_, job_);
-    tried_.clear();
-    ease(s_, defects_, scope_, job_);
-    // Corners that can move again may not need diagonals that they needed before.
-    try_all(0.6, 1.0);
-    return before - s_.polygons.count();
+  void run() {
+    try_all();
+    improve_places(s_, defects_, job_);  // for the next pass, as other unions are possible then
   }
 
  private:
@@ -110,8 +97,7 @@ class Coarsener {
   }
 
   void add_diagonal(std::int32_t l, std::vector<Candidate>& all) const {
-    if (is_there(l) && scope_.has(l) && untried_diagonal(l) < s_.diagonals[l].size())
-      all.push_back({0.5, Act::diagonal, l, l});
+    if (is_there(l) && untried_diagonal(l) < s_.diagonals[l].size()) all.push_back({0.5, Act::diagonal, l, l});
   }
 
   /// Whether two parts of a row of holes are long enough each for itself.
@@ -123,9 +109,7 @@ class Coarsener {
 
   [[nodiscard]] bool is_there(std::int32_t l) const { return s_.labels.pieces[l].face != kNone; }
 
-  [[nodiscard]] bool may_unite(std::int32_t kept, std::int32_t gone) const {
-    return (scope_.has(kept) || scope_.has(gone)) && !tried(Act::split, gone, kept);
-  }
+  [[nodiscard]] bool may_unite(std::int32_t kept, std::int32_t gone) const { return !tried(Act::split, gone, kept); }
 
   /// Whether a larger piece of another region, or of two of one size that of the first region, is near enough to the
   /// plane of both.
@@ -154,10 +138,11 @@ class Coarsener {
   /// Adds the unions that would absorb a piece: the larger the share of its boundary along the other, the sooner.
   void add_unions(std::int32_t gone, std::vector<Candidate>& all) const {
     const Piece& p = s_.labels.pieces[gone];
-    if (p.face == kNone || p.cause == Cause::region || p.cause == Cause::closed) return;
+    if (p.face == kNone || p.cause == Cause::region || p.cause == Cause::closed || p.cause == Cause::handle) return;
     const SharedBoundary shared = s_.shared_boundary(gone);
+    const double first = p.cause == Cause::repair ? 1 : 0;  // cuts for holes are hardly ever needless
     const auto add = [&](std::int32_t k, double score) {
-      if (may_unite(k, gone)) all.push_back({score, Act::split, k, gone, version_[gone]});
+      if (may_unite(k, gone)) all.push_back({score + first, Act::split, k, gone, version_[gone]});
     };
     for (const auto& [k, length] : shared.with)
       if (!parts_wall(s_, k, gone) && !parts_row(k, gone)) add(k, shared.all > 0 ? length / shared.all : 0);
@@ -167,8 +152,8 @@ class Coarsener {
   }
 
   /// Tries all candidates, the most promising first. Candidates around a union are queued again.
-  void try_all(double from, double to) {
-    const Job::Part part(job_, "joining polygons", from, to);
+  void try_all() {
+    const Job::Part part(job_, "joining polygons", 0.0, 1.0);
     queue_all();
     const std::size_t all = queue_.size();
     for (std::size_t done = 0; !queue_.empty(); ++done) {
@@ -205,13 +190,12 @@ class Coarsener {
     if (left <= kLeastClosed) return;
     const std::int32_t region = s_.labels.pieces[c.other].region;
     const std::vector<std::int32_t> loop = s_.loop_together(c.piece, c.other);
-    if (loop.empty() || is_hopeless(loop, c) || !may_change_region(c)) return;
+    if (loop.empty() || !may_change_region(c)) return;
     const auto join = [&] {
       s_.unite(c.piece, c.other, loop);
       return true;
     };
     if (!attempt(s_, defects_, {c.other}, c.piece, join, Places::better)) return;
-    scope_.add(c.piece);
     --left;
     --pieces_in_[region];
     std::vector<std::int32_t> around = s_.neighbours(c.piece);
@@ -227,56 +211,9 @@ class Coarsener {
     queue(more);
   }
 
-  /// Whether a polygon is so defective, both with its corners at their present places and on the mesh, that a new
-  /// placement is not worth a try.
-  [[nodiscard]] bool is_hopeless(std::span<const std::int32_t> vertices, const Vec3& normal) const {
-    if (vertices.size() < 3) return false;
-    std::vector<std::int32_t> polygon(vertices.size());
-    std::vector<Vec3> placed, home;
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      polygon[i] = static_cast<std::int32_t>(i);
-      const std::int32_t corner = s_.corners.of_vertex[vertices[i]];
-      home.push_back(s_.mesh.vertices()[vertices[i]]);
-      placed.push_back(corner == kNone ? home.back() : s_.corners.position[corner]);
-    }
-    const double bend = defects_.bounds().bend > 0 ? defects_.bounds().bend : kFree * s_.mesh.diagonal();
-    const Bounds bounds{kHopeless * bend, defects_.bounds().thickness};
-    return judge_polygon(polygon, placed, normal, bounds).kinds != 0 &&
-           judge_polygon(polygon, home, normal, bounds).kinds != 0;
-  }
-
-  /// Whether the union of two pieces, with the given loop, or a neighbour that loses a corner by it is hopeless.
-  [[nodiscard]] bool is_hopeless(std::span<const std::int32_t> loop, const Candidate& c) const {
-    const Plane &a = s_.planes[c.piece], &b = s_.planes[c.other];
-    std::vector<std::int32_t> vertices, lost;
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const std::int32_t v = s_.mesh.from(loop[i]);
-      if (!s_.complex.is_corner(v)) continue;
-      const bool junction = s_.labels.label[loop[i] / 3] != s_.labels.label[loop[i > 0 ? i - 1 : loop.size() - 1] / 3];
-      if (junction && s_.complex.boundary_edges(v) == 3) {  // two are left
-        lost.push_back(loop[i]);
-      } else {
-        vertices.push_back(v);
-      }
-    }
-    if (is_hopeless(vertices, (a.area * a.normal + b.area * b.normal).normalized())) return true;
-    return std::any_of(lost.begin(), lost.end(), [&](std::int32_t h) { return spoils_beside(h); });
-  }
-
-  /// Whether the piece across a half-edge is hopeless without the corner that it leaves.
-  [[nodiscard]] bool spoils_beside(std::int32_t h) const {
-    const std::int32_t l = s_.labels.across(h);
-    if (l == kNone || s_.is_large(l) || !s_.diagonals[l].empty() || defects_.kinds(l) != 0) return false;
-    std::vector<std::int32_t> vertices;
-    for (const std::int32_t g : s_.complex.chords(l))
-      if (s_.mesh.from(g) != s_.mesh.from(h)) vertices.push_back(s_.mesh.from(g));
-    return is_hopeless(vertices, s_.planes[l].normal);
-  }
-
   State& s_;
   Defects& defects_;
   const Misses usual_;
-  Scope scope_;
   Job& job_;
   std::vector<std::int32_t> pieces_of_;  // by component of the mesh
   std::vector<std::int32_t> pieces_in_;  // by region
@@ -299,8 +236,8 @@ Misses mean_misses(const State& state) {
   return count > 0 ? Misses{sum.error / count, sum.square / count} : sum;
 }
 
-std::int32_t coarsen(State& state, Defects& defects, const Misses& usual, Scope scope, Job& job) {
-  return Coarsener(state, defects, usual, std::move(scope), job).run();
+void coarsen(State& state, Defects& defects, const Misses& usual, Job& job) {
+  Coarsener(state, defects, usual, job).run();
 }
 
 }  // namespace isimp::meshing

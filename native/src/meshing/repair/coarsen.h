@@ -3,7 +3,6 @@
 #include "complex/state.h"
 #include "isimp/core/job.h"
 #include "judge/defects.h"
-#include "place/ease.h"
 
 namespace isimp::meshing {
 
@@ -18,12 +17,9 @@ Misses mean_misses(const State& state);
 /// no polygon becomes defective by it. Neighbours of the same region come first. A neighbour of another region must be at
 /// least as large and near the same plane, and the region that loses the piece must keep another. A part that is not
 /// connected with the rest of its region stays in the region. One change is tried after another (trials.h), the most
-/// promising first: unions whose pieces share most of their boundary. Changes that would plainly fail are not tried.
-/// Then corners get better places and are eased (ease.h), and the remaining diagonals and splits are tried again.
+/// promising first: unions whose pieces share most of their boundary. Then corners get better places.
 /// \param usual  deviation of the regions: a union of two regions may add a share of it
-/// \param scope  diagonals and unions of other pieces are not tried
-/// \return the number of polygons removed
-/// Cost: a trial for each diagonal and each pair of adjacent pieces that may be united, twice.
-std::int32_t coarsen(State& state, Defects& defects, const Misses& usual, Scope scope, Job& job);
+/// Cost: a trial for each diagonal and each pair of adjacent pieces that may be united.
+void coarsen(State& state, Defects& defects, const Misses& usual, Job& job);
 
 }  // namespace isimp::meshing

@@ -28,7 +28,6 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 40;
-constexpr int kPatience = 12;       ///< how often the last act of a plan is repeated
 constexpr double kPull = 0.5;       ///< share of a corner's distance from its vertex that a pull leaves
 constexpr double kLeastPull = 0.1;  ///< share of its radius below which a pull returns the corner to its vertex
 constexpr std::size_t kShard = 16;  ///< faces of a piece that falls apart into them where nothing else helped
@@ -64,10 +63,7 @@ class Repairer {
     join_again();
     improve_places(s_, defects_, job_);
     const Job::Part part(job_, "repairing", 0.75, 1.0);
-    if (fall_back()) {
-      coarsen(s_, defects_, usual_, acted_, job_);
-      fall_back();
-    }
+    fall_back();
     slide_corners(s_, defects_, job_);
     straighten_rims(s_, defects_, job_);
     outcome_.let_go = keep_to_planes(s_, defects_, job_);
@@ -109,8 +105,7 @@ class Repairer {
       const double from = 0.75 - 0.5 * std::pow(0.4, pass);  // most meshes need one pass
       const Job::Part part(job_, "repairing", from, 0.75 - 0.2 * std::pow(0.4, pass));
       const std::int32_t before = s_.polygons.count();
-      outcome_.taken_back += coarsen(s_, defects_, usual_, {}, job_);
-      acted_.clear(s_.labels.piece_count());
+      coarsen(s_, defects_, usual_, job_);
       std::fill(tries_.begin(), tries_.end(), 0);
       mend(kRounds);
       const std::int32_t now = s_.polygons.count();
@@ -130,8 +125,6 @@ class Repairer {
 
   void bring_up_to_date() {
     std::vector<std::int32_t> changed = s_.update_in_place(std::exchange(changed_, {}));
-    touched_.clear();
-    seen_ = 0;
     changed.insert(changed.end(), also_.begin(), also_.end());
     also_.clear();
     sort_unique(changed);
@@ -140,9 +133,7 @@ class Repairer {
 
   /// The last resort: remaining defective polygons are replaced by the scan's triangles, so that every remaining defect
   /// exists in the scan.
-  /// \return whether any polygon was replaced
-  bool fall_back() {
-    bool ever = false;
+  void fall_back() {
     for (bool any = true; any; ++outcome_.rounds) {
       job_.poll();
       any = false;
@@ -150,14 +141,9 @@ class Repairer {
       find_met();
       const std::vector<bool> defective = defects_.defective();
       for (std::int32_t l = 0; l < static_cast<std::int32_t>(defective.size()); ++l)
-        if (defective[l]) {
-          acted_.add(l);
-          any = shatter(l) || any;
-        }
+        if (defective[l]) any = shatter(l) || any;
       if (any) bring_up_to_date();
-      ever = ever || any;
     }
-    return ever;
   }
 
   /// Makes polygons planar. A piece whose polygon cannot become planar is split, after kSplits tries down to faces of
@@ -214,40 +200,28 @@ class Repairer {
   /// One step of its plan for every defective piece.
   /// \return whether anything was done
   bool act() {
-    const auto pieces = s_.labels.piece_count();
-    spared_.assign(pieces, false);
     find_met();
-    // If two pieces meet, the smaller is not split.
-    for (const Hit& h : defects_.hits())
-      if (!h.excused && h.a != h.b) spared_[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
     bool any = false;
     polygons_ = s_.polygons.count();
-    foresee_cuts();
+    const std::int32_t pieces = s_.labels.piece_count();
     for (std::int32_t l = 0; l < pieces; ++l) {
-      const std::uint8_t kinds = defects_.kinds(l);
-      if (kinds == 0 && !met_[l]) continue;
-      job_.poll();
-      if (may_split_ && (kinds & kNoArea) && dissolve(l)) {
-        any = true;
-        continue;
-      }
-      const Action action = next_action(l, kinds);
+      const Action action = next_action(l);
       if (action == Action::none) continue;
-      acted_.add(l);
+      job_.poll();
       ++tries_[l];
-      any = take(action, l, is_spared(l, kinds)) || any;
+      any = take(action, l) || any;
     }
-    cuts_.clear();
     return any;
   }
 
   /// The next action in the plan for a piece with these defects; none if the plan is used up.
-  [[nodiscard]] Action next_action(std::int32_t l, std::uint8_t kinds) const {
+  [[nodiscard]] Action next_action(std::int32_t l) const {
+    const std::uint8_t kinds = defects_.kinds(l);
     if (kinds == 0 && !met_[l]) return Action::none;
     const Plan plan = plan_for(l, kinds);
-    if (tries_[l] >= static_cast<int>(plan.size()) + kPatience) return Action::none;
-    const Action action = plan[std::min<std::size_t>(tries_[l], plan.size() - 1)];
-    return may_split_ || action <= Action::pull_all ? action : Action::none;
+    if (tries_[l] >= static_cast<int>(plan.size())) return Action::none;
+    const Action action = plan[tries_[l]];
+    return may_split_ || action == Action::pull ? action : Action::none;
   }
 
   [[nodiscard]] Plan plan_for(std::int32_t l, std::uint8_t kinds) const {
@@ -256,105 +230,15 @@ class Repairer {
     return met_[l] ? Plan(plans::kForMeeting) : Plan(plans::kForBent);
   }
 
-  [[nodiscard]] bool is_spared(std::int32_t l, std::uint8_t kinds) const { return kinds == 0 && spared_[l]; }
-
-  /// Finds the cuts of all pieces whose next action is a split, on all threads. The cuts hold for pieces that do not
-  /// change before their split.
-  void foresee_cuts() {
-    if (spent()) return;
-    std::vector<std::int32_t> some;
-    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
-      const std::uint8_t kinds = defects_.kinds(l);
-      if (next_action(l, kinds) == Action::split && !(kinds & kNoArea) && !waits(is_spared(l, kinds)))
-        some.push_back(l);
-    }
-    cuts_.resize(s_.labels.pieces.size());
-    s_.labels.face_marks.clear();
-    s_.threads.blocks(static_cast<std::int32_t>(some.size()), 1, [&](std::int32_t i, std::int32_t, std::int32_t) {
-      job_.poll();
-      cuts_[some[i]] = find_cut(some[i]);
-    });
-  }
-
-  [[nodiscard]] Separation find_cut(std::int32_t l) const {
-    const std::optional<Vec3> crossing = place_of_crossing(l);
-    return s_.find_cut(l, crossing ? &*crossing : met_[l] ? &met_[l]->where : nullptr);
-  }
-
-  /// The cut that was foreseen unless the piece has changed since, else another.
-  [[nodiscard]] Separation take_cut(std::int32_t l) {
-    if (l < static_cast<std::int32_t>(cuts_.size()) && !cuts_[l].faces.empty() && !out_of_date(l))
-      return std::exchange(cuts_[l], {});
-    s_.labels.face_marks.clear();
-    return find_cut(l);
-  }
-
-  /// Whether a split has to wait for a round in which the smaller of two that meet is split too.
-  [[nodiscard]] bool waits(bool spared) const { return spared && outcome_.rounds % 3 != 0; }
-
   /// Where an action can't be taken, the piece is split.
-  bool take(Action action, std::int32_t l, bool spared) {
-    switch (action) {
-      case Action::none:
-        return false;
-      case Action::pull_concerned:
-        return pull(corners_concerned(l));
-      case Action::pull_all:
-        return pull(s_.polygons.corners_of({&l, 1}));
-      case Action::add_anchor:
-        if (!out_of_date(l) && bend(l)) return true;
-        break;
-      case Action::add_diagonal:
-        if (add_diagonal(l)) return true;
-        break;
-      case Action::split:
-        break;
-    }
-    if (waits(spared)) return true;
-    return split(l);
+  bool take(Action action, std::int32_t l) {
+    if (action == Action::pull) return pull(l);
+    return (action == Action::add_diagonal && add_diagonal(l)) || split(l);
   }
 
-  /// Whether the faces of a piece have changed in this round, so that the complex no longer knows its boundary.
-  [[nodiscard]] bool out_of_date(std::int32_t l) {
-    const std::vector<std::int32_t>& touched = s_.labels.touched;
-    for (; seen_ < touched.size(); ++seen_) {
-      if (touched_.size() <= static_cast<std::size_t>(touched[seen_])) touched_.resize(touched[seen_] + 1, false);
-      touched_[touched[seen_]] = true;
-    }
-    return static_cast<std::size_t>(l) < touched_.size() && touched_[l];
-  }
-
-  /// Unites a piece without area with a neighbour of its region: the one with the longest shared boundary whose union
-  /// with the piece is a disc.
-  bool dissolve(std::int32_t l) {
-    if (out_of_date(l)) return false;
-    const SharedBoundary shared = s_.shared_boundary(l);
-    std::vector<std::pair<double, std::int32_t>> order;
-    order.reserve(shared.with.size());
-    for (const auto& [k, length] : shared.with) order.emplace_back(-length, k);
-    std::sort(order.begin(), order.end());
-    const std::int32_t component = s_.mesh.component()[s_.labels.pieces[l].face];
-    const auto beside = std::count_if(s_.labels.pieces.begin(), s_.labels.pieces.end(), [&](const Piece& p) {
-      return p.face != kNone && s_.mesh.component()[p.face] == component;
-    });
-    if (beside <= kLeastClosed) return false;
-    for (const auto& [length, k] : order) {
-      if (out_of_date(k)) continue;
-      std::vector<std::int32_t> loop = s_.loop_together(k, l);
-      if (loop.empty()) continue;
-      s_.unite(k, l, std::move(loop));
-      changed_.push_back(k);
-      also_.push_back(l);
-      return true;
-    }
-    return false;
-  }
-
-  /// Moves corners halfway back to their vertices.
-  bool pull(std::vector<std::int32_t> corners) {
-    ++outcome_.pulls;
-    sort_unique(corners);
-    for (const std::int32_t c : corners) {
+  /// Moves the corners of a piece halfway back to their vertices.
+  bool pull(std::int32_t l) {
+    for (const std::int32_t c : s_.polygons.corners_of({&l, 1})) {
       const Vec3& home = s_.mesh.vertices()[s_.corners.vertex[c]];
       const Vec3 way = kPull * (s_.corners.position[c] - home);
       s_.move(c, way.norm() < kLeastPull * s_.corners.radius[c] ? home : Vec3(home + way));
@@ -362,51 +246,6 @@ class Repairer {
       for (const std::int32_t q : s_.polygons.at(c)) also_.push_back(s_.polygons.piece(q));
     }
     return true;
-  }
-
-  /// The ends of edges that cross or the corners of facets that meet; else all of the piece.
-  [[nodiscard]] std::vector<std::int32_t> corners_concerned(std::int32_t l) const {
-    std::vector<std::int32_t> some;
-    for (std::size_t i = 0; i < defects_.of(l).polygons.size(); ++i) {
-      const PolygonDefects& v = defects_.of(l).polygons[i];
-      const auto loop = s_.polygons.of(s_.polygons.first_of(l) + static_cast<std::int32_t>(i));
-      if (v.kinds & (kFlipped | kNoArea)) some.insert(some.end(), loop.begin(), loop.end());
-      for (const std::int32_t e : v.crossing)
-        if (e >= 0) some.insert(some.end(), {loop[e], loop[(e + 1) % loop.size()]});
-    }
-    if (some.empty() && met_[l]) some.assign(met_[l]->corners.begin(), met_[l]->corners.end());
-    return some.empty() ? s_.polygons.corners_of({&l, 1}) : some;
-  }
-
-  /// Adds a corner on the one of two chords that cross that its boundary leaves further.
-  bool bend(std::int32_t l) {
-    bool any = false;
-    for (std::size_t i = 0; i < defects_.of(l).polygons.size(); ++i) {
-      const auto& crossing = defects_.of(l).polygons[i].crossing;
-      if (crossing[0] < 0) continue;
-      const auto polygon = s_.polygons.of(s_.polygons.first_of(l) + static_cast<std::int32_t>(i));
-      std::int32_t worse = kNone;
-      double most = 0;
-      for (const std::int32_t e : crossing) {
-        const std::int32_t chord = chord_of(l, polygon[e], polygon[(e + 1) % polygon.size()]);
-        const double depth = chord == kNone ? -1 : s_.complex.depth(chord);
-        if (depth < most) continue;
-        most = depth;
-        worse = chord;
-      }
-      any = (worse != kNone && s_.bend(worse)) || any;
-    }
-    outcome_.bends += any;
-    return any;
-  }
-
-  /// The chord of a piece from one corner to another, kNone where that edge is a diagonal.
-  [[nodiscard]] std::int32_t chord_of(std::int32_t l, std::int32_t from, std::int32_t to) const {
-    const std::int32_t a = s_.corners.vertex[from], b = s_.corners.vertex[to];
-    const auto chords = s_.complex.chords(l);
-    for (std::size_t k = 0; k < chords.size(); ++k)
-      if (s_.mesh.from(chords[k]) == a && s_.mesh.from(chords[(k + 1) % chords.size()]) == b) return chords[k];
-    return kNone;
   }
 
   /// Splits the worst of the piece's polygons by a new edge between two of its corners.
@@ -439,26 +278,11 @@ class Repairer {
       outcome_.capped = true;
       return false;
     }
-    if (!s_.split(l, take_cut(l), job_)) return false;
+    if (!s_.split(l, job_)) return false;
     polygons_ += s_.labels.piece_count() - static_cast<std::int32_t>(tries_.size());
-    ++outcome_.splits;
     tries_[l] = std::min(tries_[l], kAfterSplit);
     tries_.resize(s_.labels.pieces.size(), tries_[l]);
     return true;
-  }
-
-  /// The middle of the shorter of two edges of one polygon that cross; nothing where none do.
-  [[nodiscard]] std::optional<Vec3> place_of_crossing(std::int32_t l) const {
-    for (std::size_t i = 0; i < defects_.of(l).polygons.size(); ++i) {
-      const auto& crossing = defects_.of(l).polygons[i].crossing;
-      if (crossing[0] < 0) continue;
-      const auto loop = s_.polygons.of(s_.polygons.first_of(l) + static_cast<std::int32_t>(i));
-      const auto end = [&](std::int32_t e) { return s_.corners.position[loop[e % loop.size()]]; };
-      const auto length = [&](std::int32_t e) { return (end(e + 1) - end(e)).squaredNorm(); };
-      const std::int32_t e = length(crossing[0]) <= length(crossing[1]) ? crossing[0] : crossing[1];
-      return (end(e) + end(e + 1)) / 2;
-    }
-    return {};
   }
 
   State& s_;
@@ -467,16 +291,11 @@ class Repairer {
   std::int32_t most_polygons_ = 0, polygons_ = 0;  // polygons_: as they will be after the acts of this round
   Defects defects_;
   std::vector<int> tries_;             // by piece
-  std::vector<bool> spared_;           // by piece: of two that meet, the smaller
-  std::vector<Separation> cuts_;       // by piece: where it will be split in this round, as far as was foreseen
   std::vector<const Hit*> met_;        // by piece: where it meets another; null where it does not
   std::vector<std::int32_t> also_;     // pieces to be judged in addition to the result of an update
   bool may_split_ = true;              // else acts only move corners
-  std::vector<bool> touched_;          // by piece: whether it is listed in labels.touched ...
-  std::size_t seen_ = 0;               // ... as far as that has been read
   std::vector<std::int32_t> changed_;  // pieces whose diagonals were changed in this round
   Misses usual_;                       // mean deviation of the regions, before the repair
-  Scope acted_;                        // pieces of which something was changed since all could be joined
 };
 
 }  // namespace
