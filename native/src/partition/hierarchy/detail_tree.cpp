@@ -20,7 +20,6 @@ namespace isimp {
 namespace {
 
 constexpr int kFilterPasses = 8;
-constexpr int kRounds = 5;              // rounds of relaxing and merging
 constexpr int kSweeps = 30;             // sweeps of relaxation
 constexpr double kBorder = 0.018;       // weight of an edge between regions, in mean face areas
 constexpr double kNoisyBorder = 0.115;  // added to it where normals are all noise
@@ -279,15 +278,15 @@ Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Thread
   const BorderWeight border = border_weight_of(bend_);
   std::vector<std::int32_t> near = borders_;  // present and earlier borders
   std::vector<std::uint8_t> changed(result.sum.size(), 1);
-  for (int round = 0; round < kRounds; ++round) {
+  for (bool merges = true; merges;) {
     Relaxation<GraphLabels> relaxation(graph, {result.label.data()}, result.sum, border, threads);
     near = push_beside(graph, result.label, near, changed, relaxation);
     relaxation.run(kSweeps, job);
     near.insert(near.end(), relaxation.pushed().begin(), relaxation.pushed().end());
     const MergeTree more =
         merge_all(clusters_of(graph, result, part, near, threads), {.cost = cut.cost / area_, .need = need_}, job);
-    if (more.merges() == 0) break;
-    changed = become(cut_after(more, more.merges()), result.sum.size() - more.merges());
+    merges = more.merges() > 0;
+    if (merges) changed = become(cut_after(more, more.merges()), result.sum.size() - more.merges());
   }
   return result;
 }
