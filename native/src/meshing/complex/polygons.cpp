@@ -73,15 +73,11 @@ std::int32_t Corners::at(std::int32_t v) {
   return of_vertex[v];
 }
 
-std::int32_t Polygons::count() const {
-  std::int32_t count = 0;
-  for (const Row& row : pieces_) count += row.count;
-  return count;
-}
-
 void Polygons::remove(std::int32_t piece) {
   for_each_of(piece, [&](std::int32_t q) {
     for (const std::int32_t c : of(q)) std::erase(around_.edit(c), q);
+    --in_use_.edit(0);
+    in_use_.edit(1) -= loops_[q].size;
     loops_.set(q, {0, 0, kNone});
   });
   pieces_.edit(piece).count = 0;
@@ -92,6 +88,8 @@ void Polygons::add(std::int32_t piece, std::span<const Cycle> cycles, Corners& c
   for (const Cycle& cycle : cycles) {
     const std::int32_t q = numbers();
     loops_.push_back({static_cast<std::int32_t>(corners_.size()), static_cast<std::int32_t>(cycle.size()), piece});
+    ++in_use_.edit(0);
+    in_use_.edit(1) += loops_.back().size;
     for (const std::int32_t v : cycle) {
       const std::int32_t c = corners.at(v);
       corners_.push_back(c);
@@ -106,9 +104,8 @@ void Polygons::add(std::int32_t piece, std::span<const Cycle> cycles, Corners& c
 void Polygons::close_gaps() {
   ISIMP_ASSERT(!loops_.in_transaction(), "numbers last as long as a transaction");
   constexpr std::size_t kFew = 1024;
-  std::size_t used = 0;
-  for (const Loop& loop : loops_) used += loop.size;
-  if (loops_.size() <= 2 * static_cast<std::size_t>(count()) + kFew && corners_.size() <= 2 * used + kFew) return;
+  const std::size_t polygons = in_use_[0], used = in_use_[1];
+  if (loops_.size() <= 2 * polygons + kFew && corners_.size() <= 2 * used + kFew) return;
   std::vector<Loop> loops;
   std::vector<std::int32_t> left;
   for (std::size_t c = 0; c < around_.size(); ++c) around_.edit(c).clear();

@@ -42,8 +42,7 @@ class Polygons {
  public:
   /// Numbers that are in use or were.
   [[nodiscard]] std::int32_t numbers() const { return static_cast<std::int32_t>(loops_.size()); }
-  /// Cost: O(pieces).
-  [[nodiscard]] std::int32_t count() const;
+  [[nodiscard]] std::int32_t count() const { return in_use_[0]; }
   /// How many a piece has; 0 for one that is no more.
   [[nodiscard]] std::int32_t count_of(std::int32_t piece) const {
     return piece < static_cast<std::int32_t>(pieces_.size()) ? pieces_[piece].count : 0;
@@ -88,6 +87,7 @@ class Polygons {
     fn(self.corners_);
     fn(self.pieces_);
     fn(self.around_);
+    fn(self.in_use_);
   }
 
  private:
@@ -107,6 +107,7 @@ class Polygons {
   Logged<std::int32_t> corners_;              // corners of all loops, with gaps where loops were removed
   Logged<Row> pieces_;                        // by piece
   Logged<std::vector<std::int32_t>> around_;  // by corner
+  Logged<std::int32_t> in_use_{2, 0};         // polygons, and their corners
 };
 
 /// Vector area of a polygon: its direction is the polygon's normal, its length the area.
