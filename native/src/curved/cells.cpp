@@ -75,33 +75,46 @@ class Cutter {
     double distance = std::numeric_limits<double>::infinity(), angle = 0, along = 0;
   };
 
+  /// Labels the faces near each inner corner of the grid by quadrants about one vertex, where four cells meet then.
   void join_corners() {
     const Mesh& mesh = f_.mesh();
-    const FaceGraph& graph = f_.graph();
     for (const double knot : p_.knots) corner_.push_back(on_.place(knot));
     nearest_.resize(p_.knots.size() * static_cast<std::size_t>(p_.segments + 1));
     std::vector<bool> met(mesh.vertices().size(), false);
     for (const std::int32_t i : patch_.face)
-      for (const std::int32_t v : mesh.triangles()[graph.mesh_face[i]]) {
+      for (const std::int32_t v : mesh.triangles()[f_.graph().mesh_face[i]]) {
         if (!met[v]) offer(v);
         met[v] = true;
       }
-    for (std::size_t c = 0; c < nearest_.size(); ++c) {
-      const Nearest& n = nearest_[c];
-      if (n.vertex == kNone || !is_inside(n.vertex)) continue;
-      const auto knot = static_cast<std::int32_t>(c / (p_.segments + 1)),
-                 side = static_cast<std::int32_t>(c) % (p_.segments + 1);
-      const double along = on_.at(mesh.vertices()[n.vertex]).along;
-      for_each_leaving(mesh, n.vertex, [&](std::int32_t h) {
-        const std::size_t k = index_of(graph.graph_face[Mesh::face(h)]);
-        ring_[k] = beyond(patch_.along[k], along) > 0 ? knot : (knot + p_.rings - 1) % p_.rings;
-        const bool is_right = turned(patch_.angle[k] - n.angle) > 0;
-        segment_[k] = is_right ? side % p_.segments : (side + p_.segments - 1) % p_.segments;
-      });
+    for (std::size_t k = 0; k < patch_.face.size(); ++k) {
+      const std::int32_t knot = nearest_knot(patch_.along[k]), side = nearest_side(patch_.angle[k]);
+      const Nearest& n = nearest_[corner_of(knot, side)];
+      if (n.vertex == kNone) continue;
+      const auto [is_above, is_right] = quadrant(k, n);
+      ring_[k] = is_above ? knot : (knot + p_.rings - 1) % p_.rings;
+      segment_[k] = (side + (is_right ? 0 : p_.segments - 1)) % p_.segments;
     }
   }
 
-  /// Makes a vertex the nearest to a corner, if it is.
+  [[nodiscard]] std::size_t corner_of(std::int32_t knot, std::int32_t side) const {
+    return static_cast<std::size_t>(knot) * static_cast<std::size_t>(p_.segments + 1) + static_cast<std::size_t>(side);
+  }
+  /// The knot of a corner of the grid that is nearest along the profile. On a ring the last is the first.
+  [[nodiscard]] std::int32_t nearest_knot(double along) const {
+    const std::int32_t before = knot_before(along);
+    const bool is_next = along - p_.knots[before] > p_.knots[before + 1] - along;
+    return p_.closed ? (before + is_next) % p_.rings : before + is_next;
+  }
+  [[nodiscard]] std::int32_t nearest_side(double angle) const {
+    const auto side = to_integer(place(angle) / width_ + 0.5, 0, p_.segments);
+    return p_.full ? side % p_.segments : side;
+  }
+  /// Whether a face is beyond a vertex along the profile, and whether it is beyond it in angle.
+  [[nodiscard]] std::array<bool, 2> quadrant(std::size_t k, const Nearest& n) const {
+    return {beyond(patch_.along[k], n.along) > 0, turned(patch_.angle[k] - n.angle) > 0};
+  }
+
+  /// Makes a vertex the nearest to a corner, if it is, and four cells can meet in it.
   void offer(std::int32_t v) {
     const Vec3& x = f_.mesh().vertices()[v];
     const double angle = curved::angle(p_, x), at = place(angle) / width_;
@@ -116,8 +129,26 @@ class Cutter {
     for (std::size_t k = best + 1; k + 1 < corner_.size(); ++k)
       if ((here - corner_[k]).squaredNorm() < (here - corner_[best]).squaredNorm()) best = k;
     const double d = to * to + (here - corner_[best]).squaredNorm();
-    Nearest& n = nearest_[best * static_cast<std::size_t>(p_.segments + 1) + static_cast<std::size_t>(side)];
-    if (d < n.distance && d <= std::pow(kNear * width_ * polar.rho, 2)) n = {v, d, angle, 0};
+    Nearest& n = nearest_[corner_of(static_cast<std::int32_t>(best), side)];
+    if (d >= n.distance || d > std::pow(kNear * width_ * polar.rho, 2)) return;
+    if (const Nearest now{v, d, angle, on_.along(polar)}; is_crossing(now)) n = now;
+  }
+
+  /// Whether all faces at a vertex are in the patch, and each quadrant about it has one of them and a face beyond that.
+  [[nodiscard]] bool is_crossing(const Nearest& n) const {
+    const Mesh& mesh = f_.mesh();
+    bool is_inside = true;
+    std::array<bool, 4> has{};
+    for_each_leaving(mesh, n.vertex, [&](std::int32_t h) {
+      const std::size_t k = index_of(f_.graph().graph_face[Mesh::face(h)]);
+      const std::int32_t outward = mesh.opposite(Mesh::next(h));
+      is_inside = is_inside && mesh.opposite(h) != kNone && k < patch_.face.size();
+      if (!is_inside || outward == kNone) return;
+      const std::size_t next = index_of(f_.graph().graph_face[Mesh::face(outward)]);
+      const auto q = quadrant(k, n);
+      if (next < patch_.face.size() && quadrant(next, n) == q) has[2 * q[0] + q[1]] = true;
+    });
+    return is_inside && std::all_of(has.begin(), has.end(), [](bool b) { return b; });
   }
 
   /// The bend of a pipe: its rings continue the segments of the pipe.
@@ -184,15 +215,6 @@ class Cutter {
     const auto at = std::lower_bound(patch_.face.begin(), patch_.face.end(), face);
     return at == patch_.face.end() || *at != face ? patch_.face.size()
                                                   : static_cast<std::size_t>(at - patch_.face.begin());
-  }
-
-  /// Whether all faces at a vertex are in the patch, and the vertex is not on the border of the scan.
-  [[nodiscard]] bool is_inside(std::int32_t v) const {
-    bool is = true;
-    for_each_leaving(f_.mesh(), v, [&](std::int32_t h) {
-      is = is && f_.mesh().opposite(h) != kNone && index_of(f_.graph().graph_face[Mesh::face(h)]) < patch_.face.size();
-    });
-    return is;
   }
 
   /// The line of each part of the profile, in the plane in the middle of a segment: its normal and offset. With more than
