@@ -152,7 +152,7 @@ def test_few_segments_are_planar_and_keep_the_volume(mesh, part):
     assert poly.planarity.max() < 4e-6
 
 
-@pytest.mark.parametrize(("name", "seed"), [("vase", 1)])
+@pytest.mark.parametrize(("name", "seed"), [("vase", 1), ("vase", 2), ("capsule", 1)])
 def test_cells_of_a_noisy_part_meet_on_their_planes(name, seed):
     vertices, triangles = round_shapes.made(round_shapes.shapes()[name], 40)
     mesh = engine.clean(round_shapes.with_noise(vertices, 0.003, seed), triangles)

@@ -81,25 +81,18 @@ std::optional<Vec3> meeting_of_cells(std::span<const Plane> planes, const Polygo
                                      const Corners& corners) {
   if (corners.radius[corner] == 0) return std::nullopt;
   const Vec3& from = corners.position[corner];
-  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
-  Vec3 g = Vec3::Zero();
   std::vector<const Plane*> held;
   for (const std::int32_t q : polygons.at(corner)) {
     const Plane& p = planes[polygons.piece(q)];
     if (!p.held) continue;
     if (!p.round) return std::nullopt;
     held.push_back(&p);
-    a += p.normal * p.normal.transpose();
-    g += p.normal * p.normal.dot(p.centre - from);
   }
   if (held.size() < 2) return std::nullopt;
   const double shortest =
       shortest_edge(polygons, corner, [&](std::int32_t c) -> const Vec3& { return corners.position[c]; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(a);
-  Vec3 d = Vec3::Zero();
-  for (int i = 0; i < 3; ++i)
-    if (const double lambda = solver.eigenvalues()[i]; lambda > kParallel * solver.eigenvalues()[2])
-      d += solver.eigenvectors().col(i).dot(g) / lambda * solver.eigenvectors().col(i);
+  Eigen::Matrix3d free = Eigen::Matrix3d::Identity();
+  const Vec3 d = step_onto(held, kParallel, from, free);
   if (!(d.norm() <= kOfShortest * shortest)) return std::nullopt;
   const bool is_met = std::all_of(held.begin(), held.end(), [&](const Plane* p) {
     return std::abs(p->normal.dot(from + d - p->centre)) < kMeets * shortest;

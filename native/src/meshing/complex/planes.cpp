@@ -1,5 +1,6 @@
 #include "complex/planes.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "isimp/core/prefetch.h"
@@ -129,6 +130,25 @@ void hold(Plane& plane, const Partition& partition, std::int32_t region) {
   if (!plane.held) return;
   plane.normal = partition.region_normal[region];
   plane.centre += (partition.region_offset[region] - plane.normal.dot(plane.centre)) * plane.normal;
+}
+
+Vec3 step_onto(std::span<const Plane* const> planes, double fixed, const Vec3& from, Eigen::Matrix3d& free) {
+  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+  Vec3 g = Vec3::Zero();
+  for (const Plane* p : planes) {
+    const Vec3 n = free * p->normal;
+    a += n * n.transpose();
+    g += p->normal.dot(p->centre - from) * n;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(a);
+  Vec3 d = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 way = solver.eigenvectors().col(i);
+    if (!(solver.eigenvalues()[i] > fixed * solver.eigenvalues()[2])) continue;
+    d += way.dot(g) / solver.eigenvalues()[i] * way;
+    free -= way * way.transpose();
+  }
+  return d;
 }
 
 Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const SurfaceMoments> given) {

@@ -43,4 +43,9 @@ Plane united(const Plane& a, const Plane& b);
 /// The plane of `piece` minus `part`. Pre: part.area < piece.area.
 Plane without(const Plane& piece, const Plane& part);
 
+/// The shortest step from a point to where planes meet, in the directions that they fix.
+/// \param fixed  share of the largest eigenvalue of the normals, below which a direction is not fixed
+/// \param free   projects to the directions in which the point may move; those that the planes fix are removed
+Vec3 step_onto(std::span<const Plane* const> planes, double fixed, const Vec3& from, Eigen::Matrix3d& free);
+
 }  // namespace isimp::meshing

@@ -1,6 +1,5 @@
 #include "repair/junctions.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -19,9 +18,10 @@ constexpr int kPasses = 2;
 constexpr std::size_t kMostLabels = 5;  ///< pieces that may meet in a vertex
 // How far the planes may miss the vertex: deviations of the scan from them, and of sqrt(area / pieces).
 constexpr double kPlanes = 3.2, kGap = 0.11;
-constexpr double kRounding = 1e-9;  ///< share of the diagonal: planes that are nearer than this meet
-constexpr double kFixed = 0.0625;   ///< share of the largest eigenvalue: below, planes fix no point
-constexpr double kStep = 0.3;       ///< from the middle to the vertex, in sqrt(area / pieces)
+constexpr double kRounding = 1e-9;                 ///< share of the diagonal: planes that are nearer than this meet
+constexpr double kFixed = 0.0625;                  ///< share of the largest eigenvalue: below, planes fix no point
+constexpr double kParallel = 1e-6, kMeets = 1e-6;  ///< the same of planes of cells; how far these may miss, of the size
+constexpr double kStep = 0.3;                      ///< from the middle to the vertex, in sqrt(area / pieces)
 constexpr double kShort = 0.4;  ///< length below which a chord may be removed for its length alone, in the same unit
 constexpr double kSharp = 20, kSharper = 3;  ///< degrees
 constexpr double kExcess = 20;               ///< degrees that reflex corners may open further in all
@@ -101,6 +101,12 @@ class Joiner {
     vertex_ = s_.corners.vertex;
     position_ = s_.corners.position;
     image_ = piece_images(s_);
+    planes_ = s_.planes;
+    if (!s_.partition.region_cell.empty())
+      for (std::int32_t l = 0; l < pieces; ++l)
+        if (const std::int32_t r = s_.labels.pieces[l].region;
+            s_.labels.pieces[l].face != kNone && s_.partition.region_held[r] == kPlaneRound)
+          hold(planes_[l], s_.partition, r);
   }
 
   [[nodiscard]] std::vector<Candidate> candidates() const {
@@ -148,25 +154,39 @@ class Joiner {
     return found;
   }
 
+  /// Whether corners of some pieces stay on the planes of cells exactly: two cells of one round part meet in a line, from
+  /// which a join would move their corner far if they are nearly parallel. Four cells of two parts nearly meet in a point,
+  /// which is good enough.
+  [[nodiscard]] bool holds_cells(const Round& pieces) const {
+    int cells = 0;
+    std::int32_t part = kNone;
+    for (const std::int32_t l : pieces) {
+      if (!planes_[l].round) continue;
+      const std::int32_t mine = s_.partition.region_cell[s_.labels.pieces[l].region].proxy;
+      if (cells > 0 && mine != part) return false;
+      part = mine;
+      ++cells;
+    }
+    return cells > 1;
+  }
+
   /// Where the planes of some pieces meet, near a point; nothing where they do not.
   [[nodiscard]] std::optional<Vec3> meeting_point(const Round& pieces, const Vec3& near, double radius,
                                                   double gap) const {
-    Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
-    Vec3 g = Vec3::Zero();
-    for (const std::int32_t l : pieces) {
-      const Plane& p = s_.planes[l];
-      a += p.normal * p.normal.transpose();
-      g += p.normal.dot(p.centre - near) * p.normal;
-    }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(a);
+    const bool holds = holds_cells(pieces);
+    std::vector<const Plane*> cells, others;
+    for (const std::int32_t l : pieces) (holds && planes_[l].round ? cells : others).push_back(&planes_[l]);
+    Eigen::Matrix3d free = Eigen::Matrix3d::Identity();
     Vec3 d = Vec3::Zero();
-    for (int i = 0; i < 3; ++i)
-      if (solver.eigenvalues()[i] > kFixed * solver.eigenvalues()[2])
-        d += solver.eigenvectors().col(i).dot(g) / solver.eigenvalues()[i] * solver.eigenvectors().col(i);
-    if (d.norm() > radius) return {};
-    for (const std::int32_t l : pieces)
-      if (std::abs(s_.planes[l].normal.dot(near + d - s_.planes[l].centre)) > gap) return {};
-    return near + d;
+    if (holds) d = step_onto(cells, kParallel, near, free);
+    d += step_onto(others, kFixed, near + d, free);
+    if (!(d.norm() <= radius)) return {};
+    const auto misses = [&](const Plane* p, double most) {
+      return std::abs(p->normal.dot(near + d - p->centre)) > most;
+    };
+    const bool is_met = std::none_of(cells.begin(), cells.end(), [&](auto p) { return misses(p, kMeets * size_); }) &&
+                        std::none_of(others.begin(), others.end(), [&](auto p) { return misses(p, gap); });
+    return is_met ? std::optional(Vec3(near + d)) : std::nullopt;
   }
 
   /// The data of a join of two junctions.
@@ -450,6 +470,7 @@ class Joiner {
   std::vector<std::vector<std::int32_t>> loops_, at_;  // corners by piece, pieces by corner
   std::vector<std::int32_t> vertex_;                   // by corner: where the junction is
   std::vector<Vec3> position_;                         // by corner
+  std::vector<Plane> planes_;                          // by piece: its plane, or that of its cell
   std::vector<Vec3> sums_;                             // by piece: vector area of its faces
   std::vector<std::int32_t> image_;                    // by piece: see piece_images
 };
