@@ -19,23 +19,22 @@ class Cutter {
       : f_(faces),
         p_(proxy),
         patch_(patch),
-        on_(proxy),
-        width_(proxy.span / proxy.segments),
+        grid_(proxy),
+        on_(grid_.surface()),
+        width_(grid_.width()),
         is_extrusion_(proxy.kind == CurvedKind::extrusion) {}
 
   /// \param mates  as of `cut`; null: corners stay where the grid has them
   Some labels(const Mates* mates) {
     for (std::size_t k = 0; k < patch_.face.size(); ++k) {
-      const std::int32_t at = knot_before(patch_.along[k]);
-      ring_.push_back(is_extrusion_ ? 0 : at);
-      segment_.push_back(is_extrusion_ ? at : segment_of(patch_.angle[k]));
+      ring_.push_back(grid_.ring(patch_.along[k]));
+      segment_.push_back(grid_.segment(patch_.angle[k], patch_.along[k]));
     }
     if (mates != nullptr && p_.rings > 1) join_corners();
     if (mates != nullptr && (p_.full || is_bend())) join_rim(*mates);
     Some cell;
     cell.reserve(ring_.size());
-    for (std::size_t k = 0; k < ring_.size(); ++k)
-      cell.push_back(ring_[k] * p_.segments + (is_cap(ring_[k]) ? 0 : segment_[k]));
+    for (std::size_t k = 0; k < ring_.size(); ++k) cell.push_back(grid_.number(ring_[k], segment_[k]));
     return cell;
   }
 
@@ -47,22 +46,6 @@ class Cutter {
   }
 
  private:
-  [[nodiscard]] bool is_cap(std::int32_t ring) const {
-    return (p_.low_cap && ring == 0) || (p_.high_cap && ring == p_.rings - 1);
-  }
-  [[nodiscard]] std::int32_t knot_before(double along) const {
-    const auto at = std::upper_bound(p_.knots.begin(), p_.knots.end(), along) - p_.knots.begin() - 1;
-    return std::clamp(static_cast<std::int32_t>(at), 0, static_cast<std::int32_t>(p_.knots.size()) - 2);
-  }
-  [[nodiscard]] double place(double angle) const {
-    const double t = std::fmod(angle - p_.phase + 2 * kTurn, kTurn);
-    if (p_.full) return t;
-    return t > p_.span + (kTurn - p_.span) / 2 ? 0 : std::min(t, p_.span);
-  }
-  [[nodiscard]] std::int32_t segment_of(double angle) const {
-    return to_integer(place(angle) / width_, 0, p_.segments - 1);
-  }
-
   /// The signed distance along the profile between two places; on a ring, along the shorter arc.
   [[nodiscard]] double beyond(double along, double from) const {
     const double d = along - from, round = p_.knots.back();
@@ -101,12 +84,12 @@ class Cutter {
   }
   /// The knot of a corner of the grid that is nearest along the profile. On a ring the last is the first.
   [[nodiscard]] std::int32_t nearest_knot(double along) const {
-    const std::int32_t before = knot_before(along);
+    const std::int32_t before = grid_.part(along);
     const bool is_next = along - p_.knots[before] > p_.knots[before + 1] - along;
     return p_.closed ? (before + is_next) % p_.rings : before + is_next;
   }
   [[nodiscard]] std::int32_t nearest_side(double angle) const {
-    const auto side = to_integer(place(angle) / width_ + 0.5, 0, p_.segments);
+    const auto side = to_integer(grid_.place(angle) / width_ + 0.5, 0, p_.segments);
     return p_.full ? side % p_.segments : side;
   }
   /// Whether a face is beyond a vertex along the profile, and whether it is beyond it in angle.
@@ -117,7 +100,7 @@ class Cutter {
   /// Makes a vertex the nearest to a corner, if it is, and four cells can meet in it.
   void offer(std::int32_t v) {
     const Vec3& x = f_.mesh().vertices()[v];
-    const double angle = curved::angle(p_, x), at = place(angle) / width_;
+    const double angle = curved::angle(p_, x), at = grid_.place(angle) / width_;
     auto side = to_integer(at + 0.5, 0, p_.segments);
     if (!p_.full && (side <= 0 || side >= p_.segments)) return;
     if (std::abs(at - side) > kNear) return;
@@ -201,11 +184,12 @@ class Cutter {
     const Vec3& x = f_.mesh().vertices()[v];
     const double angle = curved::angle(p_, x);
     const OnSurface on = on_.at(x);
-    const double cells = is_bend() ? on.along / p_.knots.back() * p_.rings : place(angle) / width_;
+    const double cells = is_bend() ? on.along / p_.knots.back() * p_.rings : grid_.place(angle) / width_;
     const std::int32_t sides = is_bend() ? p_.rings : p_.segments;
     const auto side = to_integer(cells + 0.5, 0, sides);
     const double off = std::abs(cells - side);
-    const bool is_high = is_bend() ? place(angle) > p_.span / 2 : on.along > (p_.knots.front() + p_.knots.back()) / 2;
+    const bool is_high =
+        is_bend() ? grid_.place(angle) > p_.span / 2 : on.along > (p_.knots.front() + p_.knots.back()) / 2;
     Nearest& n = nearest_[static_cast<std::size_t>(side % sides) + static_cast<std::size_t>(is_high ? sides : 0)];
     if (off < n.distance && off < kNear) n = {v, off, angle, on.along};
   }
@@ -230,12 +214,12 @@ class Cutter {
       area[part] += patch_.area[k];
       middle[part] += patch_.area[k] * at;
       normal[part] += patch_.area[k] * Vec2(sinc * patch_.out[k], patch_.up[k]);
-      if (!is_cap(part)) samples.push_back({patch_.area[k], at, static_cast<std::size_t>(part)});
+      if (!grid_.is_cap(part)) samples.push_back({patch_.area[k], at, static_cast<std::size_t>(part)});
     }
     std::vector<std::pair<Vec2, double>> all;
     for (std::size_t k = 0; k < parts; ++k) {
-      normal[k] =
-          is_cap(static_cast<std::int32_t>(k)) ? Vec2(0, normal[k].y() < 0 ? -1 : 1) : Vec2(normal[k].normalized());
+      normal[k] = grid_.is_cap(static_cast<std::int32_t>(k)) ? Vec2(0, normal[k].y() < 0 ? -1 : 1)
+                                                             : Vec2(normal[k].normalized());
       all.emplace_back(normal[k], normal[k].dot(middle[k]) / std::max(area[k], 1e-300));
     }
     // The edges of a pipe and of its bend meet exactly if both depend on the radius alone.
@@ -250,7 +234,7 @@ class Cutter {
       corners = fitted_corners(std::move(corners), p_.closed, samples);
     }
     for (std::size_t k = 0; k < parts; ++k) {
-      if (is_cap(static_cast<std::int32_t>(k))) continue;
+      if (grid_.is_cap(static_cast<std::int32_t>(k))) continue;
       const Vec2 edge = corners[k + 1] - corners[k];
       Vec2 m = Vec2(edge.y(), -edge.x()).normalized();
       if (m.dot(normal[k]) < 0) m = -m;
@@ -264,12 +248,9 @@ class Cutter {
     cells.cell.resize(count);
     cells.normal.assign(count, Vec3::Zero());
     cells.offset.assign(count, 0.0);
-    std::vector<bool> is_used(count, false);
-    for (const std::int32_t c : cells.of_face) is_used[c] = true;
     const auto all = lines(is_extrusion_ ? 1 : std::sin(width_ / 2) / (width_ / 2));
     const Vec3 beside = p_.axis.cross(p_.across), up = is_extrusion_ ? beside : p_.axis;
     for (std::size_t c = 0; c < count; ++c) {
-      if (!is_used[c]) continue;
       const auto r = static_cast<std::int32_t>(c) / p_.segments, s = static_cast<std::int32_t>(c) % p_.segments;
       const auto& [m, offset] = all[is_extrusion_ ? s : r];
       const double angle = is_extrusion_ ? 0 : p_.phase + (s + 0.5) * width_;
@@ -282,7 +263,8 @@ class Cutter {
   const Faces& f_;
   const CurvedProxy& p_;
   const PatchFaces& patch_;
-  Locator on_;
+  CellGrid grid_;
+  const Locator& on_;
   double width_;
   bool is_extrusion_;
   Some ring_, segment_;
@@ -291,6 +273,29 @@ class Cutter {
 };
 
 }  // namespace
+
+CellGrid::CellGrid(const CurvedProxy& proxy)
+    : p_(&proxy), on_(proxy), width_(proxy.span / proxy.segments), is_extrusion_(proxy.kind == CurvedKind::extrusion) {}
+
+std::int32_t CellGrid::part(double along) const {
+  const auto at = std::upper_bound(p_->knots.begin(), p_->knots.end(), along) - p_->knots.begin() - 1;
+  return std::clamp(static_cast<std::int32_t>(at), 0, static_cast<std::int32_t>(p_->knots.size()) - 2);
+}
+
+double CellGrid::place(double angle) const {
+  const double t = std::fmod(angle - p_->phase + 2 * kTurn, kTurn);
+  if (p_->full) return t;
+  return t > p_->span + (kTurn - p_->span) / 2 ? 0 : std::min(t, p_->span);
+}
+
+std::int32_t CellGrid::segment(double angle, double along) const {
+  return is_extrusion_ ? part(along) : to_integer(place(angle) / width_, 0, p_->segments - 1);
+}
+
+std::int32_t CellGrid::at(const Vec3& x) const {
+  const double along = on_.at(x).along;
+  return number(ring(along), segment(angle(*p_, x), along));
+}
 
 Some cells_of_faces(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch) {
   return Cutter(faces, proxy, patch).labels(nullptr);

@@ -39,6 +39,37 @@ struct Mates {
   }
 };
 
+/// The grid of a patch, which goes on beyond the patch.
+class CellGrid {
+ public:
+  /// \param proxy  with segments and rings; must outlive this
+  explicit CellGrid(const CurvedProxy& proxy);
+
+  [[nodiscard]] const Locator& surface() const { return on_; }
+  [[nodiscard]] double width() const { return width_; }  ///< of a segment, radians
+  [[nodiscard]] bool is_cap(std::int32_t ring) const {
+    return (p_->low_cap && ring == 0) || (p_->high_cap && ring == p_->rings - 1);
+  }
+  /// The part of the profile at a place along it.
+  [[nodiscard]] std::int32_t part(double along) const;
+  /// An angle from the first segment on; one beyond the segments is moved to the nearer end.
+  [[nodiscard]] double place(double angle) const;
+  [[nodiscard]] std::int32_t ring(double along) const { return is_extrusion_ ? 0 : part(along); }
+  [[nodiscard]] std::int32_t segment(double angle, double along) const;
+  /// The number of a cell as in Cells::of_face.
+  [[nodiscard]] std::int32_t number(std::int32_t ring, std::int32_t segment) const {
+    return ring * p_->segments + (is_cap(ring) ? 0 : segment);
+  }
+  /// The cell at a place.
+  [[nodiscard]] std::int32_t at(const Vec3& x) const;
+
+ private:
+  const CurvedProxy* p_;
+  Locator on_;
+  double width_;
+  bool is_extrusion_;
+};
+
 /// The cell of each face, as Cells::of_face, where the corners of cells are not at vertices yet.
 Some cells_of_faces(const Faces& faces, const CurvedProxy& proxy, const PatchFaces& patch);
 

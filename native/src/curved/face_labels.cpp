@@ -256,8 +256,7 @@ void absorb_fragments(const Faces& faces, Some& labels, const std::function<doub
       for (std::int32_t i = 0; i < faces.size(); ++i)
         if (const auto at = worth.find(parts.part[i]); at != worth.end())
           for (const auto& [label, edges] : at->second) sum[parts.part[i]][label] -= misfit(i, label);
-      for (const auto& [part, by_label] : sum)
-        if (!std::isnan(by_label.begin()->second)) worth[part] = by_label;
+      worth.swap(sum);
     }
     std::map<std::int32_t, std::int32_t> to;
     for (const auto& [part, by_label] : worth)

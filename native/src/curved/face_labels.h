@@ -22,8 +22,7 @@ using Misfit = std::function<double(std::int32_t face, std::int32_t label)>;
 /// that which they fit best.
 /// \param labels  (n) by graph index, at least kNone
 /// \param small   the area below which a part of a label is small, as a share of the whole surface's
-/// \param misfit  of a face to a neighbour's label; null: the longest border counts. It returns NaN for a face whose part
-///                goes by its border.
+/// \param misfit  of a face to a neighbour's label; null: the longest border counts
 void absorb_fragments(const Faces& faces, Some& labels, const std::function<double(std::int32_t)>& small,
                       const Misfit& misfit, Job& job);
 

@@ -28,6 +28,7 @@ class Rounding {
       : surface_(surface), f_(surface), part_(part), scene_(std::move(scene)), count_(part.region_count()) {
     label_.resize(static_cast<std::size_t>(f_.size()));
     for (std::int32_t i = 0; i < f_.size(); ++i) label_[i] = part.face_region[f_.graph().mesh_face[i]];
+    cell_of_.assign(label_.size(), kNone);
     before_.assign(static_cast<std::size_t>(count_), 0.0);
     middle_.assign(before_.size(), Vec3::Zero());
     for (std::int32_t i = 0; i < f_.size(); ++i)
@@ -81,9 +82,11 @@ class Rounding {
     for (const auto& [face, plane] : c.given) label_[face] = region_of(plane);
     double area = 0;
     for (std::size_t k = 0; k < faces.face.size(); ++k) {
-      label_[faces.face[k]] = count_ + first_ + c.cells.of_face[k];
+      label_[faces.face[k]] = count_ + static_cast<std::int32_t>(proxies_.size());
+      cell_of_[faces.face[k]] = first_ + c.cells.of_face[k];
       area += faces.area[k];
     }
+    first_of_.push_back(first_);
     const auto count = static_cast<std::int32_t>(c.cells.cell.size());
     first_ += count;
     ideal_.insert(ideal_.end(), c.cells.cell.size(), area / count);
@@ -161,6 +164,15 @@ class Rounding {
   }
 
   void clean(Job& job) {
+    give_rests_away(job);
+    absorb_fragments(
+        f_, label_, [&](std::int32_t label) { return label < count_ ? 0.0 : kOfCell * ideal_[label - count_]; },
+        nullptr, job);
+  }
+
+  /// Adds small rests of regions to the neighbours that they fit, which are regions or whole patches. Then the faces of
+  /// patches get their cells.
+  void give_rests_away(Job& job) {
     std::vector<double> now(before_.size(), 0.0);
     double all = 0;
     for (std::int32_t i = 0; i < f_.size(); ++i) {
@@ -168,27 +180,35 @@ class Rounding {
       if (label_[i] >= 0 && label_[i] < count_) now[label_[i]] += f_.area(i);
     }
     const double least = kOfMean * all / (count_ + first_);
+    const std::vector<CellGrid> grid(proxies_.begin(), proxies_.end());
+    const auto cell_at = [&](std::int32_t patch, std::int32_t i) {
+      const std::int32_t cell = first_of_[patch] + grid[patch].at(f_.centre(i));
+      return normal_[cell].isZero() ? kNone : cell;  // a part of the profile without faces has no plane
+    };
     absorb_fragments(
         f_, label_,
         [&](std::int32_t label) {
-          if (label == kNone) return 0.0;
-          if (label >= count_) return kOfCell * ideal_[label - count_];
+          if (label == kNone || label >= count_) return 0.0;
           const bool is_same = now[label] >= before_[label] * (1 - 1e-9);
           if (is_same) return 0.0;
           return now[label] < kOfRegion * before_[label] ? std::numeric_limits<double>::infinity() : least;
         },
-        [&](std::int32_t i, std::int32_t label) { return misfit(i, label); }, job);
-  }
-
-  /// The squared distance of a face of a region from the plane of a label, times its area; NaN for a face of a cell, since a
-  /// cell is even if it goes by its border.
-  [[nodiscard]] double misfit(std::int32_t i, std::int32_t label) const {
-    if (label_[i] >= count_) return std::numeric_limits<double>::quiet_NaN();
-    if (label == kNone) return kFar;
-    const bool is_cell = label >= count_;
-    const Vec3& normal = is_cell ? normal_[label - count_] : part_.region_normal[label];
-    const double offset = is_cell ? offset_[label - count_] : normal.dot(middle_[label]);
-    return f_.area(i) * std::pow(normal.dot(f_.centre(i)) - offset, 2);
+        [&](std::int32_t i, std::int32_t label) {
+          const std::int32_t cell = label >= count_ ? cell_at(label - count_, i) : kNone;
+          if (label == kNone || (label >= count_ && cell == kNone)) return kFar;
+          const Vec3 x = f_.centre(i);
+          const double away =
+              cell == kNone ? part_.region_normal[label].dot(x - middle_[label]) : normal_[cell].dot(x) - offset_[cell];
+          return f_.area(i) * away * away;
+        },
+        job);
+    // A rest that joined one cell as a whole could cut its neighbours off from the rim.
+    for (std::int32_t i = 0; i < f_.size(); ++i) {
+      const std::int32_t patch = label_[i] - count_;
+      if (patch < 0) continue;
+      const std::int32_t cell = cell_of_[i] == kNone ? cell_at(patch, i) : cell_of_[i];
+      label_[i] = cell == kNone ? part_.face_region[f_.graph().mesh_face[i]] : count_ + cell;
+    }
   }
 
   [[nodiscard]] Partition made(Job& job) const {
@@ -228,10 +248,12 @@ class Rounding {
   Scene scene_;
   std::int32_t count_, first_ = 0;  // number of regions of the partition; number of added cells
   Mates mates_;
-  Some label_;                  // (n) by graph index: a region, or count_ + a cell
+  Some label_;                  // (n) by graph index: a region, or count_ + a patch, at the end count_ + a cell
+  Some cell_of_;                // (n) by graph index: the cell of a face of a patch
   std::vector<double> before_;  // area of each region
   std::vector<Vec3> middle_;    // ... and its centre
   std::vector<CurvedProxy> proxies_;
+  Some first_of_;  // by patch: its first cell
   std::vector<CurvedCell> cell_;
   std::vector<Vec3> normal_;
   std::vector<double> offset_, ideal_;

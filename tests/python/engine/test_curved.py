@@ -273,3 +273,22 @@ def test_scans_of_figures_stay_as_they_are(data, name):
     mesh = engine.clean(*engine.read(str(data / name)))
     plain = engine.partition(mesh, engine.PartitionOptions())
     assert np.array_equal(engine.partition(mesh, engine.PartitionOptions(curved=True)).face_region, plain.face_region)
+
+
+def test_strips_of_a_scanned_can_are_parallel(data):
+    mesh = engine.clean(*engine.read(str(data / "real/meat_can_16k.ply")))
+    part = engine.partition(mesh, engine.PartitionOptions(curved=True))
+    (found,) = part.curved
+    poly = engine.polygonize(mesh, part)
+    start = np.append(poly.loop_start, len(poly.loops))
+    owners = {}
+    for i in np.flatnonzero(np.isin(poly.polygon_region, found.regions)):
+        loop = poly.loops[start[i] : start[i + 1]]
+        for edge in zip(loop, np.roll(loop, -1), strict=True):
+            owners.setdefault(frozenset(edge), []).append(i)
+    edges = [sorted(edge) for edge, polygons in owners.items() if len(polygons) == 2]
+    assert len(edges) == found.segments
+    along = np.diff(np.asarray(poly.vertices)[edges], axis=1)[:, 0]
+    assert np.abs(along @ found.axis / np.linalg.norm(along, axis=1)).min() > np.cos(np.radians(4))
+    planar = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
+    assert (np.bincount(planar.polygon_region)[found.regions] == 1).all()
