@@ -1,8 +1,11 @@
 #include "place/keep_planes.h"
 
 #include <algorithm>
+#include <map>
+#include <span>
 
 #include "complex/transaction.h"
+#include "isimp/core/sorted.h"
 
 namespace isimp::meshing {
 namespace {
@@ -20,10 +23,11 @@ class Keeper {
 
   std::vector<std::int32_t> run() {
     std::vector<std::int32_t> left = by_area();
+    keep_parts(left);
     for (int pass = 0; pass < kPasses && !left.empty(); ++pass)
       std::erase_if(left, [&](std::int32_t r) {
         job_.poll();
-        return keeps(r, true) || keeps(r, false);
+        return keeps({&r, 1}, true) || keeps({&r, 1}, false);
       });
     defects_.renew_hits();
     std::sort(left.begin(), left.end());
@@ -47,17 +51,38 @@ class Keeper {
     return regions;
   }
 
+  /// Tries all cells of a round part together, since their planes meet by symmetry, and removes those that are kept.
+  void keep_parts(std::vector<std::int32_t>& left) {
+    std::map<std::int32_t, std::vector<std::int32_t>> parts;
+    for (const std::int32_t r : left)
+      if (s_.partition.region_held[r] == kPlaneRound) parts[s_.partition.region_cell[r].proxy].push_back(r);
+    std::vector<std::int32_t> kept;
+    for (const auto& [part, cells] : parts) {
+      job_.poll();
+      bool is_kept = cells.size() > 1;
+      for (int pass = 0; pass < kPasses && is_kept; ++pass) is_kept = keeps(cells, true);
+      if (is_kept) kept.insert(kept.end(), cells.begin(), cells.end());
+    }
+    sort_unique(kept);
+    std::erase_if(left, [&](std::int32_t r) { return std::binary_search(kept.begin(), kept.end(), r); });
+  }
+
   [[nodiscard]] bool is_held_at(std::int32_t c) const {
     const auto around = s_.polygons.at(c);
     return std::any_of(around.begin(), around.end(),
                        [&](std::int32_t q) { return planes_[s_.polygons.piece(q)].held; });
   }
 
-  /// Tries to move the corners of a region onto its plane and the planes that are kept already.
+  /// Tries to move the corners of regions onto their planes and the planes that are kept already.
   /// \param with_neighbours  whether the neighbours' corners at kept planes move too
-  bool keeps(std::int32_t r, bool with_neighbours) {
-    std::vector<std::int32_t> near = pieces_[r];
-    for (const std::int32_t l : pieces_[r]) hold(planes_[l], s_.partition, r);
+  bool keeps(std::span<const std::int32_t> regions, bool with_neighbours) {
+    std::vector<std::int32_t> pieces;
+    for (const std::int32_t r : regions)
+      for (const std::int32_t l : pieces_[r]) {
+        hold(planes_[l], s_.partition, r);
+        pieces.push_back(l);
+      }
+    std::vector<std::int32_t> near = pieces;
     if (with_neighbours) s_.add_neighbours(near);
     std::vector<std::int32_t> moving = s_.polygons.corners_of(near);
     std::erase_if(moving, [&](std::int32_t c) { return !is_held_at(c); });
@@ -67,7 +92,7 @@ class Keeper {
       transaction.commit();
       return true;
     }
-    for (const std::int32_t l : pieces_[r]) planes_[l] = s_.planes[l];
+    for (const std::int32_t l : pieces) planes_[l] = s_.planes[l];
     return false;
   }
 
