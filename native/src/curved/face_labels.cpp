@@ -22,27 +22,41 @@ constexpr double kSmallHole = 0.05, kInside = 0.95;  ///< this share if one surf
 constexpr double kFitsWell = 1.6, kFitsAtAll = 4;
 constexpr double kNearlyAsWell = 1.3;  ///< times the misfit of a plane: a curved neighbour takes it
 constexpr double kLargeRest = 0.5;     ///< share of the whole area: no such part is given away
+constexpr std::size_t kSampled = 256;  ///< about as many faces of a part are compared with a surface
 constexpr double kFragment = 0.0015;   ///< share of the whole area
 constexpr double kSpeck = 0.02;        ///< share of a small part's area: a label's only part below it is removed too
 
-std::vector<Vec3> filtered_normals(const Faces& faces, Job& job) {
-  const FaceGraph& graph = faces.graph();
-  std::vector<Vec3> normal(static_cast<std::size_t>(faces.size())), next(normal.size());
-  for (std::int32_t i = 0; i < faces.size(); ++i) normal[i] = std::max(faces.area(i), 1e-30) * faces.normal(i);
-  std::vector<Vec3> unit(normal.size());
-  for (int k = 0; k < kFilters; ++k) {
-    job.poll();
-    for (std::size_t i = 0; i < normal.size(); ++i) unit[i] = normal[i].normalized();
-    for (std::int32_t i = 0; i < faces.size(); ++i) {
-      next[i] = normal[i];
-      for (const std::int32_t j : graph.neighbours[i])
-        if (j != graph.size() && unit[i].dot(unit[j]) > kFilters53) next[i] += normal[j];
+/// Normals of faces after kFilters averages with neighbours. Only those that are asked for are computed, since labels
+/// change at borders alone.
+class FilteredNormals {
+ public:
+  explicit FilteredNormals(const Faces& faces)
+      : f_(faces), sum_(static_cast<std::size_t>(kFilters) * faces.size()), known_(sum_.size() / kFilters, 0) {}
+
+  [[nodiscard]] Vec3 at(std::int32_t i) { return sum(kFilters, i).normalized(); }
+
+ private:
+  /// The sum of normals after a number of averages.
+  Vec3 sum(int averages, std::int32_t i) {
+    if (averages == 0) return std::max(f_.area(i), 1e-30) * f_.normal(i);
+    Vec3& now = sum_[static_cast<std::size_t>(kFilters) * i + averages - 1];
+    if (known_[i] >= averages) return now;
+    const Vec3 mine = sum(averages - 1, i);
+    now = mine;
+    for (const std::int32_t j : f_.graph().neighbours[i]) {
+      if (j == f_.size()) continue;
+      const Vec3 other = sum(averages - 1, j);
+      const double dot = mine.dot(other);
+      if (dot > 0 && dot * dot > kFilters53 * kFilters53 * mine.squaredNorm() * other.squaredNorm()) now += other;
     }
-    normal.swap(next);
+    known_[i] = static_cast<std::uint8_t>(averages);
+    return now;
   }
-  for (Vec3& n : normal) n.normalize();
-  return normal;
-}
+
+  const Faces& f_;
+  std::vector<Vec3> sum_;  // by face, its sums after one average and more
+  std::vector<std::uint8_t> known_;
+};
 
 std::vector<Locator> locators(const std::vector<Found>& found) {
   std::vector<Locator> all;
@@ -53,14 +67,8 @@ std::vector<Locator> locators(const std::vector<Found>& found) {
 
 class Borders {
  public:
-  Borders(const Faces& faces, const Points& points, const std::vector<Found>& found, const Nearness& near, Job& job)
-      : f_(faces),
-        graph_(faces.graph()),
-        p_(points),
-        found_(found),
-        on_(locators(found)),
-        near_(near),
-        normal_(filtered_normals(faces, job)) {
+  Borders(const Faces& faces, const Points& points, const std::vector<Found>& found, const Nearness& near)
+      : f_(faces), graph_(faces.graph()), p_(points), found_(found), on_(locators(found)), near_(near), normal_(faces) {
     Some own(points.area.size(), kNone);
     for (std::size_t k = 0; k < found.size(); ++k)
       for (const std::int32_t i : found[k].points) own[i] = static_cast<std::int32_t>(k);
@@ -97,11 +105,11 @@ class Borders {
     return p_.normal[p_.of_face[i]].dot(p_.normal[p_.of_face[j]]) > kNoCrease;
   }
 
-  [[nodiscard]] double cost(std::int32_t i, std::int32_t label) const {
+  [[nodiscard]] double cost(std::int32_t i, std::int32_t label) {
     if (label == kNone) return kNoSurface;
     const Residual r = on_[label].residual(f_.centre(i));
     const double d = r.distance / near_.distance;
-    return std::min(kMostCost, 0.5 * d * d + (1 - r.normal.dot(normal_[i])) / (1 - std::cos(near_.turn)));
+    return std::min(kMostCost, 0.5 * d * d + (1 - r.normal.dot(normal_.at(i))) / (1 - std::cos(near_.turn)));
   }
 
   /// Sets the label of each of some faces to the cheapest label among its own and its neighbours' ones.
@@ -175,12 +183,13 @@ class Borders {
 
   [[nodiscard]] bool is_rest(std::int32_t label) const { return label == kNone || found_[label].is_plane(); }
 
-  [[nodiscard]] double misfit_of(const Some& members, std::int32_t label) const {
+  [[nodiscard]] double misfit_of(const Some& members, std::int32_t label) {
     double square = 0, turn = 0, area = 0;
-    for (const std::int32_t i : members) {
+    for (std::size_t k = 0; k < members.size(); k += 1 + members.size() / kSampled) {
+      const std::int32_t i = members[k];
       const Residual r = on_[label].residual(f_.centre(i));
       square += f_.area(i) * r.distance * r.distance;
-      turn += f_.area(i) * (1 - r.normal.dot(normal_[i]));
+      turn += f_.area(i) * (1 - r.normal.dot(normal_.at(i)));
       area += f_.area(i);
     }
     area = std::max(area, 1e-300);
@@ -193,7 +202,7 @@ class Borders {
   const std::vector<Found>& found_;
   std::vector<Locator> on_;  // by surface
   const Nearness& near_;
-  std::vector<Vec3> normal_;
+  FilteredNormals normal_;
   Some label_;
 };
 
@@ -271,7 +280,7 @@ void absorb_fragments(const Faces& faces, Some& labels, const std::function<doub
 
 Some face_labels(const Faces& faces, const Points& points, const std::vector<Found>& found, const Nearness& near,
                  Job& job) {
-  return Borders(faces, points, found, near, job).run(job);
+  return Borders(faces, points, found, near).run(job);
 }
 
 }  // namespace isimp::curved
