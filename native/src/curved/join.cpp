@@ -62,6 +62,14 @@ class Joiner {
     return std::abs(r.distance) < kFurther * near_.distance && r.normal.dot(p_.normal[i]) > std::cos(turn);
   }
 
+  /// Those of some points that a surface explains. A long region along a parallel has its centre inside the surface, and
+  /// the profile would end there.
+  [[nodiscard]] Samples explained_samples(const CurvedSurface& s, Some some) const {
+    const Locator on(s);
+    std::erase_if(some, [&](std::int32_t i) { return !is_explained(on, i, kTurnsMore * near_.turn); });
+    return samples_of(p_, some);
+  }
+
   bool join_one() {
     const Some own = owners();
     std::map<std::pair<std::int32_t, std::int32_t>, int> count;
@@ -90,11 +98,7 @@ class Joiner {
     const bool is_one = a.surface.kind == CurvedKind::revolution || b.surface.kind == CurvedKind::revolution;
     if (!is_seen(*surface, s) || !(is_one || surface->closed || turn_share(*surface, s) > kAllRound)) return false;
     if (explained(*surface, a.points, turn) < kKept || explained(*surface, b.points, turn) < kKept) return false;
-    // A long region along a parallel has its centre inside the surface, and the profile would end there.
-    Some near = both.points;
-    const Locator on(*surface);
-    std::erase_if(near, [&](std::int32_t k) { return !is_explained(on, k, turn); });
-    const Samples rest = samples_of(p_, near);
+    const Samples rest = explained_samples(*surface, both.points);
     both.surface = fit(CurvedKind::revolution, rest).value_or(*surface);
     both.area = a.area + b.area;
     both.rms = rms(both.surface, rest);
@@ -123,7 +127,7 @@ class Joiner {
         }
       std::sort(f.points.begin(), f.points.end());
       f.area = p_.area_of(f.points);
-      const Samples s = samples_of(p_, f.points);
+      const Samples s = explained_samples(f.surface, f.points);
       if (f.surface.closed && turn_share(f.surface, s) < kAllRound)
         continue;  // its pipes tell the axis of a bend better
       const auto again = fit(f.surface.kind, s);
@@ -148,7 +152,7 @@ class Joiner {
   }
 
   [[nodiscard]] double allowed(const Found& f) const {
-    return std::max(kNearlyAsWell * rms(f.surface, samples_of(p_, f.points)), kAnyway * near_.distance);
+    return std::max(kNearlyAsWell * rms(f.surface, explained_samples(f.surface, f.points)), kAnyway * near_.distance);
   }
 
   bool simplify(std::size_t k) {

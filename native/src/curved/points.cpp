@@ -1,31 +1,104 @@
 #include "points.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 namespace isimp::curved {
 namespace {
 
+constexpr double kOff = 9;  ///< mean areas of its faces: a centre at a larger squared distance from them is off
+constexpr std::size_t kLeastFaces = 8;
+constexpr double kFlat = 0.98;  ///< least length of the mean normal: others are no rings on top of a round part
 const double kJoins = std::cos(33 * std::numbers::pi / 180);  ///< least cosine between normals of joined points
+
+/// Splits flat regions that go far along a parallel, such as the top of a torus. Their centre is near the axis, off the
+/// surface, and that of each part is not.
+class Splitter {
+ public:
+  /// \param label  (n) by graph index, below `count` or kNone; parts get new ones
+  Splitter(const Faces& faces, Some& label, std::size_t count) : f_(faces), label_(label), members_(count) {
+    for (std::int32_t i = 0; i < faces.size(); ++i)
+      if (label[i] != kNone) members_[label[i]].push_back(i);
+  }
+
+  /// \return the number of labels
+  std::size_t run() {
+    for (std::size_t p = 0; p < members_.size(); ++p)
+      while (is_off(members_[p])) split(p);
+    return members_.size();
+  }
+
+ private:
+  [[nodiscard]] Vec3 centre(const Some& some) const {
+    Vec3 sum = Vec3::Zero();
+    double area = 0;
+    for (const std::int32_t i : some) {
+      sum += f_.area(i) * f_.centre(i);
+      area += f_.area(i);
+    }
+    return sum / std::max(area, 1e-300);
+  }
+
+  /// Whether a flat region has its centre away from all of its faces.
+  [[nodiscard]] bool is_off(const Some& some) const {
+    if (some.size() < kLeastFaces) return false;
+    const Vec3 middle = centre(some);
+    Vec3 normal = Vec3::Zero();
+    double least = std::numeric_limits<double>::infinity(), area = 0;
+    for (const std::int32_t i : some) {
+      least = std::min(least, (f_.centre(i) - middle).squaredNorm());
+      area += f_.area(i);
+      normal += f_.area(i) * f_.normal(i);
+    }
+    return normal.norm() > kFlat * area && least > kOff * area * f_.graph().area / static_cast<double>(some.size());
+  }
+
+  /// Halves a region across its longest direction; the second half gets a new label.
+  void split(std::size_t p) {
+    const Vec3 middle = centre(members_[p]);
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    for (const std::int32_t i : members_[p]) {
+      const Vec3 v = f_.centre(i) - middle;
+      spread += f_.area(i) * v * v.transpose();
+    }
+    const Vec3 along = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(2);
+    Some first, second;
+    for (const std::int32_t i : members_[p]) ((f_.centre(i) - middle).dot(along) < 0 ? first : second).push_back(i);
+    for (const std::int32_t i : second) label_[i] = static_cast<std::int32_t>(members_.size());
+    members_[p] = std::move(first);
+    members_.push_back(std::move(second));
+  }
+
+  const Faces& f_;
+  Some& label_;
+  std::vector<Some> members_;  // by label
+};
 
 }  // namespace
 
 Points points_of(const Faces& faces, std::span<const std::int32_t> small, std::span<const std::uint8_t> locked,
                  Job& job) {
   const FaceGraph& graph = faces.graph();
-  const auto count = small.empty() ? 0 : static_cast<std::size_t>(1 + *std::max_element(small.begin(), small.end()));
+  const auto labels = small.empty() ? 0 : static_cast<std::size_t>(1 + *std::max_element(small.begin(), small.end()));
   Points points;
+  points.of_face.resize(static_cast<std::size_t>(faces.size()));
+  for (std::int32_t i = 0; i < faces.size(); ++i) {
+    const bool is_free = locked.empty() || locked[i] == 0;
+    points.of_face[i] = is_free ? small[graph.mesh_face[i]] : kNone;
+  }
+  const std::size_t count = Splitter(faces, points.of_face, labels).run();
   points.area.assign(count, 0.0);
   points.centre.assign(count, Vec3::Zero());
   points.normal.assign(count, Vec3::Zero());
   points.rim.assign(count, 0);
   points.faces.assign(count, 0);
-  points.of_face.resize(static_cast<std::size_t>(faces.size()));
   for (std::int32_t i = 0; i < faces.size(); ++i) {
     if ((i & 0xffff) == 0) job.poll();
-    const bool is_free = locked.empty() || locked[i] == 0;
-    const std::int32_t p = points.of_face[i] = is_free ? small[graph.mesh_face[i]] : kNone;
+    const std::int32_t p = points.of_face[i];
     if (p == kNone) continue;
     const double a = faces.area(i);
     ++points.faces[p];

@@ -172,6 +172,17 @@ def test_cells_of_a_noisy_part_meet_on_their_planes(name, seed):
     assert (np.bincount(planar.polygon_region)[cells] == 1).all()
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_torus_is_one_part(seed):
+    vertices, triangles = round_shapes.made(round_shapes.shapes()["torus"], 48)
+    mesh = engine.clean(round_shapes.with_noise(vertices, 0.001, seed), triangles)
+    part = engine.partition(mesh, engine.PartitionOptions(curved=True))
+    (found,) = part.curved
+    assert found.kind == "revolution"
+    assert found.full
+    assert np.isin(part.face_region, found.regions).all()
+
+
 def test_pipes_and_their_bend_meet_in_shared_corners():
     vertices, triangles = round_shapes.made(round_shapes.shapes()["elbow"], 48)
     mesh = engine.Mesh(round_shapes.with_noise(vertices, 0.001, 1), triangles)
