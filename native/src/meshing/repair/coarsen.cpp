@@ -190,7 +190,7 @@ class Coarsener {
     if (left <= kLeastClosed) return;
     const std::int32_t region = s_.labels.pieces[c.other].region;
     const std::vector<std::int32_t> loop = s_.loop_together(c.piece, c.other);
-    if (loop.empty() || !may_change_region(c)) return;
+    if (loop.empty() || crosses_anywhere(loop, c) || !may_change_region(c)) return;
     const auto join = [&] {
       s_.unite(c.piece, c.other, loop);
       return true;
@@ -209,6 +209,26 @@ class Coarsener {
     }
     add_diagonal(c.piece, more);
     queue(more);
+  }
+
+  /// Whether the union of two pieces, with the given loop, would cross itself both with its corners at their places and
+  /// on the mesh. Such a union is not worth a trial.
+  [[nodiscard]] bool crosses_anywhere(std::span<const std::int32_t> loop, const Candidate& c) const {
+    std::vector<std::int32_t> polygon;
+    std::vector<Vec3> placed, home;
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const std::int32_t v = s_.mesh.from(loop[i]), before = loop[i > 0 ? i - 1 : loop.size() - 1];
+      const bool is_end = s_.labels.label[loop[i] / 3] != s_.labels.label[before / 3];
+      if (!s_.complex.is_corner(v) || (is_end && s_.complex.boundary_edges(v) == 3)) continue;  // two are left
+      polygon.push_back(static_cast<std::int32_t>(polygon.size()));
+      home.push_back(s_.mesh.vertices()[v]);
+      placed.push_back(s_.corners.position[s_.corners.of_vertex[v]]);
+    }
+    if (polygon.size() < 3) return false;
+    const Vec3 normal = united(s_.planes[c.piece], s_.planes[c.other]).normal;
+    const Bounds bounds{.thickness = defects_.bounds().thickness};
+    return judge_polygon(polygon, placed, normal, bounds).kinds != 0 &&
+           judge_polygon(polygon, home, normal, bounds).kinds != 0;
   }
 
   State& s_;

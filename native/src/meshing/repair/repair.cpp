@@ -63,7 +63,10 @@ class Repairer {
     join_again();
     improve_places(s_, defects_, job_);
     const Job::Part part(job_, "repairing", 0.75, 1.0);
-    fall_back();
+    if (fall_back()) {
+      coarsen(s_, defects_, usual_, job_);
+      fall_back();
+    }
     slide_corners(s_, defects_, job_);
     straighten_rims(s_, defects_, job_);
     outcome_.let_go = keep_to_planes(s_, defects_, job_);
@@ -133,7 +136,9 @@ class Repairer {
 
   /// The last resort: remaining defective polygons are replaced by the scan's triangles, so that every remaining defect
   /// exists in the scan.
-  void fall_back() {
+  /// \return whether any polygon was replaced
+  bool fall_back() {
+    bool ever = false;
     for (bool any = true; any; ++outcome_.rounds) {
       job_.poll();
       any = false;
@@ -143,7 +148,9 @@ class Repairer {
       for (std::int32_t l = 0; l < static_cast<std::int32_t>(defective.size()); ++l)
         if (defective[l]) any = shatter(l) || any;
       if (any) bring_up_to_date();
+      ever = ever || any;
     }
+    return ever;
   }
 
   /// Makes polygons planar. A piece whose polygon cannot become planar is split, after kSplits tries down to faces of
@@ -201,15 +208,20 @@ class Repairer {
   /// \return whether anything was done
   bool act() {
     find_met();
+    // If two pieces meet, the smaller is not split, but in each third round.
+    const std::int32_t pieces = s_.labels.piece_count();
+    std::vector<bool> is_spared(pieces, false);
+    if (outcome_.rounds % 3 != 0)
+      for (const Hit& h : defects_.hits())
+        if (!h.excused && h.a != h.b) is_spared[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
     bool any = false;
     polygons_ = s_.polygons.count();
-    const std::int32_t pieces = s_.labels.piece_count();
     for (std::int32_t l = 0; l < pieces; ++l) {
       const Action action = next_action(l);
       if (action == Action::none) continue;
       job_.poll();
       ++tries_[l];
-      any = take(action, l) || any;
+      any = take(action, l, is_spared[l] && defects_.kinds(l) == 0) || any;
     }
     return any;
   }
@@ -230,10 +242,10 @@ class Repairer {
     return met_[l] ? Plan(plans::kForMeeting) : Plan(plans::kForBent);
   }
 
-  /// Where an action can't be taken, the piece is split.
-  bool take(Action action, std::int32_t l) {
+  /// Where an action can't be taken, the piece is split, or waits if it is spared.
+  bool take(Action action, std::int32_t l, bool is_spared) {
     if (action == Action::pull) return pull(l);
-    return (action == Action::add_diagonal && add_diagonal(l)) || split(l);
+    return (action == Action::add_diagonal && add_diagonal(l)) || is_spared || split(l);
   }
 
   /// Moves the corners of a piece halfway back to their vertices.
