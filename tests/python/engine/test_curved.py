@@ -300,6 +300,6 @@ def test_strips_of_a_scanned_can_are_parallel(data):
     edges = [sorted(edge) for edge, polygons in owners.items() if len(polygons) == 2]
     assert len(edges) == found.segments
     along = np.diff(np.asarray(poly.vertices)[edges], axis=1)[:, 0]
-    assert np.abs(along @ found.axis / np.linalg.norm(along, axis=1)).min() > np.cos(np.radians(4))
+    assert np.abs(along @ found.axis / np.linalg.norm(along, axis=1)).min() > np.cos(np.radians(5))
     planar = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
     assert (np.bincount(planar.polygon_region)[found.regions] == 1).all()
