@@ -19,7 +19,7 @@ class Rebake : public testing::Test {
   Rebake()
       : mesh(shapes::mesh(shapes::noisy(shapes::sphere(4), 0.01, 3))),
         before(partition(mesh, {.proxies = 150}, job)),
-        after(add_proxy(mesh, before, 100, job)),
+        after(add_proxy(mesh, before, 200, job)),
         old_poly(polygonize(mesh, before, {}, job)),
         poly(polygonize(mesh, after, {}, job)),
         uv(6 * mesh.face_count(), 0),
