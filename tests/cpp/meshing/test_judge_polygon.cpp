@@ -58,6 +58,7 @@ TEST(JudgePolygon, FindsWhetherManyEdgesCross) {
     const PolygonDefects found = judge_polygon(polygon, p, Vec3::UnitZ(), {0, 1e-3}, {}, &facets);
     const bool expected = crosses(p);
     ASSERT_EQ((found.kinds & kCrossing) != 0, expected) << trial;
+    ASSERT_EQ(found.crossing[0] >= 0, expected) << trial;
     crossed += expected;
     if (!expected) {
       ASSERT_EQ(facets.size(), p.size() - 2) << trial;

@@ -151,6 +151,24 @@ Vec3 step_onto(std::span<const Plane* const> planes, double fixed, const Vec3& f
   return d;
 }
 
+Scale scale_of(const Labels& labels, std::span<const Plane> planes) {
+  Scale scale;
+  double area = 0, count = 0;
+  for (std::size_t l = 0; l < planes.size(); ++l) {
+    if (labels.pieces[l].face == kNone) continue;
+    area += planes[l].area;
+    scale.error += error_of(planes[l]);
+    scale.square += std::max(0.0, square_of(planes[l]));
+    ++count;
+  }
+  if (count == 0) return scale;
+  scale.size = std::sqrt(area / count);
+  scale.deviation = std::sqrt(scale.square / std::max(area, 1e-300));
+  scale.error /= count;
+  scale.square /= count;
+  return scale;
+}
+
 Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const SurfaceMoments> given) {
   Moments moments;
   const Vec3 origin = mesh.vertices()[mesh.triangles()[faces[0]][0]];

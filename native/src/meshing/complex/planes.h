@@ -23,6 +23,21 @@ struct Plane {
   double projected = 0;  ///< length of the vector area; 0 where the faces define no direction
 };
 
+/// Distortion of the surface of a plane: the sum of area * |n_face - normal|^2.
+inline double error_of(const Plane& p) { return 2 * (p.area - p.projected); }
+/// The sum of area * square distance of the surface from the plane, infinitesimal parts of the surface counted.
+inline double square_of(const Plane& p) { return p.area * p.normal.dot(p.spread * p.normal); }
+
+/// The units of the limits of meshing.
+struct Scale {
+  double size = 0;       ///< sqrt(area / pieces), scene units
+  double deviation = 0;  ///< root mean square distance of the scan from the planes of the pieces, scene units
+  double error = 0;      ///< mean of `error_of` over the pieces
+  double square = 0;     ///< mean of `square_of` over the pieces
+};
+/// Cost: O(pieces).
+Scale scale_of(const Labels& labels, std::span<const Plane> planes);
+
 /// The planes of all pieces.
 /// Cost: O(F).
 std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const Job& job);

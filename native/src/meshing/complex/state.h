@@ -59,6 +59,7 @@ class State {
   /// one than before: joining junctions and mending pinches hand faces over to a neighbour.
   [[nodiscard]] std::int32_t region_of(std::int32_t piece, std::span<const std::int32_t> faces) const;
   [[nodiscard]] SharedBoundary shared_boundary(std::int32_t piece) const;
+  [[nodiscard]] Scale scale() const { return scale_of(labels, planes_); }
   /// The boundary that two pieces would have together, as half-edges in order; empty where that would be no disc.
   /// Cost: O(their boundaries), of which the complex must be up to date.
   [[nodiscard]] std::vector<std::int32_t> loop_together(std::int32_t kept, std::int32_t gone) const;
@@ -90,6 +91,7 @@ class State {
   // Changes of polygons, as in Complex. Pieces with changed diagonals are an argument of `update`.
   void add_corner(std::int32_t vertex) { complex_.add_corner(vertex); }
   bool drop_corner(std::int32_t vertex) { return complex_.drop_corner(vertex); }
+  bool bend(std::int32_t chord) { return complex_.bend(chord); }
   /// The corner at a vertex, a new one if there is none.
   std::int32_t corner_at(std::int32_t vertex) { return corners_.at(vertex); }
   void set_diagonals(std::int32_t piece, std::vector<std::array<std::int32_t, 2>> all) {

@@ -31,7 +31,8 @@ struct Facet {
 /// The defects of a polygon. All tests are exact on coordinates rounded to float32, as they will be stored.
 struct PolygonDefects {
   std::uint8_t kinds = 0;
-  double bend = 0;  ///< largest distance of a corner from the plane
+  double bend = 0;                               ///< largest distance of a corner from the plane
+  std::array<std::int32_t, 2> crossing{-1, -1};  ///< two edges that meet, by the index of their first corner
 };
 
 /// The cosine between a polygon and its piece up to which it counts as flipped; the second for polygons that planar

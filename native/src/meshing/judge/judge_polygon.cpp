@@ -87,10 +87,10 @@ bool touch(const std::vector<Point>& p, std::size_t i, std::size_t j) {
 
 constexpr std::size_t kSwept = 32;  ///< edges from which on the search is a sweep
 
-/// As `crosses`, for many edges. The sweep takes edges in the order of their low ends along the longer side of the
+/// As `find_crossing`, for many edges. The sweep takes edges in the order of their low ends along the longer side of the
 /// polygon, and compares each with all edges that begin before it ends.
 /// Cost: about O(n log n) for n short edges.
-bool sweep_crosses(const std::vector<Point>& p) {
+std::array<std::int32_t, 2> sweep_for_crossing(const std::vector<Point>& p) {
   const auto n = p.size();
   double low[2] = {p[0].x(), p[0].y()}, high[2] = {low[0], low[1]};
   for (const Point& q : p)
@@ -112,19 +112,19 @@ bool sweep_crosses(const std::vector<Point>& p) {
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = a + 1; b < n && edges[b].from <= edges[a].to; ++b) {
       const auto [i, j] = std::minmax(edges[a].index, edges[b].index);
-      if (touch(p, i, j)) return true;
+      if (touch(p, i, j)) return {static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)};
     }
-  return false;
+  return {-1, -1};
 }
 
-/// Whether two edges of the polygon touch elsewhere than where they follow each other.
-/// Cost: O(n^2) for fewer than kSwept edges, else as `sweep_crosses`.
-bool crosses(const std::vector<Point>& p) {
-  if (p.size() >= kSwept) return sweep_crosses(p);
+/// Two edges of the polygon that touch elsewhere than where they follow each other, {-1, -1} if it is simple.
+/// Cost: O(n^2) for fewer than kSwept edges, else as `sweep_for_crossing`.
+std::array<std::int32_t, 2> find_crossing(const std::vector<Point>& p) {
+  if (p.size() >= kSwept) return sweep_for_crossing(p);
   for (std::size_t i = 0; i + 1 < p.size(); ++i)
     for (std::size_t j = i + 1; j < p.size(); ++j)
-      if (touch(p, i, j)) return true;
-  return false;
+      if (touch(p, i, j)) return {static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)};
+  return {-1, -1};
 }
 
 /// Cuts ears off a simple polygon, the one with the shortest diagonal first (the first one, where corners are many).
@@ -316,7 +316,8 @@ PolygonDefects judge_polygon(std::span<const std::int32_t> polygon, std::span<co
   if (f.normal.dot(normal) <= bounds.facing * f.normal.norm()) found.kinds |= kFlipped;
   if (bounds.bend > 0 && f.bend > bounds.bend) found.kinds |= kBent;
   const bool convex = is_convex(f.points);
-  if (!convex && crosses(f.points)) {
+  if (!convex) found.crossing = find_crossing(f.points);
+  if (found.crossing[0] >= 0) {
     found.kinds |= kCrossing;
   } else if (facets) {
     constexpr std::size_t kFew = 64;

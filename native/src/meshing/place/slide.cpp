@@ -27,17 +27,9 @@ constexpr double kTiny = 1e-6;              // share of the shortest edge: a cor
 class Slider {
  public:
   Slider(State& state, Job& job) : s_(state), home_(state.corners.position), job_(job) {
-    double area = 0, square = 0;
-    std::int32_t count = 0;
-    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
-      if (s_.labels.pieces[l].face == kNone) continue;
-      const Plane& p = s_.planes[l];
-      area += p.area;
-      square += p.area * std::max(0.0, p.normal.dot(p.spread * p.normal));
-      ++count;
-    }
-    size_ = std::sqrt(area / std::max(count, 1));
-    off_ = kOff * std::sqrt(square / std::max(area, 1e-300)) + kRounding * s_.mesh.diagonal();
+    const Scale scale = s_.scale();
+    size_ = scale.size;
+    off_ = kOff * scale.deviation + kRounding * s_.mesh.diagonal();
     bend_ = kBend / size_;
   }
 

@@ -26,12 +26,7 @@ class Pairs {
  public:
   explicit Pairs(const State& state)
       : s_(state), mirror_(state.partition.symmetry->relative_to(state.mesh.origin())), piece_(piece_images(state)) {
-    double area = 0;
-    std::int32_t count = 0;
-    for (const Piece& p : s_.labels.pieces) count += p.face != kNone;
-    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
-      if (s_.labels.pieces[l].face != kNone) area += s_.planes[l].area;
-    reach_ = kNear * std::sqrt(area / std::max(count, 1));
+    reach_ = kNear * state.scale().size;
     pair_corners();
   }
 

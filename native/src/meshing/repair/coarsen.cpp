@@ -18,8 +18,6 @@ constexpr std::int32_t kTogether = 256;  ///< pieces in which one thread searche
 // Deviation that a union of two regions may add, as shares of the mean deviation of a region. Source: own trials, 15
 // scans, buildings and nasty meshes at 50 to 1,000 regions.
 constexpr double kError = 1, kSquare = 3;
-double error_of(const Plane& p) { return 2 * (p.area - p.projected); }
-double square_of(const Plane& p) { return p.area * p.normal.dot(p.spread * p.normal); }
 
 /// The actions of the repair that may turn out to be unnecessary.
 enum class Act : std::int32_t { diagonal, split };
@@ -40,7 +38,7 @@ using Key = std::array<std::int32_t, 4>;  ///< an act, and the numbers that iden
 
 class Coarsener {
  public:
-  Coarsener(State& state, Defects& defects, const Misses& usual, Job& job)
+  Coarsener(State& state, Defects& defects, const Scale& usual, Job& job)
       : s_(state),
         defects_(defects),
         usual_(usual),
@@ -233,7 +231,7 @@ class Coarsener {
 
   State& s_;
   Defects& defects_;
-  const Misses usual_;
+  const Scale usual_;
   Job& job_;
   std::vector<std::int32_t> pieces_of_;  // by component of the mesh
   std::vector<std::int32_t> pieces_in_;  // by region
@@ -244,19 +242,7 @@ class Coarsener {
 
 }  // namespace
 
-Misses mean_misses(const State& state) {
-  Misses sum;
-  double count = 0;
-  for (std::size_t l = 0; l < state.labels.pieces.size(); ++l) {
-    if (state.labels.pieces[l].face == kNone) continue;
-    sum.error += error_of(state.planes[l]);
-    sum.square += square_of(state.planes[l]);
-    ++count;
-  }
-  return count > 0 ? Misses{sum.error / count, sum.square / count} : sum;
-}
-
-void coarsen(State& state, Defects& defects, const Misses& usual, Job& job) {
+void coarsen(State& state, Defects& defects, const Scale& usual, Job& job) {
   Coarsener(state, defects, usual, job).run();
 }
 

@@ -6,20 +6,13 @@
 
 namespace isimp::meshing {
 
-/// The deviation of the scan from the planes of the pieces, as the mean over all pieces.
-struct Misses {
-  double error = 0;   ///< sum of area * |n_face - n_piece|^2
-  double square = 0;  ///< sum of area * square distance
-};
-Misses mean_misses(const State& state);
-
 /// Undoes splits and diagonals that are not needed: removes diagonals and unites split pieces with neighbours, wherever
 /// no polygon becomes defective by it. Neighbours of the same region come first. A neighbour of another region must be at
 /// least as large and near the same plane, and the region that loses the piece must keep another. A part that is not
 /// connected with the rest of its region stays in the region. One change is tried after another (trials.h), the most
 /// promising first: unions whose pieces share most of their boundary. Then corners get better places.
-/// \param usual  deviation of the regions: a union of two regions may add a share of it
+/// \param usual  of the regions: a union of two regions may add a share of it
 /// Cost: a trial for each diagonal and each pair of adjacent pieces that may be united.
-void coarsen(State& state, Defects& defects, const Misses& usual, Job& job);
+void coarsen(State& state, Defects& defects, const Scale& usual, Job& job);
 
 }  // namespace isimp::meshing

@@ -80,24 +80,18 @@ class Joiner {
     loops_.resize(pieces);
     sums_.resize(pieces);
     at_.resize(s_.corners.count());
-    double area = 0, square = 0;
-    std::int32_t count = 0;
     for (std::int32_t l = 0; l < pieces; ++l) {
-      const Plane& p = s_.planes[l];
       if (s_.labels.pieces[l].face == kNone) continue;
-      ++count;
-      area += p.area;
-      square += p.area * p.normal.dot(p.spread * p.normal);
-      sums_[l] = p.projected * p.normal;
+      sums_[l] = s_.planes[l].projected * s_.planes[l].normal;
       for (const std::int32_t h : s_.complex.chords(l)) {
         const std::int32_t c = s_.corner_at(mesh_.from(h));
         loops_[l].push_back(c);
         at_[c].push_back(l);
       }
     }
-    size_ = std::sqrt(area / std::max(count, 1));
-    const double deviation = std::sqrt(std::max(0.0, square) / std::max(area, 1e-300));
-    gap_ = std::min(kPlanes * deviation, kGap * size_) + kRounding * mesh_.diagonal();
+    const Scale scale = s_.scale();
+    size_ = scale.size;
+    gap_ = std::min(kPlanes * scale.deviation, kGap * size_) + kRounding * mesh_.diagonal();
     vertex_ = s_.corners.vertex;
     position_ = s_.corners.position;
     image_ = piece_images(s_);

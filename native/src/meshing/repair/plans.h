@@ -11,6 +11,7 @@ namespace isimp::meshing {
 enum class Action : std::uint8_t {
   none,
   pull,          ///< move the corners of the piece halfway back to the scan
+  add_corner,    ///< add a corner on one of two chords that cross, else split
   add_diagonal,  ///< split one polygon of the piece between two of its corners, else split the piece
   split,         ///< split the piece in two
 };
@@ -32,8 +33,8 @@ using Plan = std::span<const Action>;
 
 namespace plans {
 using enum Action;
-inline constexpr std::array kForCrossing{pull,  split, pull,  split, split, pull,  split,
-                                         split, pull,  split, split, pull,  split, split};
+inline constexpr std::array kForCrossing{pull,  add_corner, pull,  add_corner, split, pull,  split,
+                                         split, pull,       split, split,      pull,  split, split};
 inline constexpr std::array kForFlipped{pull, pull,  add_diagonal, split, pull,  split, split,
                                         pull, split, split,        pull,  split, split};
 inline constexpr std::array kForMeeting{pull,  pull, pull,  add_diagonal, split, pull,  split,

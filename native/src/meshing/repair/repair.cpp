@@ -52,7 +52,7 @@ class Repairer {
     {
       const Job::Part part(job_, "repairing", 0.0, 0.25);
       s_.update({});
-      usual_ = mean_misses(s_);
+      usual_ = s_.scale();
       std::vector<Join> joins = join_junctions(s_, job_);
       judge(all_pieces());
       s_.take_stale();
@@ -245,7 +245,8 @@ class Repairer {
   /// Where an action can't be taken, the piece is split, or waits if it is spared.
   bool take(Action action, std::int32_t l, bool is_spared) {
     if (action == Action::pull) return pull(l);
-    return (action == Action::add_diagonal && add_diagonal(l)) || is_spared || split(l);
+    return (action == Action::add_corner && bend(l)) || (action == Action::add_diagonal && add_diagonal(l)) ||
+           is_spared || split(l);
   }
 
   /// Moves the corners of a piece halfway back to their vertices.
@@ -258,6 +259,33 @@ class Repairer {
       for (const std::int32_t q : s_.polygons.at(c)) also_.push_back(s_.polygons.piece(q));
     }
     return true;
+  }
+
+  /// Adds a corner on the one of two chords that cross that its boundary leaves further.
+  bool bend(std::int32_t l) {
+    std::int32_t worse = kNone;
+    double most = 0;
+    for (std::size_t i = 0; i < defects_.of(l).polygons.size(); ++i) {
+      const auto& crossing = defects_.of(l).polygons[i].crossing;
+      const auto polygon = s_.polygons.of(s_.polygons.first_of(l) + static_cast<std::int32_t>(i));
+      for (const std::int32_t e : crossing) {
+        const std::int32_t chord = e < 0 ? kNone : chord_of(l, polygon[e], polygon[(e + 1) % polygon.size()]);
+        const double depth = chord == kNone ? -1 : s_.complex.depth(chord);
+        if (depth < most) continue;
+        most = depth;
+        worse = chord;
+      }
+    }
+    return worse != kNone && s_.bend(worse);
+  }
+
+  /// The chord of a piece from one corner to another, kNone where that edge is a diagonal.
+  [[nodiscard]] std::int32_t chord_of(std::int32_t l, std::int32_t from, std::int32_t to) const {
+    const std::int32_t a = s_.corners.vertex[from], b = s_.corners.vertex[to];
+    const auto chords = s_.complex.chords(l);
+    for (std::size_t k = 0; k < chords.size(); ++k)
+      if (s_.mesh.from(chords[k]) == a && s_.mesh.from(chords[(k + 1) % chords.size()]) == b) return chords[k];
+    return kNone;
   }
 
   /// Splits the worst of the piece's polygons by a new edge between two of its corners.
@@ -307,7 +335,7 @@ class Repairer {
   std::vector<std::int32_t> also_;     // pieces to be judged in addition to the result of an update
   bool may_split_ = true;              // else acts only move corners
   std::vector<std::int32_t> changed_;  // pieces whose diagonals were changed in this round
-  Misses usual_;                       // mean deviation of the regions, before the repair
+  Scale usual_;                        // scale of the regions before the repair
 };
 
 }  // namespace
