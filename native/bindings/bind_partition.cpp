@@ -40,11 +40,16 @@ py::list warnings(const Partition& part) {
 py::object regularity_of(const Partition& part) {
   if (!part.regularity) return py::none();
   const Regularity& r = *part.regularity;
-  return py::dict("directions"_a = r.directions, "planes"_a = r.planes, "rms_added"_a = r.rms - r.rms_before,
-                  "rms"_a = r.rms, "length"_a = r.length, "evenly_spaced"_a = r.even,
-                  "islands_merged"_a = r.islands_merged,
-                  "snapped_to"_a = py::dict("level"_a = r.level, "upright"_a = r.upright, "slope"_a = r.slopes,
-                                            "parallel"_a = r.parallel, "free"_a = r.free, "by_hand"_a = r.by_hand));
+  py::dict found("directions"_a = r.directions, "planes"_a = r.planes, "rms_added"_a = r.rms - r.rms_before,
+                 "rms"_a = r.rms, "length"_a = r.length, "evenly_spaced"_a = r.even,
+                 "islands_merged"_a = r.islands_merged,
+                 "snapped_to"_a = py::dict("level"_a = r.level, "upright"_a = r.upright, "slope"_a = r.slopes,
+                                           "parallel"_a = r.parallel, "free"_a = r.free, "by_hand"_a = r.by_hand));
+  const RegularAxes& a = r.axes;
+  if (!part.curved.empty())
+    found["axes"] = py::dict("upright"_a = a.upright, "level"_a = a.level, "parallel"_a = a.parallel, "free"_a = a.free,
+                             "coaxial"_a = a.coaxial, "equal_radii"_a = a.equal_radii);
+  return found;
 }
 
 py::object symmetry_of(const Partition& part) {

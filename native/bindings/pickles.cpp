@@ -219,7 +219,8 @@ py::tuple state_of(const Partition& partition) {
   py::list patches;
   for (const CurvedProxy& proxy : curved) patches.append(pack_curved(proxy));
   const auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, islands, length, rms_before,
-               rms] = regularity.value_or(Regularity{});
+               rms, axes] = regularity.value_or(Regularity{});
+  const auto& [axes_upright, axes_level, axes_parallel, axes_free, coaxial, equal_radii] = axes;
   const auto& [normal, offset, mismatch_mean, mismatch, mirrored] = symmetry.value_or(Mirror{});
   return py::make_tuple(
       pack_all(face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped,
@@ -227,11 +228,12 @@ py::tuple state_of(const Partition& partition) {
                regularity.has_value(), directions, planes, level, upright, slopes, parallel, free, by_hand, even,
                islands, length, rms_before, rms, symmetry.has_value(), std::vector<Vec3>{normal}, offset, mismatch_mean,
                mismatch, mirrored),
-      pack_guided(guided), py::tuple(patches), pack(cell));
+      pack_guided(guided), py::tuple(patches), pack(cell),
+      pack_all(axes_upright, axes_level, axes_parallel, axes_free, coaxial, equal_radii));
 }
 
 Partition partition_from_state(const py::tuple& state) {
-  check(state.size() == 2 || state.size() == 4);  // without curved patches: an older version
+  check(state.size() == 2 || state.size() == 4 || state.size() == 5);  // without curved patches or axes: older versions
   Partition partition;
   auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped, bound,
          distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held, curved, cell,
@@ -241,13 +243,16 @@ Partition partition_from_state(const py::tuple& state) {
   std::vector<Vec3> normals;
   auto& [normal, offset, mismatch_mean, mismatch, mirrored] = plane;
   bool is_symmetric = false;
-  auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, islands, length, rms_before, rms] =
-      found;
+  auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, islands, length, rms_before, rms,
+         axes] = found;
   bool is_regular = false;
   unpack_all(state[0].cast<py::tuple>(), face_region, region_seed, region_normal, region_sum, error, history, smooth,
              tolerance, noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out,
              locked, held, is_regular, directions, planes, level, upright, slopes, parallel, free, by_hand, even,
              islands, length, rms_before, rms, is_symmetric, normals, offset, mismatch_mean, mismatch, mirrored);
+  if (state.size() == 5)
+    unpack_all(state[4].cast<py::tuple>(), axes.upright, axes.level, axes.parallel, axes.free, axes.coaxial,
+               axes.equal_radii);
   if (is_regular) regularity = found;
   check(normals.size() == 1);
   normal = normals[0];

@@ -10,11 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "compass.h"
 #include "even_spacing.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/sorted.h"
 #include "islands.h"
 #include "region_planes.h"
+#include "round_axes.h"
 
 namespace isimp {
 namespace {
@@ -22,7 +24,6 @@ namespace {
 using namespace regular;
 using Some = std::vector<std::int32_t>;  ///< regions, the largest first
 
-constexpr double kQuarter = std::numbers::pi / 2;
 constexpr double kOfMedian = 1.2;      ///< the default length, times the median distance of a region from its plane
 constexpr double kUnsure = 2;          ///< times that distance * sqrt(3 / faces): uncertainty of a region's plane
 constexpr double kMostAdded = 0.1;     ///< share of the root mean square distance that all planes together may add by
@@ -30,9 +31,8 @@ constexpr double kMostAdded = 0.1;     ///< share of the root mean square distan
 constexpr double kLeastLength = 1e-5;  ///< share of the diagonal
 constexpr double kSure = 0.6;          ///< below this share of the length, up to kWider times the angle is allowed
 constexpr double kWider = 3;
-constexpr int kFrames = 3;                              ///< directions of walls, each with the directions square to it
-constexpr double kVote = 1.5 * std::numbers::pi / 180;  ///< width of a vote for one
-constexpr double kSame = 1e-9;                          ///< difference of two normals that are one direction
+constexpr int kFrames = 3;      ///< directions of walls, each with the directions square to it
+constexpr double kSame = 1e-9;  ///< difference of two normals that are one direction
 constexpr double kAnywhere = std::numeric_limits<double>::infinity();
 
 /// The kind of each snapped plane.
@@ -43,20 +43,21 @@ struct Region : RegionPlane {
   std::uint8_t chosen = 0;  ///< kPlaneByHand or kPlaneRound: its plane stays; kPlaneFree: it stays free; else 0
 };
 
-double azimuth_difference(double a, double b) {
-  const double d = std::fmod(a - b + kQuarter / 2, kQuarter);
-  return (d < 0 ? d + kQuarter : d) - kQuarter / 2;
-}
-
+/// Snaps planes. The axis of a round part takes part as a plane that is square to it.
 class Regulariser {
  public:
   Regulariser(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, const Vec3& up)
+      : Regulariser(mesh, partition, region_planes(mesh, partition), options, up) {}
+
+  Regulariser(const Mesh& mesh, const Partition& partition, const std::vector<RegionPlane>& planes,
+              const RegulariseOptions& options, const Vec3& up)
       : mesh_(mesh),
         angle_(options.angle * std::numbers::pi / 180),
         is_even_(options.even_spacing),
         depth_(options.merge_islands),
-        z_(up) {
-    const std::vector<RegionPlane> planes = region_planes(mesh, partition);
+        compass_(up),
+        planes_(planes.size()),
+        round_(mesh, partition, planes) {
     const double noise = median_distance(planes);
     for (const RegionPlane& plane : planes) {
       const std::size_t i = regions_.size();
@@ -68,37 +69,38 @@ class Regulariser {
       r.snapped = partition.region_normal[i];
       r.offset = partition.region_offset[i];
     }
+    for (std::size_t g = 0; g < round_.size(); ++g) regions_.emplace_back(Region{round_.axis(g)});
     least_ = kLeastLength * mesh.diagonal();
     length_ = options.length.value_or(std::max(kOfMedian * noise, least_));
     has_budget_ = !options.length;
     if (has_budget_) unsure_ = kUnsure * noise;
-    if (!has_up()) return;
-    const Vec3 axis = Vec3::Unit(std::abs(z_.x()) < 0.9 ? 0 : 1);
-    x_ = (axis - z_.dot(axis) * z_).normalized();
-    y_ = z_.cross(x_);
   }
 
   void run() {
     Some left = numbers_below(static_cast<std::int32_t>(regions_.size()));
     largest_first(left);
-    std::erase_if(left, [&](std::int32_t r) { return regions_[r].scan.area <= 0; });
-    const Some all = left;
+    std::erase_if(left, [&](auto r) { return regions_[r].scan.area <= 0 || regions_[r].chosen == kPlaneRound; });
+    Some all = left;
     std::erase_if(left, [&](std::int32_t r) { return is_by_hand(r) || regions_[r].chosen == kPlaneFree; });
-    if (has_up()) {
-      take(left, Kind::level, [&](const Region&) { return z_; });
+    if (compass_.has_up()) {
+      take(left, Kind::level, [&](const Region&) { return compass_.up(); });
       snap_upright(left, all);
       snap_slopes(left);
     }
     snap_parallel(left, all);
+    std::erase_if(all, [&](std::int32_t r) { return is_axis(r); });
     for (const std::int32_t r : all)
       if (!is_by_hand(r)) regions_[r].offset = regions_[r].snapped.dot(regions_[r].scan.centre);
     align_offsets(all);
     if (is_even_) space_evenly(all);
+    move_round();
     if (has_budget_) release(all);
   }
 
   Partition result(const Partition& partition) {
     Partition out = partition;
+    RegularAxes axes;
+    take_round(out, axes);
     out.region_offset.resize(regions_.size());
     out.region_held.assign(regions_.size(), 0);
     Regularity found = summary_of({regions_.begin(), regions_.end()});
@@ -115,11 +117,38 @@ class Regulariser {
       if (r.scan.area > 0 && r.chosen != kPlaneRound) count(found, r.kind);
     found.length = length_;
     found.even = even_;
+    found.axes = axes;
     out.regularity = found;
     return out;
   }
 
  private:
+  [[nodiscard]] bool is_axis(std::int32_t r) const { return static_cast<std::size_t>(r) >= planes_; }
+
+  /// Moves round parts to the axes that were snapped.
+  void move_round() {
+    std::vector<double> reach;
+    for (std::size_t g = 0; g < round_.size(); ++g) {
+      const Region& axis = regions_[planes_ + g];
+      if (axis.kind != Kind::free) round_.turn(g, axis.snapped);
+      reach.push_back(length_ + unsure(axis));
+    }
+    round_.share(reach);
+  }
+
+  /// Sets the planes of cells and the axes of their parts. Then there are only planes of regions.
+  void take_round(Partition& out, RegularAxes& axes) {
+    for (const CellPlane& cell : round_.cells()) {
+      regions_[cell.region].snapped = cell.normal;
+      regions_[cell.region].offset = cell.offset;
+    }
+    round_.store(out.curved, axes);
+    std::int32_t* const counts[] = {&axes.free, &axes.upright, &axes.level, &axes.parallel,
+                                    &axes.parallel};  // a plane is square to its axis
+    for (std::size_t r = planes_; r < regions_.size(); ++r) ++*counts[static_cast<std::size_t>(regions_[r].kind)];
+    regions_.resize(planes_);
+  }
+
   /// Makes islands and their rims parts of their walls.
   void merge_islands(Partition& out, Regularity& found) {
     std::vector<RegionPlane*> planes;
@@ -138,7 +167,6 @@ class Regulariser {
     ++*counts[static_cast<std::size_t>(kind)];
   }
 
-  [[nodiscard]] bool has_up() const { return z_.squaredNorm() > 0; }
   [[nodiscard]] bool is_by_hand(std::int32_t r) const { return regions_[r].kind == Kind::by_hand; }
 
   /// The increase of the root mean square distance of a region when its plane is turned about its middle.
@@ -202,60 +230,10 @@ class Regulariser {
     return true;
   }
 
-  [[nodiscard]] double azimuth(const Vec3& n) const { return std::atan2(n.dot(y_), n.dot(x_)); }
-  [[nodiscard]] Vec3 toward(double azimuth) const { return std::cos(azimuth) * x_ + std::sin(azimuth) * y_; }
-  /// The direction of a frame nearest to an azimuth.
-  static double nearest(double frame, double azimuth) {
-    return frame + std::round((azimuth - frame) / kQuarter) * kQuarter;
-  }
-  [[nodiscard]] Vec3 levelled(const Vec3& n) const {
-    const Vec3 flat = n - n.dot(z_) * z_;
-    return flat.norm() > 0 ? Vec3(flat.normalized()) : z_;
-  }
-
-  /// The azimuth, mod a quarter turn, with the votes of most area.
-  [[nodiscard]] double vote(const Some& some) const {
-    constexpr int kSteps = 360;
-    double best = 0, most = -1;
-    for (int k = 0; k < kSteps; ++k) {
-      const double here = kQuarter * k / kSteps;
-      double sum = 0;
-      for (const std::int32_t r : some) {
-        const double d = azimuth_difference(azimuth(regions_[r].normal), here) / kVote;
-        sum += regions_[r].scan.area * std::exp(-d * d / 2);
-      }
-      if (sum <= most) continue;
-      most = sum;
-      best = here;
-    }
-    for (int k = 0; k < 10; ++k) {
-      double sum = 0, area = 0;
-      for (const std::int32_t r : some) {
-        const double d = azimuth_difference(azimuth(regions_[r].normal), best);
-        if (std::abs(d) > angle_ / 2) continue;
-        // The cost of turning the region: the directions of large walls are certain.
-        const Vec3 side = z_.cross(levelled(regions_[r].normal));
-        const double weight = regions_[r].scan.area * side.dot(regions_[r].scan.spread * side);
-        sum += weight * d;
-        area += weight;
-      }
-      if (area > 0) best += sum / area;
-    }
-    return best;
-  }
-
-  /// The azimuth, near a first one, of the frame that regions along it fit best.
-  [[nodiscard]] double fitted_frame(const Some& some, double first) const {
-    Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
-    for (const std::int32_t r : some) {
-      const double to = nearest(first, azimuth(regions_[r].normal)) - first;
-      Eigen::Matrix<double, 3, 2> axes;  // turned so that the region's direction is that of the frame
-      axes << std::cos(to) * x_ + std::sin(to) * y_, std::cos(to) * y_ - std::sin(to) * x_;
-      sum += regions_[r].scan.area * axes.transpose() * regions_[r].scan.spread * axes;
-    }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(sum);
-    const Eigen::Vector2d n = solver.eigenvectors().col(0);
-    return nearest(std::atan2(n.y(), n.x()), first);
+  [[nodiscard]] std::vector<const RegionPlane*> planes_of(const Some& some) const {
+    std::vector<const RegionPlane*> planes;
+    for (const std::int32_t r : some) planes.push_back(&regions_[r]);
+    return planes;
   }
 
   /// \param all  the regions set by hand among them lead
@@ -263,35 +241,37 @@ class Regulariser {
     Some upright, rest;
     for (const std::int32_t r : left) {
       const Vec3& n = regions_[r].normal;
-      const bool is = std::abs(n.dot(z_)) < std::sin(kWider * angle_) && may(r, levelled(n));
+      const bool is = std::abs(n.dot(compass_.up())) < std::sin(kWider * angle_) && may(r, compass_.levelled(n));
       (is ? upright : rest).push_back(r);
     }
     const auto along = [this](double frame) {
-      return [this, frame](const Region& r) { return toward(nearest(frame, azimuth(r.normal))); };
+      return [this, frame](const Region& r) {
+        return compass_.toward(Compass::nearest(frame, compass_.azimuth(r.normal)));
+      };
     };
     const auto take_along = [&](double frame) {
       Some took = take(upright, Kind::upright, along(frame));
-      const double fitted = fitted_frame(took, frame);
+      const double fitted = compass_.fitted(planes_of(took), frame);
       return retake(took, upright, Kind::upright, along(fitted)) ? fitted : frame;
     };
     for (const std::int32_t lead : all) {
-      if (!is_by_hand(lead) || std::abs(regions_[lead].snapped.dot(z_)) > kSame) continue;
-      frames_.push_back(azimuth(regions_[lead].snapped));
+      if (!is_by_hand(lead) || std::abs(regions_[lead].snapped.dot(compass_.up())) > kSame) continue;
+      frames_.push_back(compass_.azimuth(regions_[lead].snapped));
       take(upright, Kind::upright, along(frames_.back()));
     }
     for (int k = 0; k < kFrames && !upright.empty(); ++k) {
       const std::size_t before = upright.size();
-      const double frame = take_along(vote(upright));
+      const double frame = take_along(compass_.vote(planes_of(upright), angle_));
       if (upright.size() == before) break;
       frames_.push_back(frame);
     }
     while (!upright.empty()) {
       const std::size_t before = upright.size();
       const std::int32_t first = upright[0];
-      const double frame = azimuth(regions_[first].normal);
+      const double frame = compass_.azimuth(regions_[first].normal);
       take_along(frame);
       if (upright.size() < before) continue;
-      set(first, toward(frame), Kind::upright);
+      set(first, compass_.toward(frame), Kind::upright);
       upright.erase(upright.begin());
     }
     left = std::move(rest);
@@ -307,11 +287,11 @@ class Regulariser {
     Some rest;
     for (const std::int32_t r : left) {
       const Vec3& n = regions_[r].normal;
-      const double rise = std::atan2(n.dot(z_), levelled(n).dot(n));
+      const double rise = std::atan2(n.dot(compass_.up()), compass_.levelled(n).dot(n));
       bool found = false;
       for (const double frame : frames_) {
-        const double to = nearest(frame, azimuth(n));
-        if (!may(r, std::cos(rise) * toward(to) + std::sin(rise) * z_)) continue;
+        const double to = Compass::nearest(frame, compass_.azimuth(n));
+        if (!may(r, std::cos(rise) * compass_.toward(to) + std::sin(rise) * compass_.up())) continue;
         slopes.push_back({r, rise, to});
         found = true;
         break;
@@ -329,7 +309,8 @@ class Regulariser {
         }
       const double mean = weight > 0 ? sum / weight : lead;
       const auto target = [&](const Slope& s, double rise) {
-        return Vec3(std::cos(rise) * toward(s.azimuth) + std::copysign(std::sin(rise), s.rise) * z_);
+        return Vec3(std::cos(rise) * compass_.toward(s.azimuth) +
+                    std::copysign(std::sin(rise), s.rise) * compass_.up());
       };
       std::vector<Slope> others;
       for (std::size_t k = 0; k < slopes.size(); ++k) {
@@ -457,12 +438,20 @@ class Regulariser {
       now += snapped;
       if (r.kind != Kind::free) order.emplace_back(best - snapped, i);
     }
+    for (std::size_t g = 0; g < round_.size(); ++g) {
+      const double first = round_.before(g), more = round_.added(g);
+      area += regions_[planes_ + g].scan.area;
+      before += first;
+      now += first + more;
+      if (more > 0) order.emplace_back(-more, static_cast<std::int32_t>(planes_ + g));
+    }
     std::sort(order.begin(), order.end());
     const double most = (1 + kMostAdded) * (1 + kMostAdded) * std::max(before, area * least_ * least_);
     for (const auto& [less, i] : order) {
       if (now <= most) return;
       now += less;
       set_free(i);
+      if (is_axis(i)) round_.release(i - planes_);
       regions_[i].offset = regions_[i].snapped.dot(regions_[i].scan.centre);
     }
   }
@@ -475,9 +464,10 @@ class Regulariser {
   bool has_budget_ = false;  // else each plane's own length is the only bound
   double length_ = 0, unsure_ = 0;
   double least_ = 0;  // smaller distances count as none
-  Vec3 z_;            // up; zero: none
-  Vec3 x_, y_;
-  std::vector<Region> regions_;
+  Compass compass_;
+  std::size_t planes_;  // number of the partition's regions
+  RoundAxes round_;
+  std::vector<Region> regions_;  // those of the partition, then one for each axis
   std::vector<double> frames_;
 };
 

@@ -193,6 +193,16 @@ def test_pipes_and_their_bend_meet_in_shared_corners():
         ("revolution", 27),
     ]
     assert engine.polygonize(mesh, part, engine.MeshingOptions(planar=True)).report["whole"] > 0.95
+    regular = engine.regularise(mesh, part)  # as one rigid body
+    assert any(abs(each.axis[2]) == 1 for each in regular.curved)
+    assert not any(abs(each.axis[2]) == 1 for each in part.curved)
+    assert [each.radius for each in part.curved] == [each.radius for each in regular.curved]
+    for old, new in zip(itertools.permutations(part.curved, 2), itertools.permutations(regular.curved, 2), strict=True):
+        was, now = (
+            (np.dot(one.axis, other.axis), np.linalg.norm(np.subtract(one.point, other.point)))
+            for one, other in (old, new)
+        )
+        assert now == pytest.approx(was, abs=1e-9)
 
 
 def test_what_is_left_of_regions_beside_a_dome_stays_flat():
@@ -246,11 +256,83 @@ def test_what_can_not_be_had_together_is_refused(mesh, other):
         engine.partition(mesh, engine.PartitionOptions(curved=True, **other))
 
 
-def test_regularise_keeps_the_planes_of_cells(mesh, part):
-    regular = engine.regularise(mesh, part)
-    cells = np.array(part.curved[0].regions)
-    assert np.array_equal(regular.region_normal[cells], part.region_normal[cells])
+def tilted(radius, low, high, degrees, towards, at):
+    """A closed cylinder whose axis is so far from upright."""
+    lids, side = np.arange(1, 5) / 5, np.linspace(low, high, 17)
+    vertices, triangles = turned(
+        [(radius * r, low) for r in lids] + [(radius, z) for z in side] + [(radius * r, high) for r in lids[::-1]], 48
+    )
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    axis = np.array([s * np.cos(towards), s * np.sin(towards), c])
+    x = np.array([c, 0, -axis[0]]) / np.hypot(c, axis[0])
+    return vertices @ np.array([x, np.cross(axis, x), axis]) + at, triangles
+
+
+@pytest.fixture(scope="module")
+def columns():
+    """Three columns that lean by one to two degrees, the first with a drum above it; noise of .1 % of the diagonal."""
+    parts = [
+        tilted(1, -1.5, 1.5, 1.5, 0.3, (0, 0, 0)),
+        tilted(1.015, -1.5, 1.5, 1, 2, (4, 0, 0)),
+        tilted(0.99, -1.5, 1.5, 2, 4, (8, 0, 0)),
+        tilted(0.6, 2.2, 3.6, 0.4, 1, (0.03, 0.02, 0)),
+    ]
+    first = np.cumsum([0] + [len(v) for v, _ in parts])
+    vertices = np.concatenate([v for v, _ in parts])
+    triangles = np.concatenate([t + n for (_, t), n in zip(parts, first, strict=False)]).astype(np.int32)
+    size = np.linalg.norm(np.ptp(vertices, axis=0))
+    noise = np.random.default_rng(5).normal(scale=0.001 * size, size=vertices.shape)
+    mesh = engine.Mesh(vertices + noise, triangles)
+    return mesh, engine.partition(mesh, engine.PartitionOptions(detail=0.005, curved=True))
+
+
+def distance(mesh, part, patch):
+    """From the planes of the cells of a round part, root mean square over the middles of its faces."""
+    middle = mesh.vertices[mesh.triangles].mean(1)
+    region = part.face_region
+    mine = np.isin(region, patch.regions)
+    normal, offset = part.region_normal[region[mine]], part.region_offset[region[mine]]
+    return np.sqrt((((normal * (middle[mine] - mesh.origin)).sum(1) - offset) ** 2).mean())
+
+
+@pytest.mark.parametrize("up", ["z", "none"])
+def test_regularise_makes_axes_upright_parallel_coaxial_and_radii_equal(columns, up):
+    mesh, part = columns
+    before = [dict(p) for p in part.curved]
+    assert len({p["radius"] for p in before}) == len(before) == 4
+    assert min(np.hypot(*p["axis"][:2]) for p in before) > 0.005
+    regular = engine.regularise(mesh, part, engine.RegulariseOptions(length=0.06, up=up))
+    found = regular.curved
+    axes = np.array([p.axis for p in found])
+    assert len({tuple(axis * np.sign(axis[2]) + 0.0) for axis in axes}) == 1
+    assert (np.abs(axes[0]).tolist() == [0, 0, 1]) == (up == "z")
+    large, (small,) = [p for p in found if p.radius > 0.8], [p for p in found if p.radius < 0.8]
+    assert len({p.radius for p in large}) == 1
+    near = min(large, key=lambda p: abs(p.point[0]))
+    assert np.linalg.norm(np.cross(np.subtract(near.point, small.point), small.axis)) < 1e-12
+    kind = "upright" if up == "z" else "parallel"
+    names = ("upright", "level", "parallel", "free")
+    expected = {name: 4 * (name == kind) for name in names} | {"coaxial": 2, "equal_radii": 3}
+    assert regular.regularity["axes"] == expected
+    for patch, was in zip(found, part.curved, strict=True):
+        cells = np.array(patch.regions)
+        assert np.abs(regular.region_normal[cells] @ patch.axis).max() < 1e-15
+        assert distance(mesh, regular, patch) < distance(mesh, part, was) + 0.06
+    assert [dict(p) for p in part.curved] == before
+    polygons = engine.polygonize(mesh, regular, engine.MeshingOptions(planar=True))
+    assert (polygons.report["whole"], polygons.report["crossing"], polygons.report["flipped"]) == (1, 0, 0)
+
+
+def test_regularise_leaves_axes_where_the_scan_would_be_too_far(columns):
+    mesh, part = columns
+    regular = engine.regularise(mesh, part, engine.RegulariseOptions(length=1e-5))
     assert [dict(p) for p in regular.curved] == [dict(p) for p in part.curved]
+    cells = np.concatenate([p.regions for p in part.curved])
+    assert np.array_equal(regular.region_normal[cells], part.region_normal[cells])
+    assert np.array_equal(regular.region_offset[cells], part.region_offset[cells])
+    assert regular.regularity["axes"] == dict.fromkeys(
+        ("upright", "level", "parallel", "coaxial", "equal_radii"), 0
+    ) | {"free": 4}
 
 
 def test_free_forms_stay_as_they_are():

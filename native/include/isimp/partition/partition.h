@@ -17,6 +17,14 @@
 
 namespace isimp {
 
+/// The result of `regularise` for the axes of round parts. Parts of one axis count as one axis.
+struct RegularAxes {
+  std::int32_t upright = 0, level = 0, parallel = 0, free = 0;  ///< number of axes by the kind of snap
+  std::int32_t coaxial = 0;                                     ///< axes that were made one axis with another
+  std::int32_t equal_radii = 0;  ///< cylinders and spheres with exactly the radius of another
+  bool operator==(const RegularAxes&) const = default;
+};
+
 /// The result of `regularise` for the planes of a partition (meshing/regularise.h). Lengths in scene units.
 struct Regularity {
   std::int32_t directions = 0;  ///< number of directions of all regions' planes, opposite ones counted once
@@ -28,6 +36,7 @@ struct Regularity {
   double length = 0;      ///< increase of a region's distance from its plane that a snap may cause, root mean square
   double rms_before = 0;  ///< distance of the scan from the regions' planes of best fit, root mean square
   double rms = 0;         ///< likewise from the snapped planes
+  RegularAxes axes;
   bool operator==(const Regularity&) const = default;
 };
 
@@ -35,7 +44,8 @@ struct Regularity {
 constexpr std::uint8_t kPlaneSnapped = 1;  ///< snapped by `regularise`
 constexpr std::uint8_t kPlaneByHand = 2;   ///< set by `align_planes`, which `regularise` keeps
 constexpr std::uint8_t kPlaneFree = 3;     ///< released by `align_planes`: not held, and `regularise` leaves it free
-constexpr std::uint8_t kPlaneRound = 4;    ///< of a cell of a curved patch; `regularise` keeps it
+constexpr std::uint8_t kPlaneRound =
+    4;  ///< of a cell of a curved patch; it moves with the patch's axis and radius only
 
 /// Values of Partition::region_locked.
 constexpr std::uint8_t kLocked = 1;   ///< edits do not change the region
