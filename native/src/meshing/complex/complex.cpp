@@ -171,7 +171,8 @@ bool Complex::bend(std::int32_t chord) {
   const std::size_t at = place_of(chord);
   collect_line(loop, at, line_);
   if (line_.size() < 3) return false;
-  add_corner(loop, at + farthest(line_).where);
+  bent_.push_back(mesh_.from(loop[(at + farthest(line_).where) % loop.size()]));
+  add_corner(bent_.back());
   return true;
 }
 

@@ -62,6 +62,8 @@ class Complex {
   /// The number of boundary edges at a vertex, edges on the border of the mesh included.
   [[nodiscard]] int boundary_edges(std::int32_t vertex) const;
   [[nodiscard]] bool is_corner(std::int32_t vertex) const { return corner_[vertex] != 0; }
+  /// The vertices that `bend` made corners, some of them perhaps more than once or dropped since.
+  [[nodiscard]] const std::vector<std::int32_t>& bent() const { return bent_; }
   /// Whether some chord has these two vertices as its ends.
   [[nodiscard]] bool has_chord(std::int32_t a, std::int32_t b) const;
 
@@ -71,6 +73,7 @@ class Complex {
     fn(self.corner_);
     fn(self.loops_);
     fn(self.chords_);
+    fn(self.bent_);
   }
   /// Whether corners have changed since `make_regular`.
   [[nodiscard]] bool is_pending() const { return !dirty_.empty() || !changed_.empty(); }
@@ -111,9 +114,10 @@ class Complex {
   Logged<std::uint8_t> corner_;               ///< (V)
   Logged<std::vector<std::int32_t>> loops_;   ///< boundary half-edges of each piece, in order
   Logged<std::vector<std::int32_t>> chords_;  ///< the half-edges of loops_ that start at a corner
-  std::vector<std::int32_t> dirty_;           ///< pieces whose chords_ are out of date
-  std::vector<std::int32_t> changed_;         ///< pieces whose chords_ were, and were not yet made regular
-  std::vector<Vec3> line_;                    ///< points of the current chord
+  Logged<std::int32_t> bent_;
+  std::vector<std::int32_t> dirty_;    ///< pieces whose chords_ are out of date
+  std::vector<std::int32_t> changed_;  ///< pieces whose chords_ were, and were not yet made regular
+  std::vector<Vec3> line_;             ///< points of the current chord
 };
 
 }  // namespace isimp::meshing

@@ -8,6 +8,7 @@
 
 #include "complex/joins.h"
 #include "complex/planes.h"
+#include "isimp/core/sorted.h"
 #include "judge/trials.h"
 #include "place/improve.h"
 
@@ -55,6 +56,7 @@ class Coarsener {
   void run() {
     try_all();
     improve_places(s_, defects_, job_);  // for the next pass, as other unions are possible then
+    drop_corners();
   }
 
  private:
@@ -147,6 +149,17 @@ class Coarsener {
     if (p.cause == Cause::unconnected) return;
     for (const auto& [k, length] : shared.others)
       if (is_alike(k, gone)) add(k, length / shared.all - 1);
+  }
+
+  /// Drops the corners that `Complex::bend` added, one after another, wherever no polygon becomes defective.
+  void drop_corners() {
+    std::vector<std::int32_t> bent(s_.complex.bent().begin(), s_.complex.bent().end());
+    sort_unique(bent);
+    for (const std::int32_t v : bent) {
+      job_.poll();
+      if (s_.complex.is_corner(v)) attempt(s_, defects_, {}, kNone, [&] { return s_.drop_corner(v); });
+    }
+    defects_.renew_hits();
   }
 
   /// Tries all candidates, the most promising first. Candidates around a union are queued again.

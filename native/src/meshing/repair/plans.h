@@ -21,12 +21,12 @@ enum class Action : std::uint8_t {
 /// How often an action leaves the piece, or both halves of it, without a defect in the next round; scans, buildings,
 /// household things and nasty meshes at 30 to 1,000 regions (39,000 actions):
 ///
-/// | piece      | pull | add_diagonal | split |
-/// |------------|------|--------------|-------|
-/// | crossing   | .30  |              | .25   |
-/// | flipped    | .59  | .25          | .33   |
-/// | meeting    | .28  | .14          | .26   |
-/// | bent       |      | .59          | .23   |
+/// | piece      | pull | add_corner | add_diagonal | split |
+/// |------------|------|------------|--------------|-------|
+/// | crossing   | .30  | .23        |              | .25   |
+/// | flipped    | .59  |            | .25          | .33   |
+/// | meeting    | .28  |            | .14          | .26   |
+/// | bent       |      |            | .59          | .23   |
 ///
 /// So pulls, which cost no polygon, come first. Source: own trials.
 using Plan = std::span<const Action>;
