@@ -140,7 +140,7 @@ std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, cons
                        // Two facets of one polygon are never tested, so a piece of one polygon has no pair.
                        const bool is_alone = y == l && pieces[l]->facets.back().part == 0;
                        if (seen_from_there || is_known || is_alone) return;
-                       const auto [first, second] = std::minmax(l, y);
+                       const std::int32_t first = std::min(l, y), second = std::max(l, y);
                        any_meeting(*pieces[first], *pieces[second], [&](std::int32_t f, std::int32_t g) {
                          met[block].push_back({first, f, second, g});
                          return false;
