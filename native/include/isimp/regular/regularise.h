@@ -64,8 +64,8 @@ constexpr auto fields(const RegulariseOptions*) {
 /// if the scan stays within `length` of the plane. On request distances of parallel planes are made equal, and islands
 /// that are coplanar with the wall around them become part of it; only then labels change, and the bound is not kept
 /// any more. Axes of round parts are snapped like planes, within the same limits: parallel ones that are nearly one line
-/// become one, and nearly equal radii equal; the cells follow. `polygonize` uses the planes. Planes that `align_planes` has set do not change, and others are snapped to
-/// them first.
+/// become one, and nearly equal radii equal; the cells follow. `polygonize` uses the planes. Planes that `align_planes`
+/// has set do not change, and others are snapped to them first.
 ///
 /// \param up_direction  the upward direction, in place of options.up
 /// \return the partition with region_normal, region_offset, region_held and regularity set

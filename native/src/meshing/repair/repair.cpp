@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "complex/diagonal.h"
@@ -182,9 +181,9 @@ class Repairer {
 
   /// Finds the pieces that meet in the present hits. To be called after each judgement, which replaces the hits.
   void find_met() {
-    met_.assign(s_.labels.pieces.size(), nullptr);
+    met_.assign(s_.labels.pieces.size(), false);
     for (const Hit& h : defects_.hits())
-      if (!h.excused) met_[h.a] = met_[h.b] = &h;
+      if (!h.excused) met_[h.a] = met_[h.b] = true;
   }
 
   [[nodiscard]] std::vector<std::int32_t> all_pieces() const { return numbers_below(s_.labels.piece_count()); }
@@ -226,7 +225,7 @@ class Repairer {
     return any;
   }
 
-  /// The next action in the plan for a piece with these defects; none if the plan is used up.
+  /// The next action in the plan for a piece; none if the piece has no defect or the plan is used up.
   [[nodiscard]] Action next_action(std::int32_t l) const {
     const std::uint8_t kinds = defects_.kinds(l);
     if (kinds == 0 && !met_[l]) return Action::none;
@@ -331,7 +330,7 @@ class Repairer {
   std::int32_t most_polygons_ = 0, polygons_ = 0;  // polygons_: as they will be after the acts of this round
   Defects defects_;
   std::vector<int> tries_;             // by piece
-  std::vector<const Hit*> met_;        // by piece: where it meets another; null where it does not
+  std::vector<bool> met_;              // by piece: whether it meets another
   std::vector<std::int32_t> also_;     // pieces to be judged in addition to the result of an update
   bool may_split_ = true;              // else acts only move corners
   std::vector<std::int32_t> changed_;  // pieces whose diagonals were changed in this round
