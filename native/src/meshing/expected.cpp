@@ -21,25 +21,25 @@ using namespace meshing;
 constexpr double kOfSplit = 0.4;  ///< for each polygon that the topology needs, except walls, which are flat
 constexpr double kOfBend = 1.4;   ///< times the root of the bend beyond the bound, in bounds
 constexpr double kOfCrossing = 0.35;
-constexpr double kOfMeeting = 1.1;  ///< for a piece that meets others
+constexpr double kOfMeeting = 1.1;  ///< for a chart that meets others
 
 /// Whether a wall continues in another region, so that both walls will be one polygon.
 bool goes_on(const State& state, std::int32_t wall) {
   constexpr double kSameWay = 0.9;  // cosine of the angle
   bool found = false;
   state.for_each_neighbour(wall, [&](std::int32_t l) {
-    const Piece &a = state.labels.pieces[wall], &b = state.labels.pieces[l];
+    const Chart &a = state.labels.charts[wall], &b = state.labels.charts[l];
     found = found || (a.region != b.region && b.cause == Cause::wall &&
                       state.planes[wall].normal.dot(state.planes[l].normal) > kSameWay);
   });
   return found;
 }
 
-/// The number of further polygons that the defects of a piece will need.
-double cost_of(const Defects& defects, std::int32_t piece) {
-  double cost = (defects.kinds(piece) & kCrossing) != 0 ? kOfCrossing : 0;
+/// The number of further polygons that the defects of a chart will need.
+double cost_of(const Defects& defects, std::int32_t chart) {
+  double cost = (defects.kinds(chart) & kCrossing) != 0 ? kOfCrossing : 0;
   const double bound = defects.bounds().bend;
-  for (const PolygonDefects& v : defects.of(piece).polygons)
+  for (const PolygonDefects& v : defects.of(chart).polygons)
     if (bound > 0 && v.bend > bound) cost += kOfBend * std::sqrt(v.bend / bound - 1);
   return cost;
 }
@@ -55,32 +55,32 @@ ExpectedPolygons expected_polygons(const Mesh& mesh, const Partition& partition,
   State state(mesh, partition, options, job);
   state.update({});
   Defects defects(state, bounds_of(state), job);
-  defects.judge(numbers_below(state.labels.piece_count()));
+  defects.judge(numbers_below(state.labels.chart_count()));
 
   ExpectedPolygons e;
   std::set<std::int32_t> regions, meeting;
-  std::int32_t pieces = 0, splits = 0, walls = 0, halves = 0;
+  std::int32_t charts = 0, splits = 0, walls = 0, halves = 0;
   double more = 0;
-  for (std::int32_t l = 0; l < state.labels.piece_count(); ++l) {
-    const Piece& piece = state.labels.pieces[l];
-    if (piece.face == kNone) continue;
-    ++pieces;
-    regions.insert(piece.region);
-    if (std::int32_t* counter = counter_of(e, piece.cause)) {
+  for (std::int32_t l = 0; l < state.labels.chart_count(); ++l) {
+    const Chart& chart = state.labels.charts[l];
+    if (chart.face == kNone) continue;
+    ++charts;
+    regions.insert(chart.region);
+    if (std::int32_t* counter = counter_of(e, chart.cause)) {
       ++*counter;
       ++splits;
-      walls += piece.cause == Cause::wall;
-      halves += piece.cause == Cause::wall && goes_on(state, l);
+      walls += chart.cause == Cause::wall;
+      halves += chart.cause == Cause::wall && goes_on(state, l);
     }
     more += cost_of(defects, l);
   }
   for (const Hit& h : defects.hits())
     if (!h.excused) meeting.insert(std::max(h.a, h.b));
   more += kOfMeeting * static_cast<double>(meeting.size());
-  // A scan that is cut to discs nowhere and has no other defect keeps one polygon a piece.
+  // A scan that is cut to discs nowhere and has no other defect keeps one polygon a chart.
   if (more > 0) more += kOfSplit * (splits - walls);
   e.regions = static_cast<std::int32_t>(regions.size());
-  e.split_for_repair = static_cast<std::int32_t>(std::lround(more)) + (pieces - e.regions - splits);
+  e.split_for_repair = static_cast<std::int32_t>(std::lround(more)) + (charts - e.regions - splits);
   e.split_for_holes -= halves / 2;
   e.polygons = e.regions + splits - halves / 2 + e.split_for_repair;
   return e;

@@ -24,27 +24,27 @@ using namespace meshing;
 constexpr double kOfPlanar = 0.6;  ///< progress of the planar attempt, if it may be discarded
 
 void count_splits(const Labels& labels, std::int32_t regions, MeshingReport& report) {
-  std::vector<std::int32_t> pieces(regions, 0);
-  for (const Piece& p : labels.pieces) {
+  std::vector<std::int32_t> charts(regions, 0);
+  for (const Chart& p : labels.charts) {
     if (p.face == kNone) continue;
-    ++pieces[p.region];
+    ++charts[p.region];
     if (std::int32_t* counter = counter_of(report, p.cause)) ++*counter;
   }
-  report.regions = static_cast<std::int32_t>(std::count_if(pieces.begin(), pieces.end(), [](int n) { return n > 0; }));
+  report.regions = static_cast<std::int32_t>(std::count_if(charts.begin(), charts.end(), [](int n) { return n > 0; }));
   report.regions_split =
-      static_cast<std::int32_t>(std::count_if(pieces.begin(), pieces.end(), [](int n) { return n > 1; }));
+      static_cast<std::int32_t>(std::count_if(charts.begin(), charts.end(), [](int n) { return n > 1; }));
 }
 
-/// The polygons in the order of their regions, then of their pieces.
+/// The polygons in the order of their regions, then of their charts.
 /// \param place  by number: the place of each in that order
 PolygonMesh assemble(const State& state, std::vector<std::int32_t>& place) {
   PolygonMesh out;
   const Polygons& polygons = state.polygons;
   const auto& position = state.corners.position;
   std::vector<std::int32_t> order, index(state.corners.count(), kNone);
-  for (std::int32_t l = 0; l < state.labels.piece_count(); ++l)
+  for (std::int32_t l = 0; l < state.labels.chart_count(); ++l)
     polygons.for_each_of(l, [&](std::int32_t q) { order.push_back(q); });
-  const auto region = [&](std::int32_t q) { return state.labels.pieces[polygons.piece(q)].region; };
+  const auto region = [&](std::int32_t q) { return state.labels.charts[polygons.chart(q)].region; };
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return region(a) < region(b); });
   place.resize(polygons.numbers());
   for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = static_cast<std::int32_t>(i);

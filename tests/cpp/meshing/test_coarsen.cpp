@@ -1,4 +1,4 @@
-// Unneeded pieces of a split region join their neighbours, also those of other regions.
+// Unneeded charts of a split region join their neighbours, also those of other regions.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,7 +55,7 @@ TEST_F(Coarsen, WhatARegionHadApartStaysInIt) {
   EXPECT_EQ(r.split_for_unconnected, 4);
 }
 
-// With many splits, pieces of mixed regions appear and disappear; a region must not lose its last one.
+// With many splits, charts of mixed regions appear and disappear; a region must not lose its last one.
 TEST(CoarsenRough, EveryRegionKeepsAPolygon) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.06, 7));
   Job job;

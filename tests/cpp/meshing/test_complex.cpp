@@ -1,4 +1,4 @@
-// Corners on the boundary between two halves of a sphere, where no third piece needs any.
+// Corners on the boundary between two halves of a sphere, where no third chart needs any.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 class Halves : public testing::Test {
  protected:
   Halves() : mesh_(shapes::mesh(shapes::sphere(3))), labels_(mesh_), complex_(labels_, planes_) {
-    label_pieces(labels_, above(mesh_), Threads(1), job_);
+    label_charts(labels_, above(mesh_), Threads(1), job_);
     planes_.assign(planes_of(labels_, Threads(1), job_));
     complex_.tolerance = {10, 10, 10, 1};  // no chord has to be close
     complex_.refresh(std::vector<std::int32_t>{0, 1}, {loop(0), loop(1)}, job_);
@@ -30,8 +30,8 @@ class Halves : public testing::Test {
     return half;
   }
 
-  std::vector<std::int32_t> loop(std::int32_t piece) {
-    for (const std::int32_t f : labels_.faces_of(piece))
+  std::vector<std::int32_t> loop(std::int32_t chart) {
+    for (const std::int32_t f : labels_.faces_of(chart))
       for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
         if (!labels_.inner(h)) return labels_.loop_from(h);
     return {};
@@ -45,7 +45,7 @@ class Halves : public testing::Test {
 };
 
 TEST_F(Halves, HaveTheSameCornersAndNotFewerThanThree) {
-  ASSERT_EQ(labels_.piece_count(), 2);
+  ASSERT_EQ(labels_.chart_count(), 2);
   complex_.make_regular();
   std::vector<std::int32_t> corners[2];
   for (const std::int32_t l : {0, 1})
@@ -64,7 +64,7 @@ TEST_F(Halves, BendTheirChordWhereTheBoundaryIsFarthest) {
   EXPECT_LT(complex_.depth(chord), depth);
 }
 
-/// A change of pieces removes corners before it adds others: meanwhile a query of a chord returns, and the walk along
+/// A change of charts removes corners before it adds others: meanwhile a query of a chord returns, and the walk along
 /// it ends.
 TEST_F(Halves, CanBeAskedOfAChordWhoseCornersAreGone) {
   const std::int32_t chord = complex_.chords(0)[0];

@@ -23,13 +23,13 @@ class Improved : public testing::Test {
         state_(mesh_, part_, options_, job_),
         defects_(state_, bounds_of(state_), job_) {
     state_.update({});
-    defects_.judge(pieces());
+    defects_.judge(charts());
     state_.take_stale();
   }
 
-  [[nodiscard]] std::vector<std::int32_t> pieces() const { return numbers_below(state_.labels.piece_count()); }
+  [[nodiscard]] std::vector<std::int32_t> charts() const { return numbers_below(state_.labels.chart_count()); }
 
-  /// Splits every third piece, with corners where they are.
+  /// Splits every third chart, with corners where they are.
   void split_some() {
     for (std::int32_t l = 0; l < 60; l += 3) {
       state_.labels.face_marks.clear();
@@ -67,19 +67,19 @@ TEST_F(Improved, MovesLeaveNoNewDefectAndWhatAnotherJudgeFinds) {
   split_some();
   const std::vector<bool> before = defects_.defective();
   std::vector<std::uint8_t> kinds;
-  for (const std::int32_t l : pieces()) kinds.push_back(defects_.kinds(l));
+  for (const std::int32_t l : charts()) kinds.push_back(defects_.kinds(l));
   const std::vector<Vec3> places = state_.corners.position;
   improve_places(state_, defects_, job_);
   std::size_t moved = 0;
   for (std::size_t c = 0; c < places.size(); ++c) moved += state_.corners.position[c] != places[c];
   EXPECT_GT(moved, 20U);
   const std::vector<bool> after = defects_.defective();
-  for (const std::int32_t l : pieces()) {
+  for (const std::int32_t l : charts()) {
     EXPECT_FALSE(after[l] && !before[l]) << l;
     EXPECT_EQ(defects_.kinds(l) & ~kinds[l], 0) << l;
   }
   Defects again(state_, bounds_of(state_), job_);
-  again.judge(pieces());
+  again.judge(charts());
   EXPECT_EQ(again.defective(), after);
   ASSERT_EQ(again.hits().size(), defects_.hits().size());
   for (std::size_t i = 0; i < again.hits().size(); ++i) EXPECT_EQ(again.hits()[i].key(), defects_.hits()[i].key());
@@ -91,7 +91,7 @@ TEST_F(Improved, CornersThatWerePutBackFindTheirPlacesAgain) {
   for (std::int32_t c = 0; c < state_.corners.count(); ++c) {
     const auto round = state_.polygons.at(c);
     if (!round.empty() &&
-        std::none_of(round.begin(), round.end(), [&](auto q) { return defective[state_.polygons.piece(q)]; }))
+        std::none_of(round.begin(), round.end(), [&](auto q) { return defective[state_.polygons.chart(q)]; }))
       corners.push_back(c);
   }
   ASSERT_GT(corners.size(), 20U);
@@ -106,7 +106,7 @@ TEST_F(Improved, CornersThatWerePutBackFindTheirPlacesAgain) {
     state_.move(c, mesh_.vertices()[state_.corners.vertex[c]]);
     state_.mark_stale(c);
   }
-  defects_.judge(pieces());
+  defects_.judge(charts());
   const double home = distance();
   improve_places(state_, defects_, job_);
   EXPECT_LT(distance(), 0.3 * home);
@@ -117,7 +117,7 @@ TEST_F(Improved, AMoveThatSpoilsAPolygonIsRefusedAndAnotherIsNot) {
   int tried = 0;
   for (std::int32_t c = 0; c < state_.corners.count() && tried < 10; ++c) {
     std::vector<std::int32_t> round;
-    for (const std::int32_t q : state_.polygons.at(c)) round.push_back(state_.polygons.piece(q));
+    for (const std::int32_t q : state_.polygons.at(c)) round.push_back(state_.polygons.chart(q));
     sort_unique(round);
     if (round.empty() || std::any_of(round.begin(), round.end(), [&](auto l) { return defective[l]; })) continue;
     ++tried;

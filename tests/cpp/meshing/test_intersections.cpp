@@ -18,22 +18,22 @@ namespace {
 using Key = std::array<std::int32_t, 4>;
 
 /// Triangles and bent quadrilaterals between points of a coarse lattice: many share corners or lie in one plane. Every
-/// fourth piece has two polygons.
+/// fourth chart has two polygons.
 struct Made {
   std::vector<Vec3> position;
-  std::vector<FacetSet> pieces;
+  std::vector<FacetSet> charts;
 
   explicit Made(unsigned seed) : random_(seed) {
     for (int i = 0; i < 60; ++i) position.push_back(Vec3(any(8), any(8), any(4)) * 0.37);
     for (std::int32_t l = 0; l < 40; ++l) {
-      pieces.emplace_back();
+      charts.emplace_back();
       for (std::int32_t part = 0; part < (l % 4 == 0 ? 2 : 1); ++part) add_polygon(l, part);
-      pieces.back().locate(position);
+      charts.back().locate(position);
     }
   }
 
   [[nodiscard]] std::vector<bool> some(int of) {
-    std::vector<bool> chosen(pieces.size());
+    std::vector<bool> chosen(charts.size());
     for (std::size_t l = 0; l < chosen.size(); ++l) chosen[l] = any(of) == 0;
     return chosen;
   }
@@ -41,7 +41,7 @@ struct Made {
   [[nodiscard]] std::vector<Key> found(const std::vector<bool>& changed, const std::vector<bool>& known) const {
     std::vector<const FacetSet*> sets;
     Arounds arounds;
-    for (const FacetSet& p : pieces) {
+    for (const FacetSet& p : charts) {
       arounds.set(static_cast<std::int32_t>(sets.size()), p);
       sets.push_back(&p);
     }
@@ -54,9 +54,9 @@ struct Made {
 
   [[nodiscard]] std::vector<Key> expected(const std::vector<bool>& changed, const std::vector<bool>& known) const {
     std::vector<Key> keys;
-    for (std::size_t a = 0; a < pieces.size(); ++a)
-      for (std::size_t b = a; b < pieces.size(); ++b)
-        if ((changed[a] || changed[b]) && !(known[a] && known[b])) add_pairs(pieces[a], pieces[b], keys);
+    for (std::size_t a = 0; a < charts.size(); ++a)
+      for (std::size_t b = a; b < charts.size(); ++b)
+        if ((changed[a] || changed[b]) && !(known[a] && known[b])) add_pairs(charts[a], charts[b], keys);
     std::sort(keys.begin(), keys.end());
     keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
     return keys;
@@ -65,7 +65,7 @@ struct Made {
  private:
   int any(int below) { return static_cast<int>(random_() % static_cast<unsigned>(below)); }
 
-  void add_polygon(std::int32_t piece, std::int32_t part) {
+  void add_polygon(std::int32_t chart, std::int32_t part) {
     std::vector<std::int32_t> corners(position.size());
     std::iota(corners.begin(), corners.end(), 0);
     const Vec3 middle = position[any(60)];
@@ -73,8 +73,8 @@ struct Made {
     std::stable_sort(corners.begin(), corners.begin() + 12, [&](std::int32_t c, std::int32_t d) {
       return (position[c] - middle).squaredNorm() < (position[d] - middle).squaredNorm();
     });
-    const Facet like{{}, piece, part};
-    auto& facets = pieces.back().facets;
+    const Facet like{{}, chart, part};
+    auto& facets = charts.back().facets;
     facets.push_back(like);
     facets.back().corner = {corners[0], corners[1], corners[2]};
     if (any(2) == 0) return;
@@ -86,10 +86,10 @@ struct Made {
     for (std::size_t i = 0; i < a.facets.size(); ++i)
       for (std::size_t j = 0; j < b.facets.size(); ++j) {
         const Facet &f = a.facets[i], &g = b.facets[j];
-        if (f.piece == g.piece && f.part >= g.part) continue;
+        if (f.chart == g.chart && f.part >= g.part) continue;
         if (!has_area(a.solids[i]) || !has_area(b.solids[j])) continue;
         if (meet_elsewhere(f.corner, a.solids[i], g.corner, b.solids[j]))
-          keys.push_back({f.piece, g.piece, f.part, g.part});
+          keys.push_back({f.chart, g.chart, f.part, g.part});
       }
   }
 
@@ -100,7 +100,7 @@ TEST(Intersections, ThoseOfPolygonsAreThoseOfAllPairs) {
   std::size_t met = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
     Made made(seed);
-    const std::vector<bool> all(made.pieces.size(), true), none(made.pieces.size(), false);
+    const std::vector<bool> all(made.charts.size(), true), none(made.charts.size(), false);
     EXPECT_EQ(made.found(all, none), made.expected(all, none)) << seed;
     const std::vector<bool> changed = made.some(3), known = made.some(2);
     EXPECT_EQ(made.found(changed, known), made.expected(changed, known)) << seed;

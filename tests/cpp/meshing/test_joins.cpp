@@ -1,4 +1,4 @@
-// Undoing joined junctions restores the labels, and all pieces are discs meanwhile.
+// Undoing joined junctions restores the labels, and all charts are discs meanwhile.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,13 +28,13 @@ class Joins : public testing::Test {
   /// The number of polygons that meet in each vertex of the mesh.
   [[nodiscard]] std::vector<int> corners() const {
     std::vector<int> count(mesh_.vertex_count(), 0);
-    for (std::int32_t l = 0; l < state_.labels.piece_count(); ++l)
+    for (std::int32_t l = 0; l < state_.labels.chart_count(); ++l)
       for (const std::int32_t h : state_.complex.chords(l)) ++count[mesh_.from(h)];
     return count;
   }
   void expect_discs() {
-    for (std::int32_t l = 0; l < state_.labels.piece_count(); ++l) {
-      EXPECT_EQ(state_.labels.label[state_.labels.pieces[l].face], l);
+    for (std::int32_t l = 0; l < state_.labels.chart_count(); ++l) {
+      EXPECT_EQ(state_.labels.label[state_.labels.charts[l].face], l);
       const std::vector<std::int32_t> faces = state_.labels.faces_of(l);
       EXPECT_EQ(std::count(state_.labels.label.begin(), state_.labels.label.end(), l), std::ssize(faces));
       EXPECT_TRUE(state_.labels.shape(faces, true).is_disc());
@@ -70,13 +70,13 @@ TEST_F(Joins, NoneIsTakenBackWithoutADefect) {
   EXPECT_TRUE(state_.labels.touched.empty());
 }
 
-TEST_F(Joins, TakenBackPieceByPieceLeaveDiscs) {
+TEST_F(Joins, TakenBackChartByChartLeaveDiscs) {
   for (std::int32_t l = 0; l < 120; l += 7) {
     std::vector<bool> defective(120, false);
     defective[l] = true;
     take_back(state_, defective, joins_);
     for (const Join& join : joins_)
-      EXPECT_EQ(std::count(join.pieces.begin(), join.pieces.end(), l), 0) << "piece " << l << " has a join still";
+      EXPECT_EQ(std::count(join.charts.begin(), join.charts.end(), l), 0) << "chart " << l << " has a join still";
     state_.update({});
     expect_discs();
   }

@@ -138,7 +138,7 @@ TEST(ManyHoles, FewFacesOfAnotherSideTiltNoPolygon) {
     EXPECT_LE(p.report.planarity_max, 1e-6 * mesh.diagonal()) << n;
     EXPECT_EQ(p.report.split_for_repair, 0) << n;
     EXPECT_GE(upright(p, height), 4 * n * n + 4) << n;
-    EXPECT_LE(upright(p, height), 4 * n * n + 4 + 6) << n;  // a region keeps its first piece
+    EXPECT_LE(upright(p, height), 4 * n * n + 4 + 6) << n;  // a region keeps its first chart
   }
 }
 

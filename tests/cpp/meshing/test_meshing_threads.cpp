@@ -66,7 +66,7 @@ std::vector<Case> cases() {
       {"many",  // so that threads have parts of the mesh, across which regions hang together
        [] { return shapes::mesh(shapes::shuffled(shapes::torus(300, 150), 2)); }, voronoi(4),
        [](const MeshingReport& r) { return r.split_for_handles + r.split_for_holes; }},
-      {"pieces", [] { return shapes::mesh(shapes::sphere(3)); },
+      {"components", [] { return shapes::mesh(shapes::sphere(3)); },
        [](const Mesh& mesh) { return labelled::noise(mesh, 9, 7); },
        [](const MeshingReport& r) { return r.split_for_unconnected; }},
   };

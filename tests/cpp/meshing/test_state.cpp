@@ -1,4 +1,4 @@
-// Pieces while polygons are made: removed ones, and the defects on united ones.
+// Charts while polygons are made: removed ones, and the defects on united ones.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -13,9 +13,9 @@
 namespace isimp::meshing {
 namespace {
 
-class Pieces : public testing::Test {
+class Charts : public testing::Test {
  protected:
-  Pieces()
+  Charts()
       : mesh_(shapes::mesh(shapes::noisy(shapes::plane(6), 0.01, 1))),
         part_(labelled::single(mesh_)),
         state_(mesh_, part_, options_, job_) {
@@ -31,7 +31,7 @@ class Pieces : public testing::Test {
   State state_;
 };
 
-TEST_F(Pieces, OneThatWasUnitedAfterItWasTouchedIsNotLookedAt) {
+TEST_F(Charts, OneThatWasUnitedAfterItWasTouchedIsNotLookedAt) {
   state_.touch(std::vector<std::int32_t>{1});
   state_.unite(0, 1, state_.loop_together(0, 1));
   state_.update({});
@@ -40,17 +40,17 @@ TEST_F(Pieces, OneThatWasUnitedAfterItWasTouchedIsNotLookedAt) {
   EXPECT_EQ(state_.polygons.count(), 1);
 }
 
-TEST_F(Pieces, AFaceThatStandsAloneIsNotTouchedByShatteringIt) {
+TEST_F(Charts, AFaceThatStandsAloneIsNotTouchedByShatteringIt) {
   EXPECT_TRUE(state_.shatter(1));
   state_.update({});
-  const std::int32_t last = state_.labels.piece_count() - 1;
+  const std::int32_t last = state_.labels.chart_count() - 1;
   state_.shatter(last);
   state_.update({});
   EXPECT_FALSE(state_.shatter(last));
   EXPECT_TRUE(state_.labels.touched.empty());
 }
 
-TEST_F(Pieces, WhatIsKnownOfAUnionIsWhatItsFacesTell) {
+TEST_F(Charts, WhatIsKnownOfAUnionIsWhatItsFacesTell) {
   const Plane before = state_.planes[0];
   Transaction transaction(state_);
   state_.unite(0, 1, state_.loop_together(0, 1));
@@ -66,7 +66,7 @@ TEST_F(Pieces, WhatIsKnownOfAUnionIsWhatItsFacesTell) {
   EXPECT_EQ(state_.polygons.count(), 2);
 }
 
-TEST(Handovers, LeavePiecesWhatTheirFacesTell) {
+TEST(Handovers, LeaveChartsWhatTheirFacesTell) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(6), 0.0005, 3));  // 81,920 faces
   const Partition part = labelled::voronoi(mesh, 40, 1);
   Job job;
@@ -80,7 +80,7 @@ TEST(Handovers, LeavePiecesWhatTheirFacesTell) {
   ASSERT_GE(joins.size(), 5U);
   const auto check = [&] {
     const std::vector<Plane> found = planes_of(state.labels, Threads(1), job);
-    for (std::int32_t l = 0; l < state.labels.piece_count(); ++l) {
+    for (std::int32_t l = 0; l < state.labels.chart_count(); ++l) {
       const Plane &a = state.planes[l], &b = found[l];
       EXPECT_NEAR(a.area, b.area, 1e-12);
       EXPECT_LE((a.normal - b.normal).norm(), 1e-11);
@@ -93,7 +93,7 @@ TEST(Handovers, LeavePiecesWhatTheirFacesTell) {
     }
   };
   check();
-  std::vector<bool> defective(state.labels.piece_count(), false);
+  std::vector<bool> defective(state.labels.chart_count(), false);
   for (const Join& join : joins) defective[join.taker] = true;
   ASSERT_TRUE(take_back(state, defective, joins));
   EXPECT_TRUE(joins.empty());
@@ -113,13 +113,13 @@ TEST(Walls, AStripGoesWithTheSideBesideIt) {
   const Partition one = labelled::single(mesh);
   Labels labels(mesh);
   Job job;
-  label_pieces(labels, one.face_region, Threads(1), job);
+  label_charts(labels, one.face_region, Threads(1), job);
   Cutter cutter(labels);
   EXPECT_EQ(cut_by_direction(cutter, 0), 2);
   EXPECT_EQ(labels.label[0], labels.label[2]);
   std::size_t faces = 0;
-  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
-    EXPECT_EQ(labels.label[labels.pieces[l].face], l) << "a piece is named by a face of its own";
+  for (std::int32_t l = 0; l < labels.chart_count(); ++l) {
+    EXPECT_EQ(labels.label[labels.charts[l].face], l) << "a chart is named by a face of its own";
     faces += labels.faces_of(l).size();
   }
   EXPECT_EQ(faces, triangles.size());

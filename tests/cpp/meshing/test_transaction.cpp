@@ -26,7 +26,7 @@ class Digest {
   void add(std::int32_t value) { add(std::uint64_t{static_cast<std::uint32_t>(value)}); }
   void add(std::uint8_t value) { add(std::uint64_t{value}); }
   void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
-  void add(const Piece& p) {
+  void add(const Chart& p) {
     add(p.face);
     add(p.region);
     add(static_cast<std::uint8_t>(p.cause));
@@ -94,7 +94,7 @@ class Hands {
 
   /// \param transaction  the one that is open, if one is
   void act(Transaction* transaction = nullptr) {
-    const std::int32_t l = piece();
+    const std::int32_t l = chart();
     std::vector<std::int32_t> changed;
     switch (below(7)) {
       case 0:
@@ -129,9 +129,9 @@ class Hands {
   std::int32_t below(std::int32_t n) { return static_cast<std::int32_t>(random_() % static_cast<unsigned>(n)); }
 
  private:
-  std::int32_t piece() {
+  std::int32_t chart() {
     while (true)
-      if (const std::int32_t l = below(s_.labels.piece_count()); s_.labels.pieces[l].face != kNone) return l;
+      if (const std::int32_t l = below(s_.labels.chart_count()); s_.labels.charts[l].face != kNone) return l;
   }
   std::int32_t one_of(std::span<const std::int32_t> some) {
     return some[below(static_cast<std::int32_t>(some.size()))];
@@ -258,7 +258,7 @@ TEST(Transaction, KeepsOnlyWhatAUnionChanges) {
   const std::int32_t kept = state.neighbours(1).front();
   state.unite(kept, 1, state.loop_together(kept, 1));
   EXPECT_EQ(state.labels.label.written().size(), faces);
-  EXPECT_EQ(state.labels.pieces.written(), std::vector<std::int32_t>{1});
+  EXPECT_EQ(state.labels.charts.written(), std::vector<std::int32_t>{1});
   state.update({});
   const auto [places, all] = written(state);
   EXPECT_GT(places, faces);

@@ -20,7 +20,7 @@ namespace detail {
 }  // namespace detail
 }  // namespace isimp
 
-/// States an invariant that holds for every input: ISIMP_ASSERT(piece.face != kNone, "a live piece has a face").
+/// States an invariant that holds for every input: ISIMP_ASSERT(chart.face != kNone, "a live chart has a face").
 ///
 /// Builds with the CMake option ISIMP_ASSERTIONS check it and throw BrokenInvariant where it does not hold, so that a
 /// test fails with the place instead of continuing with damaged state. Other builds compile the condition, so that it

@@ -33,7 +33,7 @@ struct ListedDefect {
 
 /// The work of meshing, as counts that are the same on every machine and any number of threads.
 struct MeshingWork {
-  std::int64_t faces = 0;     ///< faces of the scan that were visited to find the faces of pieces
+  std::int64_t faces = 0;     ///< faces of the scan that were visited to find the faces of charts
   std::int64_t corners = 0;   ///< placements of corners
   std::int64_t polygons = 0;  ///< judgements of polygons
   bool operator==(const MeshingWork&) const = default;
@@ -67,7 +67,7 @@ struct MeshingReport {
   /// Polygons beyond one a region, by cause; the count for holes includes walls that were parted from their plate.
   std::int32_t split_for_unconnected = 0, split_for_holes = 0, split_for_handles = 0, split_for_pinches = 0,
                split_for_closed = 0, split_for_repair = 0;
-  std::int32_t merged_without_area = 0;  ///< pieces of regions that a neighbour took over, as they had no area
+  std::int32_t merged_without_area = 0;  ///< charts of regions that a neighbour took over, as they had no area
   std::int32_t joined_junctions = 0;     ///< pairs of vertices of three regions that became one vertex of four or five
   std::int32_t mirrored_corners = 0;     ///< vertices exactly at the image of another one; 0 without a mirror plane
   bool closed = false;                   ///< every edge has two polygons

@@ -12,7 +12,7 @@
 namespace isimp::meshing {
 namespace {
 constexpr double kSharpCosine = 0.94;  ///< cosine of 20 degrees: a triangle with a sharper corner is a needle
-// Share of its piece's area that a triangle may leave out or add; the second is for a triangle between three junctions
+// Share of its chart's area that a triangle may leave out or add; the second is for a triangle between three junctions
 // that is no needle. The largest triangle in a rectangle leaves out half of it.
 constexpr double kOfTriangle = 0.2, kOfThree = 0.45;
 }  // namespace
@@ -34,38 +34,38 @@ int Complex::boundary_edges(std::int32_t vertex) const {
   return edges;
 }
 
-void Complex::refresh(std::span<const std::int32_t> pieces, std::vector<std::vector<std::int32_t>> loops,
+void Complex::refresh(std::span<const std::int32_t> charts, std::vector<std::vector<std::int32_t>> loops,
                       const Job& job) {
-  ISIMP_ASSERT(pieces.size() == loops.size() && std::is_sorted(pieces.begin(), pieces.end()),
-               "there is a loop for each piece, in rising order");
-  loops_.resize(labels_.pieces.size());
-  chords_.resize(labels_.pieces.size());
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
+  ISIMP_ASSERT(charts.size() == loops.size() && std::is_sorted(charts.begin(), charts.end()),
+               "there is a loop for each chart, in rising order");
+  loops_.resize(labels_.charts.size());
+  chords_.resize(labels_.charts.size());
+  for (std::size_t i = 0; i < charts.size(); ++i) {
     job.poll();
-    ISIMP_ASSERT(!loops[i].empty(), "a piece is a disc, with a boundary");
+    ISIMP_ASSERT(!loops[i].empty(), "a chart is a disc, with a boundary");
     ISIMP_ASSERT(std::all_of(loops[i].begin(), loops[i].end(),
                              [&](std::int32_t h) {
-                               return labels_.label[h / 3] == pieces[i] && labels_.across(h) != pieces[i];
+                               return labels_.label[h / 3] == charts[i] && labels_.across(h) != charts[i];
                              }),
-                 "a loop is of boundary half-edges of its piece");
-    loops_.set(pieces[i], std::move(loops[i]));
-    add_anchors(loops_[pieces[i]]);
-    seed_ring(pieces[i]);
+                 "a loop is of boundary half-edges of its chart");
+    loops_.set(charts[i], std::move(loops[i]));
+    add_anchors(loops_[charts[i]]);
+    seed_ring(charts[i]);
   }
-  dirty_.insert(dirty_.end(), pieces.begin(), pieces.end());
+  dirty_.insert(dirty_.end(), charts.begin(), charts.end());
   collect_dirty();
-  for (const std::int32_t l : pieces) {
+  for (const std::int32_t l : charts) {
     job.poll();
-    subdivide_chords(l, pieces);
+    subdivide_chords(l, charts);
   }
-  for (const std::int32_t l : pieces) {
+  for (const std::int32_t l : charts) {
     job.poll();
     keep_shape(l);
   }
 }
 
-/// Adds a corner at each vertex where the piece across changes. A disc touches a vertex only once, so at all other
-/// vertices only two pieces meet.
+/// Adds a corner at each vertex where the chart across changes. A disc touches a vertex only once, so at all other
+/// vertices only two charts meet.
 void Complex::add_anchors(std::span<const std::int32_t> loop) {
   std::int32_t last = labels_.across(loop.back());
   for (const std::int32_t h : loop) {
@@ -76,8 +76,8 @@ void Complex::add_anchors(std::span<const std::int32_t> loop) {
 }
 
 /// A boundary without any corner gets two that are far apart, so that a square begins with two of its own corners.
-void Complex::seed_ring(std::int32_t piece) {
-  const auto& loop = loops_[piece];
+void Complex::seed_ring(std::int32_t chart) {
+  const auto& loop = loops_[chart];
   if (std::any_of(loop.begin(), loop.end(), [&](std::int32_t h) { return is_corner(mesh_.from(h)); })) return;
   const auto farthest_from = [&](std::int32_t v) {
     std::int32_t best = v;
@@ -119,7 +119,7 @@ bool Complex::has_chord(std::int32_t a, std::int32_t b) const {
 std::size_t Complex::place_of(std::int32_t chord) const {
   const auto& loop = loops_[labels_.label[chord / 3]];
   const auto at = std::find(loop.begin(), loop.end(), chord);
-  ISIMP_ASSERT(at != loop.end(), "a chord is in the loop of its piece");
+  ISIMP_ASSERT(at != loop.end(), "a chord is in the loop of its chart");
   return at - loop.begin();
 }
 
@@ -148,9 +148,9 @@ bool Complex::drop_corner(std::int32_t vertex) {
   return true;
 }
 
-void Complex::forget(std::int32_t piece) {
-  loops_.set(piece, {});
-  chords_.set(piece, {});
+void Complex::forget(std::int32_t chart) {
+  loops_.set(chart, {});
+  chords_.set(chart, {});
 }
 
 void Complex::mark_dirty(std::int32_t vertex) {
@@ -176,13 +176,13 @@ bool Complex::bend(std::int32_t chord) {
   return true;
 }
 
-/// Chooses corners on the chords of a piece that leave their paths too far, except chords that the other side handles.
-void Complex::subdivide_chords(std::int32_t piece, std::span<const std::int32_t> pieces) {
-  const auto& loop = loops_[piece];
+/// Chooses corners on the chords of a chart that leave their paths too far, except chords that the other side handles.
+void Complex::subdivide_chords(std::int32_t chart, std::span<const std::int32_t> charts) {
+  const auto& loop = loops_[chart];
   std::size_t at = 0;
-  for (const std::int32_t h : chords_[piece]) {
+  for (const std::int32_t h : chords_[chart]) {
     while (loop[at] != h) ++at;
-    if (!labels_.owns(h) && std::binary_search(pieces.begin(), pieces.end(), labels_.across(h))) continue;
+    if (!labels_.owns(h) && std::binary_search(charts.begin(), charts.end(), labels_.across(h))) continue;
     collect_line(loop, at, line_);
     take_out_zigzag(line_);
     const bool on_border = labels_.across(h) == kNone;
@@ -203,26 +203,26 @@ bool Complex::is_sharp(std::span<const std::int32_t> loop, const std::array<std:
   return false;
 }
 
-/// Adds corners to a piece whose polygon is too different from it, however small it is. One that would become a
+/// Adds corners to a chart whose polygon is too different from it, however small it is. One that would become a
 /// triangle, as a window or a strip, gets a fourth corner sooner.
-void Complex::keep_shape(std::int32_t piece) {
+void Complex::keep_shape(std::int32_t chart) {
   struct Part {
     std::size_t at;  // where its chord begins in the loop
-    double area;     // that the chord leaves out, below 0 where it adds; less the flatter the two pieces meet
+    double area;     // that the chord leaves out, below 0 where it adds; less the flatter the two charts meet
     double plain;    // the same however they meet
   };
-  const auto& loop = loops_[piece];
+  const auto& loop = loops_[chart];
   const auto part_at = [&](std::size_t at) {
     collect_line(loop, at, line_);
     if (line_.size() < 3) return Part{at, 0, 0};
     take_out_zigzag(line_);
-    const double area = area_left_out(line_).dot(planes_[piece].normal);
+    const double area = area_left_out(line_).dot(planes_[chart].normal);
     return Part{at, area * sine_at(loop[at]), area};
   };
   std::vector<Part> parts;  // in the order of the loop
   for (std::size_t i = 0; i < loop.size(); ++i)
     if (is_corner(mesh_.from(loop[i]))) parts.push_back(part_at(i));
-  const double allowed = tolerance.of_area * planes_[piece].area;
+  const double allowed = tolerance.of_area * planes_[chart].area;
   while (true) {
     const bool is_triangle = parts.size() == 3;
     const bool is_needle = is_triangle && is_sharp(loop, {parts[0].at, parts[1].at, parts[2].at});
@@ -238,7 +238,7 @@ void Complex::keep_shape(std::int32_t piece) {
     const bool has_three = is_triangle && !is_needle && std::all_of(parts.begin(), parts.end(), [&](const Part& p) {
                              return is_anchor(mesh_.from(loop[p.at]));
                            });
-    const double of_triangle = (has_three ? kOfThree : kOfTriangle) * planes_[piece].area;
+    const double of_triangle = (has_three ? kOfThree : kOfTriangle) * planes_[chart].area;
     const double limit = is_triangle ? std::min(of_triangle, allowed) : allowed;
     if (std::abs(sum) <= limit || worst == parts.end()) return;
     collect_line(loop, worst->at, line_);
@@ -280,14 +280,14 @@ std::vector<std::int32_t> Complex::make_regular() {
   return std::exchange(changed_, {});
 }
 
-/// Some pieces and all pieces that have a corner in common with one of them, in rising order.
-std::vector<std::int32_t> Complex::with_neighbours(std::span<const std::int32_t> pieces) const {
-  std::vector<bool> near(labels_.pieces.size(), false);
-  for (const std::int32_t l : pieces)
+/// Some charts and all charts that have a corner in common with one of them, in rising order.
+std::vector<std::int32_t> Complex::with_neighbours(std::span<const std::int32_t> charts) const {
+  std::vector<bool> near(labels_.charts.size(), false);
+  for (const std::int32_t l : charts)
     for (const std::int32_t h : chords_[l])
       for_each_leaving(mesh_, mesh_.from(h), [&](std::int32_t g) { near[labels_.label[g / 3]] = true; });
   std::vector<std::int32_t> result;
-  for (std::int32_t l = 0; l < labels_.piece_count(); ++l)
+  for (std::int32_t l = 0; l < labels_.chart_count(); ++l)
     if (near[l]) result.push_back(l);
   return result;
 }
@@ -309,13 +309,13 @@ bool Complex::add_third_corners() {
   return any;
 }
 
-bool Complex::part_multi_edges(std::span<const std::int32_t> pieces) {
+bool Complex::part_multi_edges(std::span<const std::int32_t> charts) {
   struct ChordOf {
     std::int32_t a, b, chord;
     auto operator<=>(const ChordOf&) const = default;
   };
   std::vector<ChordOf> entries;
-  for (const std::int32_t l : pieces) {
+  for (const std::int32_t l : charts) {
     const auto n = chords_[l].size();
     for (std::size_t i = 0; i < n; ++i) {
       const std::int32_t h = chords_[l][i];
@@ -343,14 +343,14 @@ bool Complex::part_multi_edges(std::span<const std::int32_t> pieces) {
   return any;
 }
 
-bool Complex::part_duplicates(std::span<const std::int32_t> pieces) {
+bool Complex::part_duplicates(std::span<const std::int32_t> charts) {
   struct CornersOf {
     std::vector<std::int32_t> corners;
-    std::int32_t piece;
+    std::int32_t chart;
     auto operator<=>(const CornersOf&) const = default;
   };
   std::vector<CornersOf> entries;
-  for (const std::int32_t l : pieces) {
+  for (const std::int32_t l : charts) {
     if (loops_[l].empty()) continue;
     CornersOf e{{}, l};
     for (const std::int32_t h : chords_[l]) e.corners.push_back(mesh_.from(h));
@@ -363,7 +363,7 @@ bool Complex::part_duplicates(std::span<const std::int32_t> pieces) {
     if (entries[i].corners != entries[i - 1].corners) continue;
     bool done = false;
     for (const std::size_t k : {i, i - 1})
-      for (const std::int32_t h : chords_[entries[k].piece]) done = done || bend(h);
+      for (const std::int32_t h : chords_[entries[k].chart]) done = done || bend(h);
     any = any || done;
   }
   return any;

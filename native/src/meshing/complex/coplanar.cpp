@@ -10,13 +10,13 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr double kOneWay = 0.999;          ///< cosine between the normals of two pieces in one plane
-constexpr std::int32_t kStride = 1 << 10;  ///< pieces from one poll to the next
+constexpr double kOneWay = 0.999;          ///< cosine between the normals of two charts in one plane
+constexpr std::int32_t kStride = 1 << 10;  ///< charts from one poll to the next
 
 class CoplanarJoiner {
  public:
   CoplanarJoiner(const State& state, Labels& labels, const Job& job)
-      : s_(state), labels_(labels), job_(job), faces_(s_.labels.pieces.size()), onto_(faces_.size(), kNone) {}
+      : s_(state), labels_(labels), job_(job), faces_(s_.labels.charts.size()), onto_(faces_.size(), kNone) {}
 
   void run() {
     find_onto();
@@ -30,12 +30,12 @@ class CoplanarJoiner {
       if (const std::int32_t l = order[i]; onto_[l] != kNone) give(l, takers);
     }
     sort_unique(takers);
-    for (const std::int32_t l : takers) labels_.pieces.edit(l).region = s_.region_of(l, s_.labels.faces_of(l));
+    for (const std::int32_t l : takers) labels_.charts.edit(l).region = s_.region_of(l, s_.labels.faces_of(l));
     drop_gone(labels_);
   }
 
  private:
-  /// The order of two pieces in one plane: the larger one is first.
+  /// The order of two charts in one plane: the larger one is first.
   [[nodiscard]] bool is_before(std::int32_t a, std::int32_t b) const {
     return s_.planes[a].area > s_.planes[b].area || (s_.planes[a].area == s_.planes[b].area && a < b);
   }
@@ -48,15 +48,15 @@ class CoplanarJoiner {
     return both.normal.dot(both.spread * both.normal) <= off * off;
   }
 
-  /// Finds, for each piece that may be united, its largest neighbour in its plane.
+  /// Finds, for each chart that may be united, its largest neighbour in its plane.
   void find_onto() {
     std::vector<std::array<std::int32_t, 2>> pairs;
     const Labels& labels = s_.labels;
     for (std::int32_t h = 0; h < 3 * s_.mesh.face_count(); ++h) {
       const std::int32_t l = labels.label[h / 3];
-      if (l == kNone || labels.pieces[l].cause == Cause::region) continue;
+      if (l == kNone || labels.charts[l].cause == Cause::region) continue;
       const std::int32_t k = labels.across(h);
-      if (k != kNone && labels.pieces[k].region != labels.pieces[l].region && is_before(k, l)) pairs.push_back({l, k});
+      if (k != kNone && labels.charts[k].region != labels.charts[l].region && is_before(k, l)) pairs.push_back({l, k});
     }
     sort_unique(pairs);
     for (const auto& [l, k] : pairs)
@@ -64,26 +64,26 @@ class CoplanarJoiner {
   }
 
   [[nodiscard]] std::vector<std::int32_t> largest_first() const {
-    std::vector<std::int32_t> order = numbers_below(s_.labels.piece_count());
+    std::vector<std::int32_t> order = numbers_below(s_.labels.chart_count());
     std::sort(order.begin(), order.end(), [&](auto a, auto b) { return is_before(a, b); });
     return order;
   }
 
-  /// Unites a piece with its larger neighbour, or with the piece that has already absorbed that neighbour.
+  /// Unites a chart with its larger neighbour, or with the chart that has already absorbed that neighbour.
   void give(std::int32_t l, std::vector<std::int32_t>& takers) {
     std::int32_t to = onto_[l];
-    while (s_.labels.pieces[to].face == kNone) to = onto_[to];
+    while (s_.labels.charts[to].face == kNone) to = onto_[to];
     if (!may_give(s_, l, to, faces_[l])) return;
     for (const std::int32_t f : faces_[l]) labels_.label.set(f, to);
-    labels_.pieces.edit(l).face = kNone;
+    labels_.charts.edit(l).face = kNone;
     takers.push_back(to);
   }
 
   const State& s_;
   Labels& labels_;
   const Job& job_;
-  std::vector<std::vector<std::int32_t>> faces_;  // by piece that may be united, in rising order
-  std::vector<std::int32_t> onto_;                // by piece: the neighbour that may absorb it, kNone if it stays
+  std::vector<std::vector<std::int32_t>> faces_;  // by chart that may be united, in rising order
+  std::vector<std::int32_t> onto_;                // by chart: the neighbour that may absorb it, kNone if it stays
 };
 
 }  // namespace

@@ -5,9 +5,9 @@
 
 namespace isimp::meshing {
 
-/// Unites neighbouring pieces of different regions that lie in one plane, as the parts of a flat wall do where regions
-/// end in the middle of it. This saves the trials whether they can be one polygon. A region keeps its first piece. A
-/// united piece need not be a disc, and the outlines and planes of pieces are out of date.
+/// Unites neighbouring charts of different regions that lie in one plane, as the parts of a flat wall do where regions
+/// end in the middle of it. This saves the trials whether they can be one polygon. A region keeps its first chart. A
+/// united chart need not be a disc, and the outlines and planes of charts are out of date.
 /// \param labels  of the state
 /// Cost: O(F).
 void join_coplanar(const State& state, Labels& labels, const Job& job);

@@ -52,7 +52,7 @@ bool Fit::refine(const Spread& k) {
 }
 
 /// In the turns after the first the normal is near the one before.
-bool Fit::find_normal(const Spread& k, const Vec3& of_piece) {
+bool Fit::find_normal(const Spread& k, const Vec3& of_chart) {
   if (!fixed || !refine(k)) {
     Eigen::Matrix3d full;
     full << k.xx, k.xy, k.xz, k.xy, k.yy, k.yz, k.xz, k.yz, k.zz;
@@ -61,7 +61,7 @@ bool Fit::find_normal(const Spread& k, const Vec3& of_piece) {
     if (solver.eigenvalues()[1] < kLine * solver.eigenvalues()[2]) return false;
     normal = solver.eigenvectors().col(0);
   }
-  const double same = normal.dot(of_piece);
+  const double same = normal.dot(of_chart);
   if (same < 0) normal = -normal;
   return std::abs(same) >= 0.3;
 }
@@ -72,8 +72,8 @@ void Fit::to(std::span<const std::int32_t> polygon, std::span<const Vec3> positi
     centre = plane.centre;
     return;
   }
-  constexpr double kOfSpread = 0.05;  // weight of the piece's own spread, relative to that of the corners
-  constexpr double kOfPlane = 0.1;    // how far towards the plane of the piece that of the corners is shifted
+  constexpr double kOfSpread = 0.05;  // weight of the chart's own spread, relative to that of the corners
+  constexpr double kOfPlane = 0.1;    // how far towards the plane of the chart that of the corners is shifted
   const double share = 1 / static_cast<double>(polygon.size());
   centre = Vec3::Zero();
   for (const std::int32_t c : polygon) centre += position[c];

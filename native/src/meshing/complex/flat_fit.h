@@ -21,8 +21,8 @@ inline Vec3 within(const Vec3& p, const Vec3& home, double radius) {
   return length > radius ? Vec3(home + d * (radius / length)) : p;
 }
 
-/// A plane fitted to the corners of a polygon, held near that of the piece: flat polygons could else settle anywhere,
-/// and polygons on a bulge would drift inwards. If the corners do not fix a plane, the fit is the plane of the piece.
+/// A plane fitted to the corners of a polygon, held near that of the chart: flat polygons could else settle anywhere,
+/// and polygons on a bulge would drift inwards. If the corners do not fix a plane, the fit is the plane of the chart.
 struct Fit {
   Vec3 normal, centre;
   bool fixed = false;
@@ -31,7 +31,7 @@ struct Fit {
 
  private:
   struct Spread;
-  bool find_normal(const Spread& k, const Vec3& of_piece);
+  bool find_normal(const Spread& k, const Vec3& of_chart);
   bool refine(const Spread& k);
 };
 

@@ -7,7 +7,7 @@
 namespace isimp::meshing {
 namespace {
 
-/// Whether a barrier of the partition lies between faces that would be in one piece.
+/// Whether a barrier of the partition lies between faces that would be in one chart.
 bool crosses_barrier(const State& state, std::int32_t taker, const std::vector<std::int32_t>& faces) {
   if (!state.partition.guided) return false;
   const Mesh& mesh = state.mesh;
@@ -24,23 +24,23 @@ bool crosses_barrier(const State& state, std::int32_t taker, const std::vector<s
 
 }  // namespace
 
-std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t piece) {
+std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t chart) {
   std::int32_t last = kNone;
   for (const std::int32_t f : faces)
     for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
-      if (labels.across(h) == piece) last = labels.mesh.opposite(h) / 3;
+      if (labels.across(h) == chart) last = labels.mesh.opposite(h) / 3;
   return last;
 }
 
 bool parts_wall(const State& state, std::int32_t a, std::int32_t b) {
-  const auto is_wall = [&](std::int32_t l) { return state.labels.pieces[l].cause == Cause::wall; };
+  const auto is_wall = [&](std::int32_t l) { return state.labels.charts[l].cause == Cause::wall; };
   return (state.cutter.perforated || is_wall(a) || is_wall(b)) &&
          state.planes[a].normal.dot(state.planes[b].normal) < kSameWay;
 }
 
 bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const std::vector<std::int32_t>& faces) {
   const Partition& part = state.partition;
-  const std::int32_t from = state.labels.pieces[giver].region, to = state.labels.pieces[taker].region;
+  const std::int32_t from = state.labels.charts[giver].region, to = state.labels.charts[taker].region;
   if (!part.region_locked.empty() && (part.region_locked[from] != 0 || part.region_locked[to] != 0)) return false;
   if (parts_wall(state, giver, taker) || crosses_barrier(state, taker, faces)) return false;
   if (!(part.bound > 0) || part.region_offset.empty()) return true;
@@ -65,7 +65,7 @@ bool take_back(State& state, const std::vector<bool>& defective, std::vector<Joi
   };
   // A join on top of an undone one must be undone before it.
   for (std::size_t i = 0; i < joins.size(); ++i) {
-    goes[i] = joins[i].alone || std::any_of(joins[i].pieces.begin(), joins[i].pieces.end(), is_defective);
+    goes[i] = joins[i].alone || std::any_of(joins[i].charts.begin(), joins[i].charts.end(), is_defective);
     vertices(joins[i], [&](std::int32_t v) { goes[i] = goes[i] || labels.vertex_marks.has(v); });
     if (goes[i]) vertices(joins[i], [&](std::int32_t v) { labels.vertex_marks.add(v); });
   }
@@ -73,10 +73,10 @@ bool take_back(State& state, const std::vector<bool>& defective, std::vector<Joi
     const Join& join = joins[i];
     if (!goes[i]) continue;
     state.relabel(join.faces, join.giver);
-    if (labels.label[labels.pieces[join.taker].face] != join.taker)
+    if (labels.label[labels.charts[join.taker].face] != join.taker)
       state.name(join.taker, face_beside(labels, join.faces, join.taker));
     state.add_corner(join.gone);
-    state.hand_over(join.taker, join.giver, join.faces, join.pieces);
+    state.hand_over(join.taker, join.giver, join.faces, join.charts);
   }
   for (std::size_t i = 0; i < joins.size(); ++i)
     if (!goes[i]) kept.push_back(std::move(joins[i]));

@@ -1,4 +1,4 @@
-// Joins pieces and junctions, and undoes joins that spoil polygons.
+// Joins charts and junctions, and undoes joins that spoil polygons.
 #pragma once
 
 #include <cstdint>
@@ -10,27 +10,27 @@ namespace isimp::meshing {
 
 /// Two junctions that were made one.
 struct Join {
-  std::int32_t giver, taker;         ///< pieces
+  std::int32_t giver, taker;         ///< charts
   std::int32_t gone;                 ///< vertex that is no junction any more
   std::vector<std::int32_t> faces;   ///< faces moved from the giver to the taker
-  std::vector<std::int32_t> pieces;  ///< all that meet in the junction
+  std::vector<std::int32_t> charts;  ///< all that meet in the junction
   bool alone = false;                ///< its image should have been made too, and was not
 };
 
-/// The last face of a piece that shares an edge with some faces; kNone if there is none.
-std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t piece);
+/// The last face of a chart that shares an edge with some faces; kNone if there is none.
+std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t chart);
 
-/// Whether two pieces face different directions, and one of them is the wall of a hole or, in a perforated mesh, may be
+/// Whether two charts face different directions, and one of them is the wall of a hole or, in a perforated mesh, may be
 /// one.
 bool parts_wall(const State& state, std::int32_t a, std::int32_t b);
 
-/// Whether the partition's locks, barriers and bound let faces go from one piece to another, and no wall is lost.
+/// Whether the partition's locks, barriers and bound let faces go from one chart to another, and no wall is lost.
 /// \param faces  in ascending order
 /// Cost: O(faces).
 bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const std::vector<std::int32_t>& faces);
 
-/// Undoes the joins at defective pieces, the joins that are alone, and all joins on top of these. `update` must follow.
-/// \param defective  by piece
+/// Undoes the joins at defective charts, the joins that are alone, and all joins on top of these. `update` must follow.
+/// \param defective  by chart
 /// \param joins   the undone joins are removed
 /// \return whether there were any
 /// Cost: O(faces that the joins moved).

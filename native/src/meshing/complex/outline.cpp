@@ -4,9 +4,9 @@
 
 namespace isimp::meshing {
 
-std::vector<Vec3> areas_beyond_chords(const State& state, std::int32_t piece) {
-  const auto loop = state.complex.loop(piece);
-  const auto chords = state.complex.chords(piece);
+std::vector<Vec3> areas_beyond_chords(const State& state, std::int32_t chart) {
+  const auto loop = state.complex.loop(chart);
+  const auto chords = state.complex.chords(chart);
   const auto at = [&](std::int32_t h) -> const Vec3& { return state.mesh.vertices()[state.mesh.from(h)]; };
   std::vector<Vec3> areas(chords.size(), Vec3::Zero());
   if (chords.empty()) return areas;
@@ -26,8 +26,8 @@ std::vector<Vec3> areas_beyond_chords(const State& state, std::int32_t piece) {
   return areas;
 }
 
-std::vector<std::int32_t> chords_of(const State& state, std::int32_t piece, std::span<const std::int32_t> polygon) {
-  const auto chords = state.complex.chords(piece);
+std::vector<std::int32_t> chords_of(const State& state, std::int32_t chart, std::span<const std::int32_t> polygon) {
+  const auto chords = state.complex.chords(chart);
   const auto n = chords.size();
   std::vector<std::int32_t> found(polygon.size(), kNone);
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -40,7 +40,7 @@ std::vector<std::int32_t> chords_of(const State& state, std::int32_t piece, std:
   return found;
 }
 
-Vec3 direction_on_scan(const State& state, std::int32_t piece, std::span<const std::int32_t> polygon,
+Vec3 direction_on_scan(const State& state, std::int32_t chart, std::span<const std::int32_t> polygon,
                        std::span<const Vec3> beyond_chords) {
   std::vector<Vec3> home;
   std::vector<std::int32_t> order;
@@ -51,10 +51,10 @@ Vec3 direction_on_scan(const State& state, std::int32_t piece, std::span<const s
   Vec3 area = vector_area(order, home);
   double extent = 0;
   for (const Vec3& x : home) extent = std::max(extent, (x - home[0]).norm());
-  for (const std::int32_t k : chords_of(state, piece, polygon))
+  for (const std::int32_t k : chords_of(state, chart, polygon))
     if (k != kNone) area += beyond_chords[k];
   const double size = area.norm();
-  return size > kThickness * state.mesh.diagonal() * extent ? Vec3(area / size) : state.planes[piece].normal;
+  return size > kThickness * state.mesh.diagonal() * extent ? Vec3(area / size) : state.planes[chart].normal;
 }
 
 }  // namespace isimp::meshing

@@ -1,4 +1,4 @@
-// The outline of a piece against the scan.
+// The outline of a chart against the scan.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,16 @@
 
 namespace isimp::meshing {
 
-/// The vector area between each chord of a piece and the boundary of the scan that it stands for, by chord.
-std::vector<Vec3> areas_beyond_chords(const State& state, std::int32_t piece);
+/// The vector area between each chord of a chart and the boundary of the scan that it stands for, by chord.
+std::vector<Vec3> areas_beyond_chords(const State& state, std::int32_t chart);
 
-/// For each edge of a polygon of a piece: the number of the chord that it is, kNone for a diagonal.
-std::vector<std::int32_t> chords_of(const State& state, std::int32_t piece, std::span<const std::int32_t> polygon);
+/// For each edge of a polygon of a chart: the number of the chord that it is, kNone for a diagonal.
+std::vector<std::int32_t> chords_of(const State& state, std::int32_t chart, std::span<const std::int32_t> polygon);
 
-/// The direction of the part of the scan that a polygon of a piece stands for: all surfaces with one outline have one
+/// The direction of the part of the scan that a polygon of a chart stands for: all surfaces with one outline have one
 /// vector area. Diagonals stand for themselves, as straight lines between vertices of the scan.
-/// \return unit; that of the piece where the outline has no area
-Vec3 direction_on_scan(const State& state, std::int32_t piece, std::span<const std::int32_t> polygon,
+/// \return unit; that of the chart where the outline has no area
+Vec3 direction_on_scan(const State& state, std::int32_t chart, std::span<const std::int32_t> polygon,
                        std::span<const Vec3> beyond_chords);
 
 }  // namespace isimp::meshing

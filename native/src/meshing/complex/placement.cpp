@@ -53,7 +53,7 @@ Vec3 step_to(std::span<const Plane> planes, const Polygons& polygons, std::int32
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
   Vec3 g = Vec3::Zero();
   for (const std::int32_t q : polygons.at(corner)) {
-    const Plane& p = planes[polygons.piece(q)];
+    const Plane& p = planes[polygons.chart(q)];
     if (held_only && !p.held) continue;
     a += p.normal * p.normal.transpose();
     g += p.normal * p.normal.dot(p.centre - from);
@@ -83,7 +83,7 @@ std::optional<Vec3> meeting_of_cells(std::span<const Plane> planes, const Polygo
   const Vec3& from = corners.position[corner];
   std::vector<const Plane*> held;
   for (const std::int32_t q : polygons.at(corner)) {
-    const Plane& p = planes[polygons.piece(q)];
+    const Plane& p = planes[polygons.chart(q)];
     if (!p.held) continue;
     if (!p.round) return std::nullopt;
     held.push_back(&p);
@@ -164,7 +164,7 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
            std::span<const std::int32_t> moving, const Threads& threads, Corners& corners) {
   const std::span<Vec3> position = corners.position.edit_all(moving);
   const auto is_met = [&](std::int32_t q, const Vec3& home) {
-    const Plane& p = planes[polygons.piece(q)];
+    const Plane& p = planes[polygons.chart(q)];
     return std::abs(p.normal.dot(p.centre - home)) < corners.still;
   };
   const auto place_one = [&](std::int32_t c) {
@@ -215,7 +215,7 @@ void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> 
                    [](const Group& a, const Group& b) { return a.corners.size() > b.corners.size(); });
   const auto fit = [&](Group& g, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i)
-      g.fits[i].to(polygons.of(g.polygons[i]), position, planes[polygons.piece(g.polygons[i])]);
+      g.fits[i].to(polygons.of(g.polygons[i]), position, planes[polygons.chart(g.polygons[i])]);
   };
   const auto move = [&](Group& g, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i) {

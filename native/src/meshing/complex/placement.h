@@ -1,4 +1,4 @@
-// Places corners where the planes of their pieces meet.
+// Places corners where the planes of their charts meet.
 #pragma once
 
 #include <span>
@@ -14,13 +14,13 @@ namespace isimp::meshing {
 void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::span<const std::int32_t> moving,
                Corners& corners);
 
-/// Puts the given corners where the planes of the adjacent pieces meet, by least squares from the mesh vertex;
+/// Puts the given corners where the planes of the adjacent charts meet, by least squares from the mesh vertex;
 /// directions in which the planes hardly fix a point are left out, and no corner is moved further than its radius.
 /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 4; the truncation as in Kobbelt et al. 2001.
 void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
            std::span<const std::int32_t> moving, const Threads& threads, Corners& corners);
 
-/// Moves the given corners from their places onto the held planes of adjacent pieces, as far as these planes meet and
+/// Moves the given corners from their places onto the held planes of adjacent charts, as far as these planes meet and
 /// the radius allows it. A corner among cells of round parts moves to the place where their planes meet, though it is
 /// further off: with few segments it is outside the scan. Its radius grows by that, unless it is 0.
 void place_on_held(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,

@@ -73,12 +73,12 @@ Plane plane(const Mesh& mesh, const Moments& m, const Vec3& origin) {
 
 std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const Job& job) {
   const Mesh& mesh = labels.mesh;
-  std::vector<Moments> moments(labels.pieces.size());
-  std::vector<Vec3> origin(labels.pieces.size());
+  std::vector<Moments> moments(labels.charts.size());
+  std::vector<Vec3> origin(labels.charts.size());
   for (std::size_t l = 0; l < origin.size(); ++l)
-    origin[l] = mesh.vertices()[mesh.triangles()[labels.pieces[l].face][0]];
+    origin[l] = mesh.vertices()[mesh.triangles()[labels.charts[l].face][0]];
   std::vector<Plane> planes(moments.size());
-  // Each thread has some of the pieces, and adds up their faces in the order of all.
+  // Each thread has some of the charts, and adds up their faces in the order of all.
   const auto measure = [&](std::int32_t part, std::int32_t begin, std::int32_t end) {
     const auto mine = [&](std::int32_t f) { return labels.label[f] >= begin && labels.label[f] < end; };
     for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
@@ -89,7 +89,7 @@ std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const
     }
     for (std::int32_t l = begin; l < end; ++l) planes[l] = plane(mesh, moments[l], origin[l]);
   };
-  threads.run(labels.piece_count(), threads.pieces(mesh.face_count()), measure);
+  threads.run(labels.chart_count(), threads.pieces(mesh.face_count()), measure);
   return planes;
 }
 
@@ -106,16 +106,16 @@ Plane united(const Plane& a, const Plane& b) {
   return p;
 }
 
-Plane without(const Plane& piece, const Plane& part) {
+Plane without(const Plane& chart, const Plane& part) {
   Plane p;
-  p.area = piece.area - part.area;
-  const Vec3 normal = piece.projected * piece.normal - part.projected * part.normal;
+  p.area = chart.area - part.area;
+  const Vec3 normal = chart.projected * chart.normal - part.projected * part.normal;
   p.projected = normal.norm();
   p.normal = normal / p.projected;
-  const double share = part.area / piece.area, rest = p.area / piece.area;
-  p.centre = piece.centre + share / rest * (piece.centre - part.centre);
+  const double share = part.area / chart.area, rest = p.area / chart.area;
+  p.centre = chart.centre + share / rest * (chart.centre - part.centre);
   const Vec3 between = part.centre - p.centre;
-  p.spread = (piece.spread - share * part.spread - share * rest * between * between.transpose()) / rest;
+  p.spread = (chart.spread - share * part.spread - share * rest * between * between.transpose()) / rest;
   return p;
 }
 
@@ -155,7 +155,7 @@ Scale scale_of(const Labels& labels, std::span<const Plane> planes) {
   Scale scale;
   double area = 0, count = 0;
   for (std::size_t l = 0; l < planes.size(); ++l) {
-    if (labels.pieces[l].face == kNone) continue;
+    if (labels.charts[l].face == kNone) continue;
     area += planes[l].area;
     scale.error += error_of(planes[l]);
     scale.square += std::max(0.0, square_of(planes[l]));

@@ -11,7 +11,7 @@
 
 namespace isimp::meshing {
 
-/// The plane of a piece, with the moments of its surface.
+/// The plane of a chart, with the moments of its surface.
 struct Plane {
   Vec3 normal = Vec3::UnitZ();  ///< unit; area-weighted mean of its faces'
   Vec3 centre = Vec3::Zero();
@@ -30,33 +30,33 @@ inline double square_of(const Plane& p) { return p.area * p.normal.dot(p.spread 
 
 /// The units of the limits of meshing.
 struct Scale {
-  double size = 0;       ///< sqrt(area / pieces), scene units
-  double deviation = 0;  ///< root mean square distance of the scan from the planes of the pieces, scene units
-  double error = 0;      ///< mean of `error_of` over the pieces
-  double square = 0;     ///< mean of `square_of` over the pieces
+  double size = 0;       ///< sqrt(area / charts), scene units
+  double deviation = 0;  ///< root mean square distance of the scan from the planes of the charts, scene units
+  double error = 0;      ///< mean of `error_of` over the charts
+  double square = 0;     ///< mean of `square_of` over the charts
 };
-/// Cost: O(pieces).
+/// Cost: O(charts).
 Scale scale_of(const Labels& labels, std::span<const Plane> planes);
 
-/// The planes of all pieces.
+/// The planes of all charts.
 /// Cost: O(F).
 std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const Job& job);
 
-/// The plane of one piece from its faces.
+/// The plane of one chart from its faces.
 /// \param moments  as of Labels
 Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const SurfaceMoments> moments = {});
 
-/// Turns the plane of a piece into the one that the partition holds for its region, if it does.
+/// Turns the plane of a chart into the one that the partition holds for its region, if it does.
 void hold(Plane& plane, const Partition& partition, std::int32_t region);
 
 /// Calls `hold` if the plane was set by hand. Snapped planes are applied last, because defects can release them.
 void hold_by_hand(Plane& plane, const Partition& partition, std::int32_t region);
 
-/// The plane of two pieces together, both with `projected` above 0.
+/// The plane of two charts together, both with `projected` above 0.
 Plane united(const Plane& a, const Plane& b);
 
-/// The plane of `piece` minus `part`. Pre: part.area < piece.area.
-Plane without(const Plane& piece, const Plane& part);
+/// The plane of `chart` minus `part`. Pre: part.area < chart.area.
+Plane without(const Plane& chart, const Plane& part);
 
 /// The shortest step from a point to where planes meet, in the directions that they fix.
 /// \param fixed  share of the largest eigenvalue of the normals, below which a direction is not fixed

@@ -35,10 +35,10 @@ bool split_at(std::vector<Cycle>& cycles, const Edge& diagonal) {
   return false;
 }
 
-/// The ends of all chords of some pieces, in order.
-std::vector<Edge> chord_ends(const Complex& complex, const Mesh& mesh, std::span<const std::int32_t> pieces) {
+/// The ends of all chords of some charts, in order.
+std::vector<Edge> chord_ends(const Complex& complex, const Mesh& mesh, std::span<const std::int32_t> charts) {
   std::vector<Edge> ends;
-  for (const std::int32_t l : pieces) {
+  for (const std::int32_t l : charts) {
     const auto chords = complex.chords(l);
     for (std::size_t i = 0; i < chords.size(); ++i)
       ends.push_back(edge(mesh.from(chords[i]), mesh.from(chords[i + 1 < chords.size() ? i + 1 : 0])));
@@ -47,11 +47,11 @@ std::vector<Edge> chord_ends(const Complex& complex, const Mesh& mesh, std::span
   return ends;
 }
 
-/// Whether the polygons of a piece are listed at each of their corners.
-[[maybe_unused]] bool is_listed(const Polygons& polygons, std::int32_t piece) {
+/// Whether the polygons of a chart are listed at each of their corners.
+[[maybe_unused]] bool is_listed(const Polygons& polygons, std::int32_t chart) {
   bool all = true;
-  polygons.for_each_of(piece, [&](std::int32_t q) {
-    all = all && polygons.piece(q) == piece && !polygons.of(q).empty();
+  polygons.for_each_of(chart, [&](std::int32_t q) {
+    all = all && polygons.chart(q) == chart && !polygons.of(q).empty();
     for (const std::int32_t c : polygons.of(q))
       all = all && std::find(polygons.at(c).begin(), polygons.at(c).end(), q) != polygons.at(c).end();
   });
@@ -73,21 +73,21 @@ std::int32_t Corners::at(std::int32_t v) {
   return of_vertex[v];
 }
 
-void Polygons::remove(std::int32_t piece) {
-  for_each_of(piece, [&](std::int32_t q) {
+void Polygons::remove(std::int32_t chart) {
+  for_each_of(chart, [&](std::int32_t q) {
     for (const std::int32_t c : of(q)) std::erase(around_.edit(c), q);
     --in_use_.edit(0);
     in_use_.edit(1) -= loops_[q].size;
     loops_.set(q, {0, 0, kNone});
   });
-  pieces_.edit(piece).count = 0;
+  charts_.edit(chart).count = 0;
 }
 
-void Polygons::add(std::int32_t piece, std::span<const Cycle> cycles, Corners& corners) {
-  pieces_.set(piece, {numbers(), static_cast<std::int32_t>(cycles.size())});
+void Polygons::add(std::int32_t chart, std::span<const Cycle> cycles, Corners& corners) {
+  charts_.set(chart, {numbers(), static_cast<std::int32_t>(cycles.size())});
   for (const Cycle& cycle : cycles) {
     const std::int32_t q = numbers();
-    loops_.push_back({static_cast<std::int32_t>(corners_.size()), static_cast<std::int32_t>(cycle.size()), piece});
+    loops_.push_back({static_cast<std::int32_t>(corners_.size()), static_cast<std::int32_t>(cycle.size()), chart});
     ++in_use_.edit(0);
     in_use_.edit(1) += loops_.back().size;
     for (const std::int32_t v : cycle) {
@@ -96,7 +96,7 @@ void Polygons::add(std::int32_t piece, std::span<const Cycle> cycles, Corners& c
       if (static_cast<std::int32_t>(around_.size()) <= c) around_.resize(c + 1);
       auto& round = around_.edit(c);
       round.insert(
-          std::upper_bound(round.begin(), round.end(), piece, [&](auto l, auto r) { return l < loops_[r].piece; }), q);
+          std::upper_bound(round.begin(), round.end(), chart, [&](auto l, auto r) { return l < loops_[r].chart; }), q);
     }
   }
 }
@@ -109,14 +109,14 @@ void Polygons::close_gaps() {
   std::vector<Loop> loops;
   std::vector<std::int32_t> left;
   for (std::size_t c = 0; c < around_.size(); ++c) around_.edit(c).clear();
-  for (std::size_t l = 0; l < pieces_.size(); ++l) {
-    const std::int32_t first = pieces_[l].first;
-    pieces_.edit(l).first = static_cast<std::int32_t>(loops.size());
-    for (std::int32_t q = first; q < first + pieces_[l].count; ++q) {
+  for (std::size_t l = 0; l < charts_.size(); ++l) {
+    const std::int32_t first = charts_[l].first;
+    charts_.edit(l).first = static_cast<std::int32_t>(loops.size());
+    for (std::int32_t q = first; q < first + charts_[l].count; ++q) {
       for (const std::int32_t c : of(q)) around_.edit(c).push_back(static_cast<std::int32_t>(loops.size()));
       const auto begin = static_cast<std::int32_t>(left.size());
       left.insert(left.end(), of(q).begin(), of(q).end());
-      loops.push_back({begin, loops_[q].size, loops_[q].piece});
+      loops.push_back({begin, loops_[q].size, loops_[q].chart});
     }
   }
   loops_.assign(std::move(loops));
@@ -125,39 +125,39 @@ void Polygons::close_gaps() {
 
 std::vector<std::int32_t> Polygons::with_diagonals(std::span<const Edge> edges, const Diagonals& diagonals,
                                                    const Corners& corners) const {
-  std::vector<std::int32_t> pieces;
+  std::vector<std::int32_t> charts;
   for (const Edge& e : edges) {
     const std::int32_t c = corners.of_vertex[e[0]];
     if (c == kNone || c >= static_cast<std::int32_t>(around_.size())) continue;
     for (const std::int32_t q : at(c)) {
-      const auto& own = diagonals[piece(q)];
+      const auto& own = diagonals[chart(q)];
       if (std::any_of(own.begin(), own.end(), [&](const Edge& d) { return edge(d[0], d[1]) == e; }))
-        pieces.push_back(piece(q));
+        charts.push_back(chart(q));
     }
   }
-  return pieces;
+  return charts;
 }
 
 void Polygons::collect(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
                        std::vector<std::int32_t>& changed) {
   if (!loops_.in_transaction()) close_gaps();
-  pieces_.resize(labels.pieces.size());
-  diagonals.resize(labels.pieces.size());
+  charts_.resize(labels.charts.size());
+  diagonals.resize(labels.charts.size());
   std::vector<std::int32_t> fresh = changed;
   sort_unique(fresh);
   const bool any = std::any_of(diagonals.begin(), diagonals.end(), [](const auto& d) { return !d.empty(); });
-  // No diagonal is the same as a chord or another diagonal. A piece that has not changed can only lose one to a piece
+  // No diagonal is the same as a chord or another diagonal. A chart that has not changed can only lose one to a chart
   // that has.
   const std::vector<Edge> ends = any ? chord_ends(complex, labels.mesh, fresh) : std::vector<Edge>{};
   std::vector<Edge> edges = ends;
   for (const std::int32_t l : fresh)
     for (const auto& d : diagonals[l]) edges.push_back(edge(d[0], d[1]));
-  std::vector<std::int32_t> pieces = with_diagonals(edges, diagonals, corners);
-  pieces.insert(pieces.end(), fresh.begin(), fresh.end());
-  sort_unique(pieces);
+  std::vector<std::int32_t> charts = with_diagonals(edges, diagonals, corners);
+  charts.insert(charts.end(), fresh.begin(), fresh.end());
+  sort_unique(charts);
   std::set<Edge> added;
   std::vector<Cycle> cycles;
-  for (const std::int32_t l : pieces) {
+  for (const std::int32_t l : charts) {
     if (!std::binary_search(fresh.begin(), fresh.end(), l)) {
       const auto is_taken = [&](const auto& d) {
         const Edge e = edge(d[0], d[1]);
@@ -185,18 +185,18 @@ void Polygons::collect(const Complex& complex, const Labels& labels, Diagonals& 
                "a polygon is among those round each of its corners");
 }
 
-std::vector<std::int32_t> Polygons::corners_of(std::span<const std::int32_t> pieces) const {
+std::vector<std::int32_t> Polygons::corners_of(std::span<const std::int32_t> charts) const {
   std::vector<std::int32_t> all;
-  for (const std::int32_t l : pieces)
+  for (const std::int32_t l : charts)
     for_each_of(l, [&](std::int32_t q) { all.insert(all.end(), of(q).begin(), of(q).end()); });
   sort_unique(all);
   return all;
 }
 
-std::vector<std::int32_t> Polygons::pieces_at(std::span<const std::int32_t> corners) const {
+std::vector<std::int32_t> Polygons::charts_at(std::span<const std::int32_t> corners) const {
   std::vector<std::int32_t> all;
   for (const std::int32_t c : corners)
-    for (const std::int32_t q : at(c)) all.push_back(piece(q));
+    for (const std::int32_t q : at(c)) all.push_back(chart(q));
   sort_unique(all);
   return all;
 }

@@ -33,23 +33,23 @@ struct Corners {
   double still = 0;
 };
 
-/// Extra edges across a piece, by the two mesh vertices.
+/// Extra edges across a chart, by the two mesh vertices.
 using Diagonals = Logged<std::vector<std::array<std::int32_t, 2>>>;
 
-/// The polygons: one a piece, and one more for each of its diagonals. A polygon has a number; the polygons of a piece
-/// have consecutive numbers. A number lasts until the piece is collected again.
+/// The polygons: one a chart, and one more for each of its diagonals. A polygon has a number; the polygons of a chart
+/// have consecutive numbers. A number lasts until the chart is collected again.
 class Polygons {
  public:
   /// Numbers that are in use or were.
   [[nodiscard]] std::int32_t numbers() const { return static_cast<std::int32_t>(loops_.size()); }
   [[nodiscard]] std::int32_t count() const { return in_use_[0]; }
-  /// How many a piece has; 0 for one that is no more.
-  [[nodiscard]] std::int32_t count_of(std::int32_t piece) const {
-    return piece < static_cast<std::int32_t>(pieces_.size()) ? pieces_[piece].count : 0;
+  /// How many a chart has; 0 for one that is no more.
+  [[nodiscard]] std::int32_t count_of(std::int32_t chart) const {
+    return chart < static_cast<std::int32_t>(charts_.size()) ? charts_[chart].count : 0;
   }
-  /// The first of a piece's.
-  [[nodiscard]] std::int32_t first_of(std::int32_t piece) const { return pieces_[piece].first; }
-  [[nodiscard]] std::int32_t piece(std::int32_t q) const { return loops_[q].piece; }
+  /// The first of a chart's.
+  [[nodiscard]] std::int32_t first_of(std::int32_t chart) const { return charts_[chart].first; }
+  [[nodiscard]] std::int32_t chart(std::int32_t q) const { return loops_[q].chart; }
   /// The corners of a polygon, in order.
   [[nodiscard]] std::span<const std::int32_t> of(std::int32_t q) const {
     return {corners_.data() + loops_[q].begin, static_cast<std::size_t>(loops_[q].size)};
@@ -58,24 +58,24 @@ class Polygons {
   [[nodiscard]] bool was_used(std::int32_t c) const {
     return c < static_cast<std::int32_t>(around_.size()) && !around_.before(c).empty();
   }
-  /// The polygons at a corner, in the order of their pieces.
+  /// The polygons at a corner, in the order of their charts.
   [[nodiscard]] std::span<const std::int32_t> at(std::int32_t c) const { return around_[c]; }
-  /// Calls fn(q) for each polygon of a piece.
+  /// Calls fn(q) for each polygon of a chart.
   template <class Function>
-  void for_each_of(std::int32_t piece, Function fn) const {
-    const std::int32_t count = count_of(piece);
-    for (std::int32_t i = 0; i < count; ++i) fn(pieces_[piece].first + i);
+  void for_each_of(std::int32_t chart, Function fn) const {
+    const std::int32_t count = count_of(chart);
+    for (std::int32_t i = 0; i < count; ++i) fn(charts_[chart].first + i);
   }
 
-  /// The corners of some pieces' polygons, in rising order.
-  [[nodiscard]] std::vector<std::int32_t> corners_of(std::span<const std::int32_t> pieces) const;
-  /// The pieces with a polygon at one of some corners, in rising order.
-  [[nodiscard]] std::vector<std::int32_t> pieces_at(std::span<const std::int32_t> corners) const;
+  /// The corners of some charts' polygons, in rising order.
+  [[nodiscard]] std::vector<std::int32_t> corners_of(std::span<const std::int32_t> charts) const;
+  /// The charts with a polygon at one of some corners, in rising order.
+  [[nodiscard]] std::vector<std::int32_t> charts_at(std::span<const std::int32_t> corners) const;
 
-  /// Rebuilds the polygons of changed pieces. A diagonal is dropped if a chord or another diagonal joins the same ends.
-  /// \param changed  pieces whose chords or diagonals changed, or that are no more; pieces that lose a diagonal are
+  /// Rebuilds the polygons of changed charts. A diagonal is dropped if a chord or another diagonal joins the same ends.
+  /// \param changed  charts whose chords or diagonals changed, or that are no more; charts that lose a diagonal are
   ///                 added
-  /// Cost: O(polygons of these and at their corners); also O(pieces) if no piece has a diagonal.
+  /// Cost: O(polygons of these and at their corners); also O(charts) if no chart has a diagonal.
   void collect(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
                std::vector<std::int32_t>& changed);
   /// Removes unused numbers, if they are more than half. Not within a transaction.
@@ -85,27 +85,27 @@ class Polygons {
   static void for_each_array(Self& self, Function fn) {
     fn(self.loops_);
     fn(self.corners_);
-    fn(self.pieces_);
+    fn(self.charts_);
     fn(self.around_);
     fn(self.in_use_);
   }
 
  private:
   struct Loop {
-    std::int32_t begin, size, piece;
+    std::int32_t begin, size, chart;
   };
   struct Row {
     std::int32_t first = 0, count = 0;
   };
-  void remove(std::int32_t piece);
-  void add(std::int32_t piece, std::span<const std::vector<std::int32_t>> cycles, Corners& corners);
-  /// The pieces that have one of some edges as a diagonal, as it was when their polygons were built.
+  void remove(std::int32_t chart);
+  void add(std::int32_t chart, std::span<const std::vector<std::int32_t>> cycles, Corners& corners);
+  /// The charts that have one of some edges as a diagonal, as it was when their polygons were built.
   [[nodiscard]] std::vector<std::int32_t> with_diagonals(std::span<const std::array<std::int32_t, 2>> edges,
                                                          const Diagonals& diagonals, const Corners& corners) const;
 
   Logged<Loop> loops_;                        // by number
   Logged<std::int32_t> corners_;              // corners of all loops, with gaps where loops were removed
-  Logged<Row> pieces_;                        // by piece
+  Logged<Row> charts_;                        // by chart
   Logged<std::vector<std::int32_t>> around_;  // by corner
   Logged<std::int32_t> in_use_{2, 0};         // polygons, and their corners
 };

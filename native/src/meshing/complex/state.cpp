@@ -29,12 +29,12 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
   return t;
 }
 
-constexpr std::int32_t kFew = 4;    ///< pieces that are measured on one thread
+constexpr std::int32_t kFew = 4;    ///< charts that are measured on one thread
 constexpr double kStill = 1e-9;     ///< share of the diagonal: corners of plates with holes that would move less stay
-constexpr std::int32_t kMany = 60;  ///< faces a piece: with fewer it is as quick to measure all of them again
+constexpr std::int32_t kMany = 60;  ///< faces a chart: with fewer it is as quick to measure all of them again
 constexpr double kFlat = 1e-12;     ///< share of the area: with a shorter vector area, faces define no direction
 
-/// A boundary half-edge of a piece, found from one of its faces.
+/// A boundary half-edge of a chart, found from one of its faces.
 std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> faces) {
   for (const std::int32_t f : faces)
     for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
@@ -57,8 +57,8 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
       threads(o.threads),
       regions(partition.region_count()) {
   labels_.moments = moments;
-  Bits boundary = label_pieces(labels_, partition.face_region, threads, job);
-  merged_without_area_ = merge_pieces_without_area(labels_, 2 * kThickness * m.diagonal(), boundary);
+  Bits boundary = label_charts(labels_, partition.face_region, threads, job);
+  merged_without_area_ = merge_charts_without_area(labels_, 2 * kThickness * m.diagonal(), boundary);
   job.report(0.02);
   cutter_.perforated = is_perforated(cutter_, regions, job);
   if (cutter_.perforated) {
@@ -73,28 +73,28 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   std::vector<std::int32_t> todo = find_non_discs(labels_, outlines, threads, job);
   make_discs(cutter_, std::move(todo), discs, job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter_, kLeastClosed, discs, job);
-  std::vector<std::vector<std::int32_t>> loops(labels.pieces.size());
+  std::vector<std::vector<std::int32_t>> loops(labels.charts.size());
   for (std::int32_t l = 0; l < static_cast<std::int32_t>(outlines.loops.size()); ++l)
     loops[l].assign(outlines.of(l).begin(), outlines.of(l).end());
   sort_unique(labels_.touched);
   for (const std::int32_t l : labels.touched) {
     auto& [faces, loop] = discs.at(l);
-    labels_.pieces.edit(l).region = region_of(l, faces);
+    labels_.charts.edit(l).region = region_of(l, faces);
     std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
     loops[l] = std::move(loop);
   }
   labels_.touched.clear();
   job.report(0.07);
   planes_.assign(planes_of(labels, threads, job));
-  for (std::size_t l = 0; l < planes.size(); ++l) hold_by_hand(planes_.edit(l), partition, labels.pieces[l].region);
+  for (std::size_t l = 0; l < planes.size(); ++l) hold_by_hand(planes_.edit(l), partition, labels.charts[l].region);
   complex_.tolerance = chord_tolerance(mesh, planes, partition, options);
   job.report(0.08);
-  complex_.refresh(numbers_below(labels.piece_count()), std::move(loops), job);
+  complex_.refresh(numbers_below(labels.chart_count()), std::move(loops), job);
   job.report(0.1);
 }
 
-std::int32_t State::region_of(std::int32_t piece, std::span<const std::int32_t> faces) const {
-  ISIMP_ASSERT(!faces.empty(), "a piece has faces");
+std::int32_t State::region_of(std::int32_t chart, std::span<const std::int32_t> faces) const {
+  ISIMP_ASSERT(!faces.empty(), "a chart has faces");
   std::map<std::int32_t, double> area;
   auto at = area.end();
   for (const std::int32_t f : faces) {
@@ -102,25 +102,25 @@ std::int32_t State::region_of(std::int32_t piece, std::span<const std::int32_t> 
     if (at == area.end() || at->first != region) at = area.try_emplace(region, 0).first;
     at->second += mesh.graph().faces[mesh.graph().graph_face[f]].area;
   }
-  const Piece& p = labels.pieces[piece];
+  const Chart& p = labels.charts[chart];
   if (p.cause == Cause::region && area.contains(p.region)) return p.region;
   return std::max_element(area.begin(), area.end(), [](const auto& a, const auto& b) { return a.second < b.second; })
       ->first;
 }
 
-bool State::split(std::int32_t piece, Job& job) {
-  const std::int32_t fresh = bisect(cutter_, piece, Cause::repair);
+bool State::split(std::int32_t chart, Job& job) {
+  const std::int32_t fresh = bisect(cutter_, chart, Cause::repair);
   if (fresh == kNone) return false;
-  make_discs(cutter_, {piece, fresh}, discs_, job);
-  diagonals_.resize(labels.pieces.size());
+  make_discs(cutter_, {chart, fresh}, discs_, job);
+  diagonals_.resize(labels.charts.size());
   for (const std::int32_t l : labels.touched) diagonals_.set(l, {});
   return true;
 }
 
-bool State::shatter(std::int32_t piece) {
-  const std::vector<std::int32_t> faces = labels.faces_of(piece);
+bool State::shatter(std::int32_t chart) {
+  const std::vector<std::int32_t> faces = labels.faces_of(chart);
   bool any = faces.size() > 1;
-  discs_.erase(piece);
+  discs_.erase(chart);
   for (std::size_t i = 1; i < faces.size(); ++i) labels_.part(std::span(faces).subspan(i, 1), faces[0], Cause::repair);
   for (const std::int32_t f : faces)
     for (const std::int32_t v : mesh.triangles()[f]) {
@@ -133,37 +133,37 @@ bool State::shatter(std::int32_t piece) {
       move(c, mesh.vertices()[v]);
       at_home_.push_back(c);
     }
-  diagonals_.resize(labels.pieces.size());
-  any = !diagonals[piece].empty() || any;
-  set_diagonals(piece, {});
-  // Where nothing has changed no update need follow, in which the piece would stop being listed.
-  if (any) labels_.touched.push_back(piece);
+  diagonals_.resize(labels.charts.size());
+  any = !diagonals[chart].empty() || any;
+  set_diagonals(chart, {});
+  // Where nothing has changed no update need follow, in which the chart would stop being listed.
+  if (any) labels_.touched.push_back(chart);
   return any;
 }
 
-std::vector<std::int32_t> State::neighbours(std::int32_t piece) const {
+std::vector<std::int32_t> State::neighbours(std::int32_t chart) const {
   std::vector<std::int32_t> some;
-  for_each_neighbour(piece, [&](std::int32_t l) { some.push_back(l); });
+  for_each_neighbour(chart, [&](std::int32_t l) { some.push_back(l); });
   sort_unique(some);
   return some;
 }
 
-void State::add_neighbours(std::vector<std::int32_t>& pieces) const {
-  for (std::size_t i = 0, n = pieces.size(); i < n; ++i) {
-    const std::vector<std::int32_t> beside = neighbours(pieces[i]);
-    pieces.insert(pieces.end(), beside.begin(), beside.end());
+void State::add_neighbours(std::vector<std::int32_t>& charts) const {
+  for (std::size_t i = 0, n = charts.size(); i < n; ++i) {
+    const std::vector<std::int32_t> beside = neighbours(charts[i]);
+    charts.insert(charts.end(), beside.begin(), beside.end());
   }
-  sort_unique(pieces);
+  sort_unique(charts);
 }
 
-SharedBoundary State::shared_boundary(std::int32_t piece) const {
+SharedBoundary State::shared_boundary(std::int32_t chart) const {
   SharedBoundary found;
-  for (const std::int32_t h : complex.loop(piece)) {
+  for (const std::int32_t h : complex.loop(chart)) {
     const double length = (mesh.vertices()[mesh.to(h)] - mesh.vertices()[mesh.from(h)]).norm();
     found.all += length;
     const std::int32_t k = labels.across(h);
-    if (k == kNone || k == piece) continue;
-    (labels.pieces[k].region == labels.pieces[piece].region ? found.with : found.others)[k] += length;
+    if (k == kNone || k == chart) continue;
+    (labels.charts[k].region == labels.charts[chart].region ? found.with : found.others)[k] += length;
   }
   return found;
 }
@@ -192,23 +192,23 @@ std::vector<std::int32_t> State::loop_together(std::int32_t kept, std::int32_t g
 }
 
 void State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t> loop) {
-  ISIMP_ASSERT(kept != gone && labels.pieces[kept].face != kNone && labels.pieces[gone].face != kNone,
-               "two pieces that are there become one");
-  ISIMP_ASSERT(!loop.empty(), "two pieces are a disc together");
-  const Piece kept_piece = labels.pieces[kept], gone_piece = labels.pieces[gone];
+  ISIMP_ASSERT(kept != gone && labels.charts[kept].face != kNone && labels.charts[gone].face != kNone,
+               "two charts that are there become one");
+  ISIMP_ASSERT(!loop.empty(), "two charts are a disc together");
+  const Chart kept_chart = labels.charts[kept], gone_chart = labels.charts[gone];
   std::vector<std::int32_t> between;
   for (const std::int32_t h : complex.loop(gone))
     if (labels.across(h) == kept) between.insert(between.end(), {mesh.from(h), mesh.to(h)});
   relabel(labels.faces_of(gone), kept);
-  if (kept_piece.cause == Cause::repair) labels_.pieces.edit(kept).cause = gone_piece.cause;
+  if (kept_chart.cause == Cause::repair) labels_.charts.edit(kept).cause = gone_chart.cause;
   name(gone, kNone);
   labels_.touched.push_back(kept);
   discs_.erase(kept);
-  // Most of the area of each piece is of the same region, so most of their union is of it too.
-  if (kept_piece.region == gone_piece.region && planes[kept].projected > 0 && planes[gone].projected > 0) {
+  // Most of the area of each chart is of the same region, so most of their union is of it too.
+  if (kept_chart.region == gone_chart.region && planes[kept].projected > 0 && planes[gone].projected > 0) {
     Plane& plane = planes_.edit(kept);
     plane = united(plane, planes[gone]);
-    hold_by_hand(plane, partition, kept_piece.region);
+    hold_by_hand(plane, partition, kept_chart.region);
     if (plane.projected > kFlat * plane.area) known_[kept] = std::move(loop);
   }
   set_diagonals(kept, {});
@@ -222,31 +222,31 @@ void State::relabel(std::span<const std::int32_t> faces, std::int32_t label) {
   for (const std::int32_t f : faces) labels_.label.set(f, label);
 }
 
-void State::touch(std::span<const std::int32_t> pieces) {
-  labels_.touched.insert(labels_.touched.end(), pieces.begin(), pieces.end());
+void State::touch(std::span<const std::int32_t> charts) {
+  labels_.touched.insert(labels_.touched.end(), charts.begin(), charts.end());
 }
 
 void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const std::int32_t> faces,
-                      std::span<const std::int32_t> pieces) {
+                      std::span<const std::int32_t> charts) {
   ISIMP_ASSERT(giver != taker &&
                    std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) { return labels.label[f] == taker; }),
                "faces that are handed over have the label of who takes them");
-  touch(pieces);
-  if (mesh.face_count() / kMany < labels.piece_count()) return;
+  touch(charts);
+  if (mesh.face_count() / kMany < labels.chart_count()) return;
   const auto is_simple = [&](std::int32_t l) {  // neither held nor of a region that may change with its faces
-    return labels.pieces[l].cause == Cause::region && !planes[l].held && planes[l].projected > kFlat * planes[l].area;
+    return labels.charts[l].cause == Cause::region && !planes[l].held && planes[l].projected > kFlat * planes[l].area;
   };
   const Plane part = plane_of(mesh, faces, labels.moments);
   const bool simple = part.projected > kFlat * part.area && is_simple(giver) && is_simple(taker);
   if (simple) handovers_.push_back({giver, taker, part});
-  for (const std::int32_t l : pieces)
+  for (const std::int32_t l : charts)
     if (simple || (l != giver && l != taker)) handed_.push_back(l);
 }
 
-std::vector<std::int32_t> State::loop_again(std::int32_t piece) const {
-  const auto loop = complex.loop(piece);
+std::vector<std::int32_t> State::loop_again(std::int32_t chart) const {
+  const auto loop = complex.loop(chart);
   const auto start = std::find_if(loop.begin(), loop.end(),
-                                  [&](std::int32_t h) { return labels.label[h / 3] == piece && !labels.inner(h); });
+                                  [&](std::int32_t h) { return labels.label[h / 3] == chart && !labels.inner(h); });
   return start == loop.end() ? std::vector<std::int32_t>() : labels.loop_from(*start);
 }
 
@@ -272,10 +272,10 @@ std::vector<bool> State::settle_handovers() {
   return known;
 }
 
-void State::move_onto(std::span<const Plane> planes_by_piece, std::span<const std::int32_t> moving) {
-  place_on_held(polygons, mesh, planes_by_piece, moving, threads, corners_);
-  flatten(polygons, mesh, planes_by_piece, moving, options.flatten, threads, corners_);
-  place_on_held(polygons, mesh, planes_by_piece, moving, threads, corners_);
+void State::move_onto(std::span<const Plane> planes_by_chart, std::span<const std::int32_t> moving) {
+  place_on_held(polygons, mesh, planes_by_chart, moving, threads, corners_);
+  flatten(polygons, mesh, planes_by_chart, moving, options.flatten, threads, corners_);
+  place_on_held(polygons, mesh, planes_by_chart, moving, threads, corners_);
 }
 
 void State::limit(std::span<const std::int32_t> moving) {
@@ -283,7 +283,7 @@ void State::limit(std::span<const std::int32_t> moving) {
   // Among faces of the scan alone a corner has its place already.
   for (const std::int32_t c : moving) {
     const auto around = polygons.at(c);
-    if (std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return labels.is_face(polygons.piece(q)); }))
+    if (std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return labels.is_face(polygons.chart(q)); }))
       corners_.radius.set(c, 0);
   }
 }
@@ -314,17 +314,17 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
   job_.poll();
   std::vector<std::int32_t>& touched = labels_.touched;
   std::sort(touched.begin(), touched.end());
-  // The known boundary of a piece is out of date if the piece was touched once more.
+  // The known boundary of a chart is out of date if the chart was touched once more.
   for (std::size_t i = 1; i < touched.size(); ++i)
     if (touched[i] == touched[i - 1]) known_.erase(touched[i]);
-  // A piece may have been united with another since it was touched.
-  std::erase_if(touched, [&](std::int32_t l) { return labels.pieces[l].face == kNone; });
+  // A chart may have been united with another since it was touched.
+  std::erase_if(touched, [&](std::int32_t l) { return labels.charts[l].face == kNone; });
   const std::vector<bool> handed = settle_handovers();
-  planes_.resize(labels.pieces.size());
-  diagonals_.resize(labels.pieces.size());
+  planes_.resize(labels.charts.size());
+  diagonals_.resize(labels.charts.size());
   std::vector<std::vector<std::int32_t>> loops(touched.size());
   labels.face_marks.clear();
-  const std::span<Piece> pieces = labels_.pieces.edit_all(touched);
+  const std::span<Chart> charts = labels_.charts.edit_all(touched);
   const std::span<Plane> fitted = planes_.edit_all(touched);
   threads.blocks(static_cast<std::int32_t>(loops.size()), kFew,
                  [&](std::int32_t, std::int32_t begin, std::int32_t end) {
@@ -345,15 +345,15 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
                        faces = labels.flood(l);
                        loops[i] = labels.loop_from(boundary_start(labels, faces));
                      }
-                     pieces[l].region = region_of(l, faces);
+                     charts[l].region = region_of(l, faces);
                      fitted[l] = plane_of(mesh, faces, labels.moments);
-                     hold_by_hand(fitted[l], partition, pieces[l].region);
+                     hold_by_hand(fitted[l], partition, charts[l].region);
                    }
                  });
   known_.clear();
   discs_.clear();
-  ISIMP_ASSERT(planes.size() == labels.pieces.size() && diagonals.size() == labels.pieces.size(),
-               "every piece has a plane and diagonals");
+  ISIMP_ASSERT(planes.size() == labels.charts.size() && diagonals.size() == labels.charts.size(),
+               "every chart has a plane and diagonals");
   complex_.refresh(touched, std::move(loops), job_);
   touched.clear();
   const std::vector<std::int32_t> cornered = complex_.make_regular();
@@ -383,7 +383,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
   ISIMP_ASSERT(std::all_of(moved.begin(), moved.end(), [&](std::int32_t c) { return corners.position[c].allFinite(); }),
                "corners have places");
   ISIMP_ASSERT(!complex.is_pending(), "corners are up to date");
-  return polygons.pieces_at(moved);
+  return polygons.charts_at(moved);
 }
 
 }  // namespace isimp::meshing

@@ -19,12 +19,12 @@
 namespace isimp::meshing {
 
 constexpr std::int32_t kLeastClosed = 4;  ///< no closed surface has fewer polygons
-constexpr std::size_t kLarge = 64;        ///< chords of a piece above which its two ends count as far apart
+constexpr std::size_t kLarge = 64;        ///< chords of a chart above which its two ends count as far apart
 
-/// How long the boundary of a piece is, and the part of it that each other piece is across of.
+/// How long the boundary of a chart is, and the part of it that each other chart is across of.
 struct SharedBoundary {
-  std::map<std::int32_t, double> with;    ///< pieces of its region
-  std::map<std::int32_t, double> others;  ///< pieces of other regions
+  std::map<std::int32_t, double> with;    ///< charts of its region
+  std::map<std::int32_t, double> others;  ///< charts of other regions
   double all = 0;
 };
 
@@ -40,64 +40,64 @@ class State {
   State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job,
         std::span<const SurfaceMoments> moments = {});
 
-  /// The pieces across the chords of one, in rising order.
-  [[nodiscard]] std::vector<std::int32_t> neighbours(std::int32_t piece) const;
-  /// Calls fn(piece) for each of them, once for each chord.
+  /// The charts across the chords of one, in rising order.
+  [[nodiscard]] std::vector<std::int32_t> neighbours(std::int32_t chart) const;
+  /// Calls fn(chart) for each of them, once for each chord.
   template <class Function>
-  void for_each_neighbour(std::int32_t piece, Function fn) const {
-    for (const std::int32_t h : complex.chords(piece))
+  void for_each_neighbour(std::int32_t chart, Function fn) const {
+    for (const std::int32_t h : complex.chords(chart))
       if (const std::int32_t l = labels.across(h); l != kNone) fn(l);
   }
-  /// Whether a piece borders enough holes that changes at its two ends do not affect each other.
-  [[nodiscard]] bool is_large(std::int32_t piece) const {
-    return cutter.perforated && complex.chords(piece).size() > kLarge;
+  /// Whether a chart borders enough holes that changes at its two ends do not affect each other.
+  [[nodiscard]] bool is_large(std::int32_t chart) const {
+    return cutter.perforated && complex.chords(chart).size() > kLarge;
   }
-  /// Adds them to some pieces, in rising order then.
-  void add_neighbours(std::vector<std::int32_t>& pieces) const;
-  /// The region of a piece with these faces. The first piece of a region stays its piece while it has a face of it, so
-  /// that every region keeps a polygon; other pieces are of the region that has most of their area. That may be another
+  /// Adds them to some charts, in rising order then.
+  void add_neighbours(std::vector<std::int32_t>& charts) const;
+  /// The region of a chart with these faces. The first chart of a region stays its chart while it has a face of it, so
+  /// that every region keeps a polygon; other charts are of the region that has most of their area. That may be another
   /// one than before: joining junctions and mending pinches hand faces over to a neighbour.
-  [[nodiscard]] std::int32_t region_of(std::int32_t piece, std::span<const std::int32_t> faces) const;
-  [[nodiscard]] SharedBoundary shared_boundary(std::int32_t piece) const;
+  [[nodiscard]] std::int32_t region_of(std::int32_t chart, std::span<const std::int32_t> faces) const;
+  [[nodiscard]] SharedBoundary shared_boundary(std::int32_t chart) const;
   [[nodiscard]] Scale scale() const { return scale_of(labels, planes_); }
-  /// The boundary that two pieces would have together, as half-edges in order; empty where that would be no disc.
+  /// The boundary that two charts would have together, as half-edges in order; empty where that would be no disc.
   /// Cost: O(their boundaries), of which the complex must be up to date.
   [[nodiscard]] std::vector<std::int32_t> loop_together(std::int32_t kept, std::int32_t gone) const;
 
   // Changes of labels.
-  /// Splits a piece in halves (and on, until all of it is discs).
+  /// Splits a chart in halves (and on, until all of it is discs).
   /// \return false for a single face
-  bool split(std::int32_t piece, Job& job);
-  /// Makes each face of a piece a piece of its own, all corners of which stay on the mesh.
+  bool split(std::int32_t chart, Job& job);
+  /// Makes each face of a chart a chart of its own, all corners of which stay on the mesh.
   /// \return whether that is new
-  bool shatter(std::int32_t piece);
-  /// Makes two pieces one, which must be a disc.
+  bool shatter(std::int32_t chart);
+  /// Makes two charts one, which must be a disc.
   /// \param loop  the result of `loop_together` for them
-  /// Cost: O(faces of the absorbed piece + boundaries of both).
+  /// Cost: O(faces of the absorbed chart + boundaries of both).
   void unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t> loop);
-  /// Sets the label of some faces. When `update` is called, all pieces must be discs and all changed ones touched.
+  /// Sets the label of some faces. When `update` is called, all charts must be discs and all changed ones touched.
   void relabel(std::span<const std::int32_t> faces, std::int32_t label);
-  /// Names a piece by another one of its faces; kNone where it is no more.
-  void name(std::int32_t piece, std::int32_t face) { labels_.pieces.edit(piece).face = face; }
-  /// Marks some pieces, so that the next `update` measures their faces again.
-  void touch(std::span<const std::int32_t> pieces);
+  /// Names a chart by another one of its faces; kNone where it is no more.
+  void name(std::int32_t chart, std::int32_t face) { labels_.charts.edit(chart).face = face; }
+  /// Marks some charts, so that the next `update` measures their faces again.
+  void touch(std::span<const std::int32_t> charts);
   /// Records that faces were relabelled from `giver` to `taker`, so that the next update need not measure all faces of
-  /// these pieces. All pieces must still be discs, and that update must come before other changes.
-  /// \param pieces  all pieces whose boundary, or a neighbour across it, has changed
+  /// these charts. All charts must still be discs, and that update must come before other changes.
+  /// \param charts  all charts whose boundary, or a neighbour across it, has changed
   /// Cost: O(faces).
   void hand_over(std::int32_t giver, std::int32_t taker, std::span<const std::int32_t> faces,
-                 std::span<const std::int32_t> pieces);
+                 std::span<const std::int32_t> charts);
 
-  // Changes of polygons, as in Complex. Pieces with changed diagonals are an argument of `update`.
+  // Changes of polygons, as in Complex. Charts with changed diagonals are an argument of `update`.
   void add_corner(std::int32_t vertex) { complex_.add_corner(vertex); }
   bool drop_corner(std::int32_t vertex) { return complex_.drop_corner(vertex); }
   bool bend(std::int32_t chord) { return complex_.bend(chord); }
   /// The corner at a vertex, a new one if there is none.
   std::int32_t corner_at(std::int32_t vertex) { return corners_.at(vertex); }
-  void set_diagonals(std::int32_t piece, std::vector<std::array<std::int32_t, 2>> all) {
-    diagonals_.set(piece, std::move(all));
+  void set_diagonals(std::int32_t chart, std::vector<std::array<std::int32_t, 2>> all) {
+    diagonals_.set(chart, std::move(all));
   }
-  /// Rebuilds the polygons of changed pieces with corners at their present places; see Polygons::collect.
+  /// Rebuilds the polygons of changed charts with corners at their present places; see Polygons::collect.
   void collect(std::vector<std::int32_t>& changed) {
     polygons_.collect(complex_, labels_, diagonals_, corners_, changed);
   }
@@ -106,12 +106,12 @@ class State {
   void move(std::int32_t corner, const Vec3& place) { corners_.position.set(corner, place); }
   /// Moves corners onto the held ones of the given planes, makes the polygons flat, and moves the corners onto the held
   /// planes again.
-  void move_onto(std::span<const Plane> planes_by_piece, std::span<const std::int32_t> moving);
+  void move_onto(std::span<const Plane> planes_by_chart, std::span<const std::int32_t> moving);
 
   /// Updates polygons and positions after splits, new corners or new diagonals. All corners of polygons that have
   /// changed are placed again.
-  /// \param changed  pieces whose diagonals changed; the others are known
-  /// \return the pieces of which a polygon may have changed its place, in rising order
+  /// \param changed  charts whose diagonals changed; the others are known
+  /// \return the charts of which a polygon may have changed its place, in rising order
   std::vector<std::int32_t> update(std::vector<std::int32_t> changed) { return update(std::move(changed), false); }
   /// The same, but only new corners are placed. A corner that a polygon used before keeps its place; within a
   /// transaction, one that a polygon used as it began has the place of then.
@@ -131,15 +131,15 @@ class State {
   }
 
  private:
-  /// Faces moved from one piece to another since the last update, as a plane.
+  /// Faces moved from one chart to another since the last update, as a plane.
   struct Handover {
     std::int32_t giver, taker;
     Plane part;
   };
-  /// The boundary of a changed piece, from a half-edge that was already on it; empty if there is none.
-  [[nodiscard]] std::vector<std::int32_t> loop_again(std::int32_t piece) const;
+  /// The boundary of a changed chart, from a half-edge that was already on it; empty if there is none.
+  [[nodiscard]] std::vector<std::int32_t> loop_again(std::int32_t chart) const;
   /// Applies the handovers to the planes.
-  /// \return by touched piece, sorted and each once: whether all of it is known but its boundary
+  /// \return by touched chart, sorted and each once: whether all of it is known but its boundary
   std::vector<bool> settle_handovers();
 
   friend class Transaction;
@@ -150,7 +150,7 @@ class State {
   template <class Self, class Function>
   static void for_each_array(Self& self, Function fn) {
     fn(self.labels_.label);
-    fn(self.labels_.pieces);
+    fn(self.labels_.charts);
     fn(self.planes_);
     fn(self.diagonals_);
     fn(self.stale_);
@@ -169,12 +169,12 @@ class State {
   const Job& job_;
   std::int32_t merged_without_area_ = 0;
   std::int64_t placed_ = 0;
-  std::vector<std::int32_t> united_;    // pieces absorbed by others since the last update
-  std::map<std::int32_t, Disc> discs_;  // by piece: the disc found by its split, until the next update
-  /// By piece: its boundary, if the plane and the boundary are already known after a change.
+  std::vector<std::int32_t> united_;    // charts absorbed by others since the last update
+  std::map<std::int32_t, Disc> discs_;  // by chart: the disc found by its split, until the next update
+  /// By chart: its boundary, if the plane and the boundary are already known after a change.
   std::map<std::int32_t, std::vector<std::int32_t>> known_;
   std::vector<Handover> handovers_;    // since the last update
-  std::vector<std::int32_t> handed_;   // pieces touched by handovers, once for each touch
+  std::vector<std::int32_t> handed_;   // charts touched by handovers, once for each touch
   std::vector<std::int32_t> at_home_;  // corners that were put to their vertices since the last update
   Logged<std::uint8_t> stale_;         // by corner: whether a polygon of it has changed since `take_stale`
 
@@ -185,13 +185,13 @@ class State {
   const Threads threads;
   const std::int32_t regions;  ///< number of regions in the partition
   // Read-only views of the private data.
-  const std::int32_t& merged_without_area = merged_without_area_;  ///< pieces given to a neighbour, for lack of area
+  const std::int32_t& merged_without_area = merged_without_area_;  ///< charts given to a neighbour, for lack of area
   const std::int64_t& placed = placed_;                            ///< placements of corners, repeated ones included
   const Labels& labels = labels_;
   const Cutter& cutter = cutter_;
-  const Logged<Plane>& planes = planes_;  ///< by piece
+  const Logged<Plane>& planes = planes_;  ///< by chart
   const Complex& complex = complex_;
-  const Diagonals& diagonals = diagonals_;  ///< by piece
+  const Diagonals& diagonals = diagonals_;  ///< by chart
   const Corners& corners = corners_;
   const Polygons& polygons = polygons_;
 };

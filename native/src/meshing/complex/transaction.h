@@ -8,7 +8,7 @@ namespace isimp::meshing {
 ///
 /// One at a time. A transaction that ends without `commit` is rolled back.
 /// Pre: the state is up to date.
-/// Cost: O(pieces) to begin; from then on O(size of the changes), `rollback` included.
+/// Cost: O(charts) to begin; from then on O(size of the changes), `rollback` included.
 class Transaction {
  public:
   explicit Transaction(State& state);
@@ -17,7 +17,7 @@ class Transaction {
   Transaction& operator=(const Transaction&) = delete;
 
   void commit();
-  /// Restores labels, pieces, planes, diagonals, corners, polygons and positions bit by bit, the numbers of polygons
+  /// Restores labels, charts, planes, diagonals, corners, polygons and positions bit by bit, the numbers of polygons
   /// included.
   void rollback();
 

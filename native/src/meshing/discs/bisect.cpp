@@ -1,4 +1,4 @@
-// Splits a piece in two or more parts of equal size.
+// Splits a chart in two or more parts of equal size.
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -8,8 +8,8 @@
 namespace isimp::meshing {
 namespace {
 
-/// The faces of a piece, and shortest paths over them from middle to middle. The class writes only to places of the
-/// cutter's arrays that belong to this piece.
+/// The faces of a chart, and shortest paths over them from middle to middle. The class writes only to places of the
+/// cutter's arrays that belong to this chart.
 class Ground {
  public:
   Ground(const Cutter& cutter, std::span<const std::int32_t> faces)
@@ -83,7 +83,7 @@ class Ground {
 
   std::span<const std::int32_t> faces_;
   double least_;         // keeps distances rising where faces have no size
-  std::int32_t* place_;  // by face of the mesh, valid for faces of the piece
+  std::int32_t* place_;  // by face of the mesh, valid for faces of the chart
   std::vector<Step> steps_;
   std::vector<Front> queue_;
 };
@@ -111,9 +111,9 @@ std::vector<std::int32_t> middles(const Ground& ground, std::size_t parts) {
 
 }  // namespace
 
-std::int32_t split_evenly(Cutter& cutter, std::int32_t piece, std::int32_t parts, Cause cause) {
+std::int32_t split_evenly(Cutter& cutter, std::int32_t chart, std::int32_t parts, Cause cause) {
   constexpr int kRounds = 6;
-  const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+  const std::vector<std::int32_t> faces = cutter.labels.faces_of(chart);
   Ground ground(cutter, faces);
   const std::size_t n = std::min<std::size_t>(parts, faces.size());
   std::vector<std::int32_t> seeds{ground.grow(std::array{faces[0]})};
@@ -128,8 +128,8 @@ std::int32_t split_evenly(Cutter& cutter, std::int32_t piece, std::int32_t parts
   return static_cast<std::int32_t>(n) - 1;
 }
 
-std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause, std::array<std::int32_t, 2> seeds) {
-  const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+std::int32_t bisect(Cutter& cutter, std::int32_t chart, Cause cause, std::array<std::int32_t, 2> seeds) {
+  const std::vector<std::int32_t> faces = cutter.labels.faces_of(chart);
   if (faces.size() < 2) return kNone;
   Ground ground(cutter, faces);
   if (seeds[0] == kNone) {

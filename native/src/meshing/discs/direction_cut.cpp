@@ -1,4 +1,4 @@
-// Parts a piece by the directions of its faces.
+// Parts a chart by the directions of its faces.
 #include <algorithm>
 #include <utility>
 
@@ -7,11 +7,11 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr double kFlat = 0.03;       ///< roughness up to which a piece has one side
+constexpr double kFlat = 0.03;       ///< roughness up to which a chart has one side
 constexpr double kExact = 1e-4;      ///< roughness of the sides up to which all of them are planes
 constexpr double kRounding = 1e-6;   ///< roughness that rounding makes
 constexpr double kCurve = 0.035;     ///< roughness of the sides beyond which they are a curve
-constexpr double kGain = 3;          ///< times the roughness of the sides: a piece that is less rough stays whole
+constexpr double kGain = 3;          ///< times the roughness of the sides: a chart that is less rough stays whole
 constexpr double kNear = 0.7071;     ///< cosine of 45 degrees: how near to a direction its faces look
 constexpr double kStraight = 0.999;  ///< cosine of 2.5 degrees: a face that is nearer to a direction is no speck
 constexpr double kRest = 0.01;       ///< share of the area that needs no direction of its own
@@ -20,7 +20,7 @@ constexpr int kDirections = 10;      ///< at most
 constexpr int kRefinements = 3;      ///< rounds: each direction becomes the mean of the faces near it
 constexpr int kSmoothings = 2;       ///< rounds in which a face takes the direction of two of its neighbours
 
-/// The faces of one piece and the directions they look in.
+/// The faces of one chart and the directions they look in.
 class Looks {
  public:
   Looks(const Cutter& cutter, std::span<const std::int32_t> faces)
@@ -183,15 +183,15 @@ class Looks {
 
   const Labels& labels_;
   std::span<const std::int32_t> faces_;
-  std::int32_t* place_;  // by face of the mesh, valid for faces of the piece
+  std::int32_t* place_;  // by face of the mesh, valid for faces of the chart
   std::vector<Look> looks_;
   double area_ = 0;
 };
 
 }  // namespace
 
-std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece) {
-  const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+std::int32_t cut_by_direction(Cutter& cutter, std::int32_t chart) {
+  const std::vector<std::int32_t> faces = cutter.labels.faces_of(chart);
   const Looks looks(cutter, faces);
   const double before = looks.roughness();
   // In a plate with holes, few faces of another side would tilt the polygon, its neighbours and their neighbours. Only
@@ -207,7 +207,7 @@ std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece) {
 }
 
 bool has_flat_sides(const Cutter& cutter, const Job& job) {
-  for (std::int32_t l = 0; l < cutter.labels.piece_count(); ++l) {
+  for (std::int32_t l = 0; l < cutter.labels.chart_count(); ++l) {
     job.poll();
     const std::vector<std::int32_t> faces = cutter.labels.faces_of(l);
     const Looks looks(cutter, faces);

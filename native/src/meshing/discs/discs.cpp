@@ -8,20 +8,20 @@
 namespace isimp::meshing {
 namespace {
 
-/// Loops, and two for a handle, beyond which a piece is parted by the directions its faces look in. Then each wall of a
+/// Loops, and two for a handle, beyond which a chart is parted by the directions its faces look in. Then each wall of a
 /// hole is a polygon. Other cuts give half to a third as many polygons, but repairing them takes a time that grows with
 /// the square of the holes.
 constexpr std::size_t kManyOpenings = 24;
-/// Openings per region of the mesh beyond which all pieces are parted by directions, as a piece that is not parted
+/// Openings per region of the mesh beyond which all charts are parted by directions, as a chart that is not parted
 /// would not fit its neighbours.
 constexpr double kOpeningsARegion = 4;
 constexpr double kOfFlat = 2;  ///< openings per region if all sides are planes, so that walls are known
-/// Most handles that are cut one by one, each in time for all faces of the piece. A piece with more is halved first.
+/// Most handles that are cut one by one, each in time for all faces of the chart. A chart with more is halved first.
 constexpr std::int32_t kFewHandles = 64;
 
-/// Tries to mend one vertex where the piece touches itself by a hand-over.
-/// \return the pieces to be checked again
-std::vector<std::int32_t> mend_pinch(Cutter& cutter, std::int32_t piece, const Shape& shape) {
+/// Tries to mend one vertex where the chart touches itself by a hand-over.
+/// \return the charts to be checked again
+std::vector<std::int32_t> mend_pinch(Cutter& cutter, std::int32_t chart, const Shape& shape) {
   const Mesh& mesh = cutter.labels.mesh;
   std::vector<std::int32_t> seen, twice;
   for (const auto& loop : shape.loops)
@@ -32,34 +32,34 @@ std::vector<std::int32_t> mend_pinch(Cutter& cutter, std::int32_t piece, const S
   for (const std::int32_t v : twice) {
     std::vector<std::int32_t> changed = hand_over_sector(cutter, v);
     if (changed.empty()) continue;
-    if (std::find(changed.begin(), changed.end(), piece) == changed.end()) changed.push_back(piece);
+    if (std::find(changed.begin(), changed.end(), chart) == changed.end()) changed.push_back(chart);
     return changed;
   }
   return {};
 }
 
-/// Two faces of the piece in different sectors of a vertex where it touches itself.
-std::array<std::int32_t, 2> faces_at_pinch(const Labels& labels, std::int32_t piece, std::int32_t vertex) {
+/// Two faces of the chart in different sectors of a vertex where it touches itself.
+std::array<std::int32_t, 2> faces_at_pinch(const Labels& labels, std::int32_t chart, std::int32_t vertex) {
   std::vector<std::int32_t> first;
   for_each_leaving(labels.mesh, vertex, [&](std::int32_t h) {
-    if (labels.label[h / 3] == piece && !labels.inner(h)) first.push_back(h / 3);
+    if (labels.label[h / 3] == chart && !labels.inner(h)) first.push_back(h / 3);
   });
   if (first.size() < 2 || first[0] == first[1]) return {kNone, kNone};
   return {first[0], first[1]};
 }
 
-/// Cuts a piece that is no disc. The new pieces have the last labels.
-void cut(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
+/// Cuts a chart that is no disc. The new charts have the last labels.
+void cut(Cutter& cutter, std::int32_t chart, const Shape& shape, Job& job) {
   if (shape.pinches > 0) {
-    bisect(cutter, piece, Cause::pinch, faces_at_pinch(cutter.labels, piece, shape.pinch_vertex));
+    bisect(cutter, chart, Cause::pinch, faces_at_pinch(cutter.labels, chart, shape.pinch_vertex));
     return;
   }
   const std::size_t openings = shape.loops.size() + 2 * static_cast<std::size_t>(shape.genus);
-  if (openings > kManyOpenings && cut_by_direction(cutter, piece) > 0) return;
-  if (shape.genus == 0 && shape.loops.size() > 1 && cut_wall(cutter, piece, shape, job) > 0) return;
-  if (shape.genus == 0 && shape.loops.size() > 1 && cut_holes(cutter, piece, shape, job) > 0) return;
-  if (shape.genus > 0 && shape.genus <= kFewHandles && cut_handles(cutter, piece, shape, job) > 0) return;
-  bisect(cutter, piece, shape.genus > 0 ? Cause::handle : shape.loops.empty() ? Cause::closed : Cause::hole);
+  if (openings > kManyOpenings && cut_by_direction(cutter, chart) > 0) return;
+  if (shape.genus == 0 && shape.loops.size() > 1 && cut_wall(cutter, chart, shape, job) > 0) return;
+  if (shape.genus == 0 && shape.loops.size() > 1 && cut_holes(cutter, chart, shape, job) > 0) return;
+  if (shape.genus > 0 && shape.genus <= kFewHandles && cut_handles(cutter, chart, shape, job) > 0) return;
+  bisect(cutter, chart, shape.genus > 0 ? Cause::handle : shape.loops.empty() ? Cause::closed : Cause::hole);
 }
 
 }  // namespace
@@ -76,8 +76,8 @@ bool is_perforated(const Cutter& cutter, std::int32_t regions, const Job& job) {
 }
 
 void part_walls(Cutter& cutter, const Job& job) {
-  // The rest of a cut may have directions whose share of the whole piece was too small to be found.
-  for (std::int32_t l = 0; l < cutter.labels.piece_count(); ++l) {
+  // The rest of a cut may have directions whose share of the whole chart was too small to be found.
+  for (std::int32_t l = 0; l < cutter.labels.chart_count(); ++l) {
     job.poll();
     while (cut_by_direction(cutter, l) > 0) {
     }
@@ -88,33 +88,33 @@ void part_walls(Cutter& cutter, const Job& job) {
 void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, std::map<std::int32_t, Disc>& found, Job& job) {
   while (!todo.empty()) {
     job.poll();
-    const std::int32_t piece = todo.back();
+    const std::int32_t chart = todo.back();
     todo.pop_back();
-    std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+    std::vector<std::int32_t> faces = cutter.labels.faces_of(chart);
     Shape shape = cutter.labels.shape(faces);
     if (shape.is_disc()) {
-      found[piece] = {std::move(faces), std::move(shape.loops[0])};
+      found[chart] = {std::move(faces), std::move(shape.loops[0])};
       continue;
     }
     if (shape.pinches > 0) {
-      const std::vector<std::int32_t> changed = mend_pinch(cutter, piece, shape);
+      const std::vector<std::int32_t> changed = mend_pinch(cutter, chart, shape);
       todo.insert(todo.end(), changed.begin(), changed.end());
       if (!changed.empty()) continue;
     }
-    const std::int32_t before = cutter.labels.piece_count();
-    cut(cutter, piece, shape, job);
-    todo.push_back(piece);
-    for (std::int32_t l = before; l < cutter.labels.piece_count(); ++l) todo.push_back(l);
+    const std::int32_t before = cutter.labels.chart_count();
+    cut(cutter, chart, shape, job);
+    todo.push_back(chart);
+    for (std::int32_t l = before; l < cutter.labels.chart_count(); ++l) todo.push_back(l);
   }
 }
 
 namespace {
 
-/// The piece with the most faces, kNone if none has two.
-std::int32_t largest_of(Labels& labels, std::span<const std::int32_t> pieces) {
+/// The chart with the most faces, kNone if none has two.
+std::int32_t largest_of(Labels& labels, std::span<const std::int32_t> charts) {
   std::int32_t largest = kNone;
   std::size_t most = 1;
-  for (const std::int32_t l : pieces) {
+  for (const std::int32_t l : charts) {
     const std::size_t faces = labels.faces_of(l).size();
     if (faces <= most) continue;
     most = faces;
@@ -132,18 +132,18 @@ void split_closed_components(Cutter& cutter, std::int32_t least, std::map<std::i
   for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h)
     if (mesh.opposite(h) == kNone) open[mesh.component()[h / 3]] = true;
   std::vector<std::vector<std::int32_t>> of(mesh.component_count());
-  for (std::int32_t l = 0; l < labels.piece_count(); ++l) of[mesh.component()[labels.pieces[l].face]].push_back(l);
+  for (std::int32_t l = 0; l < labels.chart_count(); ++l) of[mesh.component()[labels.charts[l].face]].push_back(l);
   for (std::size_t c = 0; c < of.size(); ++c) {
     while (!open[c] && !of[c].empty() && static_cast<std::int32_t>(of[c].size()) < least) {
       const std::int32_t largest = largest_of(labels, of[c]);
       if (largest == kNone) break;
-      const std::int32_t before = labels.piece_count();
+      const std::int32_t before = labels.chart_count();
       const auto missing = least - static_cast<std::int32_t>(of[c].size());
       split_evenly(cutter, largest, of[c].size() == 1 ? missing + 1 : 2, Cause::closed);
       std::vector<std::int32_t> changed{largest};
-      for (std::int32_t l = before; l < labels.piece_count(); ++l) changed.push_back(l);
+      for (std::int32_t l = before; l < labels.chart_count(); ++l) changed.push_back(l);
       make_discs(cutter, changed, found, job);
-      for (std::int32_t l = before; l < labels.piece_count(); ++l) of[c].push_back(l);
+      for (std::int32_t l = before; l < labels.chart_count(); ++l) of[c].push_back(l);
     }
   }
 }

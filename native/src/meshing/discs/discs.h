@@ -1,4 +1,4 @@
-// Cuts pieces until each is a disc.
+// Cuts charts until each is a disc.
 #pragma once
 
 #include <array>
@@ -52,36 +52,36 @@ struct Cutter {
   Labels& labels;
   bool perforated = false;  ///< whether the mesh has many more openings than regions
   Search vertices;
-  std::unique_ptr<std::int32_t[]> face_place;   ///< valid for faces of the current piece: their index in it
+  std::unique_ptr<std::int32_t[]> face_place;   ///< valid for faces of the current chart: their index in it
   std::unique_ptr<std::int32_t[]> vertex_loop;  ///< valid where vertex_marks: boundary loop of the vertex
   Marks vertex_marks, blocked, halfedge_marks, face_marks;
 };
 
-/// Parts a piece in two halves, each face to the nearer of two faces over the surface: the given ones or, where there
+/// Parts a chart in two halves, each face to the nearer of two faces over the surface: the given ones or, where there
 /// are none, two that are far apart.
 /// \return the new label, kNone for a single face
-std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause,
+std::int32_t bisect(Cutter& cutter, std::int32_t chart, Cause cause,
                     std::array<std::int32_t, 2> seeds = {kNone, kNone});
 
-/// Parts a piece in up to `parts` connected pieces of about the same size and round shape.
+/// Parts a chart in up to `parts` connected charts of about the same size and round shape.
 /// \return how many labels are new, the last ones
 /// Source: farthest point seeds and rounds of Lloyd's method over the surface.
-std::int32_t split_evenly(Cutter& cutter, std::int32_t piece, std::int32_t parts, Cause cause);
+std::int32_t split_evenly(Cutter& cutter, std::int32_t chart, std::int32_t parts, Cause cause);
 
-/// Moves one sector of faces at a vertex to the adjacent piece, if that brings both pieces nearer to discs.
-/// \return the two pieces that changed, none if no hand-over helps
+/// Moves one sector of faces at a vertex to the adjacent chart, if that brings both charts nearer to discs.
+/// \return the two charts that changed, none if no hand-over helps
 std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex);
 
-/// Parts a piece with many loops or handles by the directions its faces look in: the walls of holes from the plate that
+/// Parts a chart with many loops or handles by the directions its faces look in: the walls of holes from the plate that
 /// they go through. No polygon can stand for both, and cuts from hole to hole would not part them.
 /// \return how many labels are new, the last ones; 0 if the faces look in one direction or in too many
-/// Cost: O(n) for n faces of the piece.
-std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece);
+/// Cost: O(n) for n faces of the chart.
+std::int32_t cut_by_direction(Cutter& cutter, std::int32_t chart);
 
 /// The number of borders and handles of a mesh.
 double openings_of(const Mesh& mesh);
 
-/// Whether the faces of each piece form planar sides, as in a plate made by construction.
+/// Whether the faces of each chart form planar sides, as in a plate made by construction.
 /// Cost: O(F).
 bool has_flat_sides(const Cutter& cutter, const Job& job);
 
@@ -89,22 +89,22 @@ bool has_flat_sides(const Cutter& cutter, const Job& job);
 /// Cost: O(1), or O(F) if `has_flat_sides` is needed.
 bool is_perforated(const Cutter& cutter, std::int32_t regions, const Job& job);
 
-/// Parts all pieces by `cut_by_direction`, discs included.
+/// Parts all charts by `cut_by_direction`, discs included.
 /// Cost: O(F).
 void part_walls(Cutter& cutter, const Job& job);
 
-/// Cuts a piece of genus 0 with holes along chains of paths from loop to loop, each as straight as can
+/// Cuts a chart of genus 0 with holes along chains of paths from loop to loop, each as straight as can
 /// be, so that holes in rows are parted by rows. All paths come from one forest of shortest paths.
-/// \return how many labels are new, the last ones; 0 if there is no such chain. Pieces may have holes left.
-/// Cost: O(n log n) for n faces of the piece.
-std::int32_t cut_holes(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job);
+/// \return how many labels are new, the last ones; 0 if there is no such chain. Charts may have holes left.
+/// Cost: O(n log n) for n faces of the chart.
+std::int32_t cut_holes(Cutter& cutter, std::int32_t chart, const Shape& shape, Job& job);
 
-/// Cuts a flat piece of genus 0 with holes along its main directions, given by the longest edges of its boundary: from
+/// Cuts a flat chart of genus 0 with holes along its main directions, given by the longest edges of its boundary: from
 /// the outline over its holes, or if they are many over the holes of one row, and back to the outline.
-/// \return how many labels are new, the last ones; 0 for a piece that is bent, has no main directions or has no such
-///         cuts. Pieces may have holes left.
-/// Cost: O(n log n) for n faces of the piece, and O(corners of the holes * edges of its boundary).
-std::int32_t cut_wall(Cutter& cutter, std::int32_t piece, const Shape& shape, const Job& job);
+/// \return how many labels are new, the last ones; 0 for a chart that is bent, has no main directions or has no such
+///         cuts. Charts may have holes left.
+/// Cost: O(n log n) for n faces of the chart, and O(corners of the holes * edges of its boundary).
+std::int32_t cut_wall(Cutter& cutter, std::int32_t chart, const Shape& shape, const Job& job);
 
 /// Parts some connected faces along the half-edges in `halfedge_marks`; each part but the one with the first face gets
 /// a label.
@@ -116,20 +116,20 @@ std::int32_t part_along_marks(Cutter& cutter, std::span<const std::int32_t> face
 /// once; loops that an earlier one crosses are left to another call.
 /// Source: Erickson, Whittlesey 2005 (tree and cotree); each boundary loop counts as one face.
 /// \return how many labels are new, the last ones; 0 if none of the loops will do
-/// Cost: O(n log n) for n faces of the piece, and O(n) a loop.
-std::int32_t cut_handles(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job);
+/// Cost: O(n log n) for n faces of the chart, and O(n) a loop.
+std::int32_t cut_handles(Cutter& cutter, std::int32_t chart, const Shape& shape, Job& job);
 
-/// A piece that is a disc: its faces as they are flooded, and its boundary from the first of them with one on.
+/// A chart that is a disc: its faces as they are flooded, and its boundary from the first of them with one on.
 struct Disc {
   std::vector<std::int32_t> faces, loop;
 };
 
-/// Splits or changes pieces until each of `todo`, and each of their parts, is a disc.
-/// \param found  the discs are added here, by piece
+/// Splits or changes charts until each of `todo`, and each of their parts, is a disc.
+/// \param found  the discs are added here, by chart
 void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, std::map<std::int32_t, Disc>& found, Job& job);
 
-/// Splits the pieces of closed components until each has `least` (or one a face).
-/// \param found  the new discs are added here, by piece
+/// Splits the charts of closed components until each has `least` (or one a face).
+/// \param found  the new discs are added here, by chart
 void split_closed_components(Cutter& cutter, std::int32_t least, std::map<std::int32_t, Disc>& found, Job& job);
 
 }  // namespace isimp::meshing

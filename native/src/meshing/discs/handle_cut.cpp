@@ -1,4 +1,4 @@
-// Cuts the handles of a piece.
+// Cuts the handles of a chart.
 #include <algorithm>
 #include <queue>
 #include <tuple>
@@ -20,8 +20,8 @@ struct Loop {
 /// remaining edges closes a loop along a handle, two a handle.
 class Trees {
  public:
-  Trees(Cutter& cutter, std::int32_t piece, std::span<const std::int32_t> faces, const Shape& shape)
-      : cutter_(cutter), mesh_(cutter.labels.mesh), piece_(piece), faces_(faces), shape_(shape) {}
+  Trees(Cutter& cutter, std::int32_t chart, std::span<const std::int32_t> faces, const Shape& shape)
+      : cutter_(cutter), mesh_(cutter.labels.mesh), chart_(chart), faces_(faces), shape_(shape) {}
 
   std::vector<Loop> handle_loops() {
     grow_vertex_tree();
@@ -51,7 +51,7 @@ class Trees {
     search.reach(mesh_.from(3 * faces_[0]), 0, kNone);
     for (std::int32_t v = search.take(); v != kNone; v = search.take())
       for_each_leaving(mesh_, v, [&](std::int32_t h) {
-        if (cutter_.labels.label[h / 3] != piece_) return;
+        if (cutter_.labels.label[h / 3] != chart_) return;
         for (const std::int32_t w : {mesh_.to(h), mesh_.from(Mesh::prev(h))})
           search.reach(w, search.distance[v] + edge_length(v, w), v);
       });
@@ -121,55 +121,55 @@ class Trees {
 
   Cutter& cutter_;
   const Mesh& mesh_;
-  const std::int32_t piece_;
+  const std::int32_t chart_;
   std::span<const std::int32_t> faces_;
   const Shape& shape_;
 };
 
-/// The faces of the piece that touch the loop.
-std::vector<std::int32_t> strip_along(Cutter& cutter, std::int32_t piece, const Loop& loop) {
+/// The faces of the chart that touch the loop.
+std::vector<std::int32_t> strip_along(Cutter& cutter, std::int32_t chart, const Loop& loop) {
   std::vector<std::int32_t> strip;
   cutter.face_marks.clear();
   for (const std::int32_t v : loop.vertices)
     for_each_leaving(cutter.labels.mesh, v, [&](std::int32_t h) {
-      if (cutter.labels.label[h / 3] == piece && cutter.face_marks.add(h / 3)) strip.push_back(h / 3);
+      if (cutter.labels.label[h / 3] == chart && cutter.face_marks.add(h / 3)) strip.push_back(h / 3);
     });
   return strip;
 }
 
-/// Adds to the strip all components of the rest of its piece except the largest.
+/// Adds to the strip all components of the rest of its chart except the largest.
 /// \return the largest component
-std::vector<std::int32_t> keep_largest_component(Labels& labels, std::int32_t piece,
+std::vector<std::int32_t> keep_largest_component(Labels& labels, std::int32_t chart,
                                                  std::span<const std::int32_t> faces,
                                                  std::vector<std::int32_t>& strip) {
   const std::int32_t to = labels.label[strip[0]];
   std::vector<std::vector<std::int32_t>> components;
   for (const std::int32_t f : faces) {
-    if (labels.label[f] != piece) continue;
-    labels.pieces.edit(piece).face = f;
-    components.push_back(labels.faces_of(piece));
+    if (labels.label[f] != chart) continue;
+    labels.charts.edit(chart).face = f;
+    components.push_back(labels.faces_of(chart));
     for (const std::int32_t g : components.back()) labels.label.set(g, kNone);
   }
   const auto largest = std::max_element(components.begin(), components.end(),
                                         [](const auto& a, const auto& b) { return a.size() < b.size(); });
   for (auto c = components.begin(); c != components.end(); ++c) {
-    for (const std::int32_t f : *c) labels.label.set(f, c == largest ? piece : to);
+    for (const std::int32_t f : *c) labels.label.set(f, c == largest ? chart : to);
     if (c != largest) strip.insert(strip.end(), c->begin(), c->end());
   }
-  labels.pieces.edit(piece).face = largest->front();
+  labels.charts.edit(chart).face = largest->front();
   return std::move(*largest);
 }
 
-/// Cuts a piece along one loop after another, each away from the cuts before it.
+/// Cuts a chart along one loop after another, each away from the cuts before it.
 class HandleCutter {
  public:
-  HandleCutter(Cutter& cutter, std::int32_t piece, const Shape& shape)
+  HandleCutter(Cutter& cutter, std::int32_t chart, const Shape& shape)
       : cutter_(cutter),
         labels_(cutter.labels),
-        piece_(piece),
+        chart_(chart),
         genus_(shape.genus),
-        faces_(labels_.faces_of(piece)),
-        loops_(Trees(cutter, piece, faces_, shape).handle_loops()) {}
+        faces_(labels_.faces_of(chart)),
+        loops_(Trees(cutter, chart, faces_, shape).handle_loops()) {}
 
   void run(Job& job) {
     int tries = 0;
@@ -186,13 +186,13 @@ class HandleCutter {
  private:
   /// \return whether genus has fallen
   bool cut_along(const Loop& loop) {
-    std::vector<std::int32_t> strip = strip_along(cutter_, piece_, loop);
+    std::vector<std::int32_t> strip = strip_along(cutter_, chart_, loop);
     if (strip.size() >= faces_.size()) return false;
     cutter_.face_marks.clear();
     for (const std::int32_t f : strip) cutter_.face_marks.add(f);
     const auto stays = std::find_if(faces_.begin(), faces_.end(), [&](auto f) { return !cutter_.face_marks.has(f); });
     labels_.part(strip, *stays, Cause::handle);
-    std::vector<std::int32_t> rest = keep_largest_component(labels_, piece_, faces_, strip);
+    std::vector<std::int32_t> rest = keep_largest_component(labels_, chart_, faces_, strip);
     const Shape a = labels_.shape(rest), b = labels_.shape(strip, true);
     if (b.components == 1 && a.genus + b.genus < genus_) {
       genus_ = a.genus;
@@ -201,26 +201,26 @@ class HandleCutter {
         for (const std::int32_t v : labels_.mesh.triangles()[f]) cutter_.blocked.add(v);
       return true;
     }
-    for (const std::int32_t f : strip) labels_.label.set(f, piece_);
-    labels_.pieces.pop_back();
+    for (const std::int32_t f : strip) labels_.label.set(f, chart_);
+    labels_.charts.pop_back();
     labels_.touched.resize(labels_.touched.size() - 2);
     return false;
   }
 
   Cutter& cutter_;
   Labels& labels_;
-  const std::int32_t piece_;
+  const std::int32_t chart_;
   std::int32_t genus_;
-  std::vector<std::int32_t> faces_;  // faces of the rest of the piece
+  std::vector<std::int32_t> faces_;  // faces of the rest of the chart
   const std::vector<Loop> loops_;    // the shortest first
 };
 
 }  // namespace
 
-std::int32_t cut_handles(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
-  const std::int32_t before = cutter.labels.piece_count();
-  HandleCutter(cutter, piece, shape).run(job);
-  return cutter.labels.piece_count() - before;
+std::int32_t cut_handles(Cutter& cutter, std::int32_t chart, const Shape& shape, Job& job) {
+  const std::int32_t before = cutter.labels.chart_count();
+  HandleCutter(cutter, chart, shape).run(job);
+  return cutter.labels.chart_count() - before;
 }
 
 }  // namespace isimp::meshing

@@ -1,4 +1,4 @@
-// Cuts a piece along chains of shortest paths between its holes.
+// Cuts a chart along chains of shortest paths between its holes.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
@@ -25,14 +25,14 @@ struct Link {
   double length;
 };
 
-/// All boundary loops of a piece grow at once until they meet; where two meet, a link joins them. Ears are chosen among
+/// All boundary loops of a chart grow at once until they meet; where two meet, a link joins them. Ears are chosen among
 /// the links: chains from a loop that has been reached, over loops that have not, to one that has.
 class Ears {
  public:
-  Ears(Cutter& cutter, std::int32_t piece, const Shape& shape)
+  Ears(Cutter& cutter, std::int32_t chart, const Shape& shape)
       : cutter_(cutter),
         mesh_(cutter.labels.mesh),
-        piece_(piece),
+        chart_(chart),
         shape_(shape),
         reached_(shape.loops.size(), false),
         again_(shape.loops.size() > kFew ? kAgain : kAgainOfFew),
@@ -78,7 +78,7 @@ class Ears {
     for (std::int32_t v = search.take(); v != kNone; v = search.take()) {
       if (++taken % 4096 == 0) job.poll();
       for_each_leaving(mesh_, v, [&](std::int32_t h) {
-        if (cutter_.labels.label[h / 3] != piece_ || !cutter_.labels.inner(h)) return;
+        if (cutter_.labels.label[h / 3] != chart_ || !cutter_.labels.inner(h)) return;
         const std::int32_t w = mesh_.to(h);
         if (!cutter_.vertex_marks.has(w) && search.reach(w, search.distance[v] + edge_length(h), h))
           cutter_.vertex_loop[w] = cutter_.vertex_loop[v];
@@ -87,7 +87,7 @@ class Ears {
   }
 
   void find_links() {
-    for (const std::int32_t f : cutter_.labels.faces_of(piece_))
+    for (const std::int32_t f : cutter_.labels.faces_of(chart_))
       for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
         if (!cutter_.labels.inner(h)) continue;
         const std::int32_t a = cutter_.vertex_loop[mesh_.from(h)], b = cutter_.vertex_loop[mesh_.to(h)];
@@ -241,7 +241,7 @@ class Ears {
 
   Cutter& cutter_;
   const Mesh& mesh_;
-  const std::int32_t piece_;
+  const std::int32_t chart_;
   const Shape& shape_;
   std::vector<bool> reached_;                                  // by loop
   const double again_;                                         // factor on a link to a loop that has been reached
@@ -270,9 +270,9 @@ std::int32_t part_along_marks(Cutter& cutter, std::span<const std::int32_t> face
   return static_cast<std::int32_t>(components.size()) - 1;
 }
 
-std::int32_t cut_holes(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
-  if (Ears(cutter, piece, shape).find(job) == 0) return 0;
-  return part_along_marks(cutter, cutter.labels.faces_of(piece));
+std::int32_t cut_holes(Cutter& cutter, std::int32_t chart, const Shape& shape, Job& job) {
+  if (Ears(cutter, chart, shape).find(job) == 0) return 0;
+  return part_along_marks(cutter, cutter.labels.faces_of(chart));
 }
 
 }  // namespace isimp::meshing

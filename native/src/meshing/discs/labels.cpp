@@ -32,10 +32,10 @@ constexpr std::int32_t kAhead = 12;  ///< faces between the current one and the 
   return left.empty();
 }
 
-/// Whether every piece that is there has a face with its label.
+/// Whether every chart that is there has a face with its label.
 [[maybe_unused]] bool have_faces(const Labels& labels) {
-  for (std::int32_t l = 0; l < labels.piece_count(); ++l)
-    if (const std::int32_t f = labels.pieces[l].face; f != kNone && labels.label[f] != l) return false;
+  for (std::int32_t l = 0; l < labels.chart_count(); ++l)
+    if (const std::int32_t f = labels.charts[l].face; f != kNone && labels.label[f] != l) return false;
   return true;
 }
 
@@ -64,15 +64,15 @@ Labels::Labels(const Mesh& m)
       vertex_marks(m.vertex_count()),
       halfedge_marks(3 * static_cast<std::size_t>(m.face_count())) {}
 
-std::vector<std::int32_t> Labels::faces_of(std::int32_t piece) const {
+std::vector<std::int32_t> Labels::faces_of(std::int32_t chart) const {
   face_marks.clear();
-  return flood(piece);
+  return flood(chart);
 }
 
-std::vector<std::int32_t> Labels::flood(std::int32_t piece) const {
-  ISIMP_ASSERT(pieces[piece].face != kNone, "a piece that is flooded has a face");
-  ISIMP_ASSERT(label[pieces[piece].face] == piece, "the face of a piece has its label");
-  std::vector<std::int32_t> faces{pieces[piece].face};
+std::vector<std::int32_t> Labels::flood(std::int32_t chart) const {
+  ISIMP_ASSERT(charts[chart].face != kNone, "a chart that is flooded has a face");
+  ISIMP_ASSERT(label[charts[chart].face] == chart, "the face of a chart has its label");
+  std::vector<std::int32_t> faces{charts[chart].face};
   face_marks.add(faces[0]);
   for (std::size_t i = 0; i < faces.size(); ++i)
     for (std::int32_t h = 3 * faces[i], end = h + 3; h < end; ++h)
@@ -95,14 +95,14 @@ std::vector<std::int32_t> Labels::loop_from(std::int32_t h) const {
 
 std::int32_t Labels::part(std::span<const std::int32_t> faces, std::int32_t stays, Cause cause) {
   ISIMP_ASSERT(!faces.empty(), "what goes is not empty");
-  const std::int32_t from = label[faces[0]], to = piece_count();
+  const std::int32_t from = label[faces[0]], to = chart_count();
   ISIMP_ASSERT(std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) { return label[f] == from; }),
-               "what goes is of one piece");
+               "what goes is of one chart");
   for (const std::int32_t f : faces) label.set(f, to);
   ISIMP_ASSERT(label[stays] == from, "what stays is not empty");
   ISIMP_ASSERT(cause == Cause::handle || hang_together(*this, faces), "what goes is connected");
-  pieces.edit(from).face = stays;
-  pieces.push_back({faces[0], pieces[from].region, cause});
+  charts.edit(from).face = stays;
+  charts.push_back({faces[0], charts[from].region, cause});
   touched.insert(touched.end(), {from, to});
   return to;
 }
@@ -150,7 +150,7 @@ Shape Labels::shape(std::span<const std::int32_t> faces, bool check_components) 
 
 namespace {
 
-/// A face during the search for pieces. Each face of a piece hangs on a lower one, down to the lowest of the piece.
+/// A face during the search for charts. Each face of a chart hangs on a lower one, down to the lowest of the chart.
 struct Hung {
   std::int32_t region, on;
 };
@@ -205,7 +205,7 @@ std::vector<std::int32_t> hang(const Mesh& mesh, std::span<const std::int32_t> f
 
 }  // namespace
 
-Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Threads& threads, const Job& job) {
+Bits label_charts(Labels& labels, std::span<const std::int32_t> face_region, const Threads& threads, const Job& job) {
   const Mesh& mesh = labels.mesh;
   const std::int32_t count = mesh.face_count();
   Bits between(3 * static_cast<std::size_t>(count));
@@ -230,12 +230,12 @@ Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, con
       labels.label.set(f, labels.label[on]);
       continue;
     }
-    labels.label.set(f, labels.piece_count());
+    labels.label.set(f, labels.chart_count());
     if (seen.size() <= static_cast<std::size_t>(region)) seen.resize(region + 1, false);
-    labels.pieces.push_back({f, region, seen[region] ? Cause::unconnected : Cause::region});
+    labels.charts.push_back({f, region, seen[region] ? Cause::unconnected : Cause::region});
     seen[region] = true;
   }
-  ISIMP_ASSERT(have_faces(labels), "every piece has a face with its label");
+  ISIMP_ASSERT(have_faces(labels), "every chart has a face with its label");
   return between;
 }
 
@@ -254,20 +254,20 @@ Outlines trace_outlines(const Labels& labels, const Bits& boundary, const Job& j
     }
   }
   loop_start.push_back(static_cast<std::int32_t>(walked.size()));
-  // The loops sorted by piece.
+  // The loops sorted by chart.
   Outlines o{std::vector<std::int32_t>(walked.size()), {}, {}};
-  o.start.assign(labels.pieces.size() + 1, 0);
-  o.loops.assign(labels.pieces.size(), 0);
-  const auto piece = [&](std::size_t loop) { return labels.label[walked[loop_start[loop]] / 3]; };
+  o.start.assign(labels.charts.size() + 1, 0);
+  o.loops.assign(labels.charts.size(), 0);
+  const auto chart = [&](std::size_t loop) { return labels.label[walked[loop_start[loop]] / 3]; };
   for (std::size_t i = 0; i + 1 < loop_start.size(); ++i) {
-    ++o.loops[piece(i)];
-    o.start[piece(i) + 1] += loop_start[i + 1] - loop_start[i];
+    ++o.loops[chart(i)];
+    o.start[chart(i) + 1] += loop_start[i + 1] - loop_start[i];
   }
   std::partial_sum(o.start.begin(), o.start.end(), o.start.begin());
   std::vector<std::int32_t> fill(o.start.begin(), o.start.end() - 1);
   for (std::size_t i = 0; i + 1 < loop_start.size(); ++i) {
-    std::copy(walked.begin() + loop_start[i], walked.begin() + loop_start[i + 1], o.halfedges.begin() + fill[piece(i)]);
-    fill[piece(i)] += loop_start[i + 1] - loop_start[i];
+    std::copy(walked.begin() + loop_start[i], walked.begin() + loop_start[i + 1], o.halfedges.begin() + fill[chart(i)]);
+    fill[chart(i)] += loop_start[i + 1] - loop_start[i];
   }
   return o;
 }
@@ -277,10 +277,10 @@ std::vector<std::int32_t> find_non_discs(Labels& labels, const Outlines& outline
   const Mesh& mesh = labels.mesh;
   labels.vertex_marks.clear();
   for (const std::int32_t h : outlines.halfedges) labels.vertex_marks.add(mesh.from(h));
-  // 2 V_inside - F of each piece, by part of the mesh; one part if there are too many pieces for a quick sum of parts.
-  const bool is_fine = labels.piece_count() > mesh.face_count() / 16;
+  // 2 V_inside - F of each chart, by part of the mesh; one part if there are too many charts for a quick sum of parts.
+  const bool is_fine = labels.chart_count() > mesh.face_count() / 16;
   const std::int32_t parts = is_fine ? 1 : threads.pieces(mesh.face_count());
-  std::vector<std::vector<std::int32_t>> inside(parts, std::vector<std::int32_t>(labels.pieces.size(), 0));
+  std::vector<std::vector<std::int32_t>> inside(parts, std::vector<std::int32_t>(labels.charts.size(), 0));
   threads.run(mesh.face_count(), parts, [&](std::int32_t part, std::int32_t begin, std::int32_t end) {
     for (std::int32_t f = begin; f < end; ++f)
       if (const std::int32_t l = labels.label[f]; l != kNone) --inside[part][l];
@@ -294,7 +294,7 @@ std::vector<std::int32_t> find_non_discs(Labels& labels, const Outlines& outline
     }
   });
   std::vector<std::int32_t> found;
-  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
+  for (std::int32_t l = 0; l < labels.chart_count(); ++l) {
     const auto outline = outlines.of(l);
     bool pinched = false;
     labels.vertex_marks.clear();
@@ -309,13 +309,13 @@ std::vector<std::int32_t> find_non_discs(Labels& labels, const Outlines& outline
 
 namespace {
 
-/// The piece with an area along most of whose boundary a piece lies, kNone if none touches it.
-std::int32_t neighbour_with_area(const Labels& labels, std::int32_t piece, const std::vector<bool>& thin) {
+/// The chart with an area along most of whose boundary a chart lies, kNone if none touches it.
+std::int32_t neighbour_with_area(const Labels& labels, std::int32_t chart, const std::vector<bool>& thin) {
   const Mesh& mesh = labels.mesh;
   std::map<std::int32_t, double> length;
-  for (const std::int32_t f : labels.faces_of(piece))
+  for (const std::int32_t f : labels.faces_of(chart))
     for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
-      if (const std::int32_t l = labels.across(h); l != kNone && l != piece && !thin[l])
+      if (const std::int32_t l = labels.across(h); l != kNone && l != chart && !thin[l])
         length[l] += (mesh.vertices()[mesh.to(h)] - mesh.vertices()[mesh.from(h)]).norm();
   std::int32_t best = kNone;
   double longest = -1;
@@ -327,10 +327,10 @@ std::int32_t neighbour_with_area(const Labels& labels, std::int32_t piece, const
   return best;
 }
 
-/// Half the diagonal of a piece's bounding box.
-double extent_of(const Labels& labels, std::int32_t piece) {
+/// Half the diagonal of a chart's bounding box.
+double extent_of(const Labels& labels, std::int32_t chart) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
-  for (const std::int32_t f : labels.faces_of(piece))
+  for (const std::int32_t f : labels.faces_of(chart))
     for (const std::int32_t v : labels.mesh.triangles()[f]) {
       low = low.cwiseMin(labels.mesh.vertices()[v]);
       high = high.cwiseMax(labels.mesh.vertices()[v]);
@@ -341,15 +341,15 @@ double extent_of(const Labels& labels, std::int32_t piece) {
 }  // namespace
 
 void drop_gone(Labels& labels) {
-  std::vector<std::int32_t> moved(labels.pieces.size());
+  std::vector<std::int32_t> moved(labels.charts.size());
   std::int32_t next = 0;
-  for (std::size_t l = 0; l < moved.size(); ++l) moved[l] = labels.pieces[l].face == kNone ? kNone : next++;
+  for (std::size_t l = 0; l < moved.size(); ++l) moved[l] = labels.charts[l].face == kNone ? kNone : next++;
   for (std::size_t f = 0; f < labels.label.size(); ++f)
     if (const std::int32_t l = labels.label[f]; l != kNone) labels.label.set(f, moved[l]);
-  std::vector<Piece> pieces = labels.pieces;
-  std::erase_if(pieces, [](const Piece& p) { return p.face == kNone; });
-  labels.pieces.assign(std::move(pieces));
-  ISIMP_ASSERT(have_faces(labels), "the labels that are left move down with their pieces");
+  std::vector<Chart> charts = labels.charts;
+  std::erase_if(charts, [](const Chart& p) { return p.face == kNone; });
+  labels.charts.assign(std::move(charts));
+  ISIMP_ASSERT(have_faces(labels), "the labels that are left move down with their charts");
 }
 
 Bits boundary_of(const Labels& labels) {
@@ -359,27 +359,27 @@ Bits boundary_of(const Labels& labels) {
   return boundary;
 }
 
-std::int32_t merge_pieces_without_area(Labels& labels, double thickness, Bits& boundary) {
+std::int32_t merge_charts_without_area(Labels& labels, double thickness, Bits& boundary) {
   const Mesh& mesh = labels.mesh;
-  std::vector<double> area(labels.pieces.size(), 0);  // at least as far as it takes to see that there is one
+  std::vector<double> area(labels.charts.size(), 0);  // at least as far as it takes to see that there is one
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
     if (const std::int32_t l = labels.label[f]; l != kNone && area[l] <= thickness * mesh.diagonal())
       area[l] += mesh.graph().area * mesh.graph().faces[mesh.graph().graph_face[f]].area;
   std::vector<std::int32_t> empty;
-  std::vector<bool> thin(labels.pieces.size(), false);
-  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
+  std::vector<bool> thin(labels.charts.size(), false);
+  for (std::int32_t l = 0; l < labels.chart_count(); ++l) {
     if (area[l] > thickness * mesh.diagonal()) continue;
     thin[l] = area[l] <= thickness * extent_of(labels, l);
     if (thin[l]) empty.push_back(l);
   }
   std::int32_t gone = 0;
-  for (bool any = true; any;) {  // a piece among others without area has to wait until one of them is merged
+  for (bool any = true; any;) {  // a chart among others without area has to wait until one of them is merged
     any = false;
     for (std::int32_t& l : empty) {
       const std::int32_t to = l == kNone ? kNone : neighbour_with_area(labels, l, thin);
       if (to == kNone) continue;
       for (const std::int32_t f : labels.faces_of(l)) labels.label.set(f, to);
-      labels.pieces.edit(l).face = kNone;
+      labels.charts.edit(l).face = kNone;
       l = kNone;
       ++gone;
       any = true;

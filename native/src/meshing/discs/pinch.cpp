@@ -1,4 +1,4 @@
-// Resolves vertices that a piece touches more than once.
+// Resolves vertices that a chart touches more than once.
 #include <algorithm>
 #include <span>
 
@@ -58,10 +58,10 @@ std::vector<HandOver> hand_overs(const Fan& fan) {
   return result;
 }
 
-/// Whether a wall would get faces, or lose some to a piece, that look another way: it was parted since one polygon
+/// Whether a wall would get faces, or lose some to a chart, that look another way: it was parted since one polygon
 /// can't stand for both.
 bool spoils_wall(const Labels& labels, const HandOver& h) {
-  const auto is_wall = [&](const Sector* s) { return labels.pieces[s->label].cause == Cause::wall; };
+  const auto is_wall = [&](const Sector* s) { return labels.charts[s->label].cause == Cause::wall; };
   const auto look = [&](const Sector* s) {
     const FaceGraph& graph = labels.mesh.graph();
     Vec3 sum = Vec3::Zero();
@@ -74,12 +74,12 @@ bool spoils_wall(const Labels& labels, const HandOver& h) {
   return (is_wall(h.sector) || is_wall(h.to)) && look(h.sector).dot(look(h.to)) < kSameWay;
 }
 
-/// By how much V - E + F of a piece rises when some faces come to it that are not its own (yet, or any more).
+/// By how much V - E + F of a chart rises when some faces come to it that are not its own (yet, or any more).
 /// Cost: O(faces at their corners).
-int rise_of_euler(const Labels& labels, std::int32_t piece, std::span<const std::int32_t> faces) {
+int rise_of_euler(const Labels& labels, std::int32_t chart, std::span<const std::int32_t> faces) {
   const Mesh& mesh = labels.mesh;
   const auto added = [&](std::int32_t f) { return std::find(faces.begin(), faces.end(), f) != faces.end(); };
-  const auto has = [&](std::int32_t f) { return labels.label[f] == piece && !added(f); };
+  const auto has = [&](std::int32_t f) { return labels.label[f] == chart && !added(f); };
   std::vector<std::int32_t> vertices;
   auto rise = static_cast<int>(faces.size());
   for (const std::int32_t f : faces)
@@ -98,7 +98,7 @@ int rise_of_euler(const Labels& labels, std::int32_t piece, std::span<const std:
   return rise;
 }
 
-/// Whether faces of a connected piece hang on the rest of it by one edge alone, so that it stays connected without
+/// Whether faces of a connected chart hang on the rest of it by one edge alone, so that it stays connected without
 /// them.
 bool hangs_on_one_edge(const Labels& labels, std::span<const std::int32_t> faces) {
   int edges = 0;
@@ -108,10 +108,10 @@ bool hangs_on_one_edge(const Labels& labels, std::span<const std::int32_t> faces
   return edges == 1;
 }
 
-/// Moves some faces of a piece to another, if the piece stays connected.
+/// Moves some faces of a chart to another, if the chart stays connected.
 /// \return whether it does
 bool give(Labels& labels, std::span<const std::int32_t> faces, std::int32_t to) {
-  const std::int32_t from = labels.label[faces[0]], face = labels.pieces[from].face;
+  const std::int32_t from = labels.label[faces[0]], face = labels.charts[from].face;
   const bool has_face = std::find(faces.begin(), faces.end(), face) != faces.end();
   const bool is_tip = !has_face && hangs_on_one_edge(labels, faces);
   std::vector<std::int32_t> giver;
@@ -120,16 +120,16 @@ bool give(Labels& labels, std::span<const std::int32_t> faces, std::int32_t to) 
   for (const std::int32_t f : faces) labels.label.set(f, to);
   if (is_tip) return true;
   std::erase_if(giver, [&](std::int32_t f) { return labels.label[f] != from; });
-  labels.pieces.edit(from).face = giver[0];
+  labels.charts.edit(from).face = giver[0];
   if (labels.faces_of(from).size() == giver.size()) return true;
-  labels.pieces.edit(from).face = face;
+  labels.charts.edit(from).face = face;
   for (const std::int32_t f : faces) labels.label.set(f, from);
   return false;
 }
 
 }  // namespace
 
-// A connected piece with a boundary is a disc if V - E + F is 1, where a pinch counts as one vertex.
+// A connected chart with a boundary is a disc if V - E + F is 1, where a pinch counts as one vertex.
 // So the faces at the sector decide whether a hand-over helps. Only the connectivity of the giver has to be checked.
 std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex) {
   Labels& labels = cutter.labels;

@@ -1,4 +1,4 @@
-// Boundaries between pieces as polylines.
+// Boundaries between charts as polylines.
 #pragma once
 
 #include <cstddef>

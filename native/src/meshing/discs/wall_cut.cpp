@@ -157,8 +157,8 @@ std::vector<std::int32_t> fullest_row(const Wall& wall) {
 /// Paths of mesh edges for straight cuts, that touch no boundary and no other path.
 class Paths {
  public:
-  Paths(Cutter& cutter, std::int32_t piece, const Shape& shape)
-      : cutter_(cutter), mesh_(cutter.labels.mesh), piece_(piece) {
+  Paths(Cutter& cutter, std::int32_t chart, const Shape& shape)
+      : cutter_(cutter), mesh_(cutter.labels.mesh), chart_(chart) {
     cutter_.vertex_marks.clear();
     for (const auto& loop : shape.loops)
       for (const std::int32_t h : loop) cutter_.vertex_marks.add(mesh_.from(h));
@@ -186,7 +186,7 @@ class Paths {
       if (v == to) break;
       for_each_leaving(mesh_, v, [&](std::int32_t h) {
         const std::int32_t w = mesh_.to(h);
-        if (cutter_.labels.label[h / 3] != piece_ || !cutter_.labels.inner(h) || cutter_.blocked.has(w)) return;
+        if (cutter_.labels.label[h / 3] != chart_ || !cutter_.labels.inner(h) || cutter_.blocked.has(w)) return;
         if (w != to && cutter_.vertex_marks.has(w)) return;
         const double edge = (mesh_.vertices()[w] - mesh_.vertices()[v]).norm(), away = off(w);
         if (away > std::max(kWide * length, kEdges * edge)) return;
@@ -207,21 +207,21 @@ class Paths {
  private:
   Cutter& cutter_;
   const Mesh& mesh_;
-  const std::int32_t piece_;
+  const std::int32_t chart_;
 };
 
 }  // namespace
 
-std::int32_t cut_wall(Cutter& cutter, std::int32_t piece, const Shape& shape, const Job& job) {
+std::int32_t cut_wall(Cutter& cutter, std::int32_t chart, const Shape& shape, const Job& job) {
   if (cutter.perforated || shape.loops.size() > kMostLoops) return 0;
-  const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+  const std::vector<std::int32_t> faces = cutter.labels.faces_of(chart);
   const std::optional<Wall> wall = Wall::find(cutter.labels, faces, shape);
   if (!wall) return 0;
   const bool few = wall->holes() <= kTogether;
   const std::vector<std::int32_t> row = few ? numbers_below(wall->holes()) : fullest_row(*wall);
   if (!few && row.size() < 2) return 0;
   Chains chains(*wall);
-  Paths paths(cutter, piece, shape);
+  Paths paths(cutter, chart, shape);
   for (int go = 0; go < kTries; ++go) {
     job.poll();
     const Chain chain = few ? chains.over_all(row) : chains.in_order(row);

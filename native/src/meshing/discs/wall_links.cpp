@@ -10,7 +10,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr double kFlat = 0.9;     ///< vector area over area, below which a piece is no wall
+constexpr double kFlat = 0.9;     ///< vector area over area, below which a chart is no wall
 constexpr double kMain = 0.5;     ///< share of the boundary, by square length, that must follow the main directions
 constexpr double kReach = 0.015;  ///< distance of a boundary from the edges between its corners, in sqrt(area)
 constexpr double kOfHole = 0.15;  ///< the same distance at most, as a share of the smaller side of a hole
@@ -93,7 +93,7 @@ void Wall::collect(const Shape& shape) {
   }
 }
 
-/// Where the boundary bends, and where other pieces meet at it.
+/// Where the boundary bends, and where other charts meet at it.
 std::vector<LoopPlace> Wall::corners_of(const std::vector<std::int32_t>& loop, double reach) const {
   const Mesh& mesh = labels_.mesh;
   const std::size_t n = loop.size();

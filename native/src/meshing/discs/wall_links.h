@@ -21,14 +21,14 @@ struct LoopPlace {
   Vec2 at;  ///< in the frame of the wall
 };
 
-/// A wall: a flat piece with holes, in a frame of its two main directions, given by the longest edges of its boundary.
+/// A wall: a flat chart with holes, in a frame of its two main directions, given by the longest edges of its boundary.
 /// Cuts end at corners of the holes, and on the outline at its corners or along a main direction from a corner of a
 /// hole.
 class Wall {
  public:
   static constexpr std::size_t kMostCorners = 8;  ///< corners of a hole at which cuts may end
 
-  /// \return nullopt for a piece that is bent, or whose boundary has no main directions
+  /// \return nullopt for a chart that is bent, or whose boundary has no main directions
   static std::optional<Wall> find(const Labels& labels, std::span<const std::int32_t> faces, const Shape& shape);
 
   [[nodiscard]] double size() const { return size_; }  ///< sqrt(area)

@@ -31,7 +31,7 @@ struct Box {
   }
 };
 
-/// A box and the index of its content, a piece or a face of the scan.
+/// A box and the index of its content, a chart or a face of the scan.
 struct NumberedBox {
   Box box;
   std::int32_t index;

@@ -11,12 +11,12 @@
 namespace isimp::meshing {
 
 namespace {
-constexpr std::int32_t kFew = 4;  ///< pieces that are judged on one thread
+constexpr std::int32_t kFew = 4;  ///< charts that are judged on one thread
 }
 
-Defects::Source Defects::source_of(std::int32_t piece) const {
-  Source s{{}, {}, s_.planes[piece].normal, s_.labels.is_face(piece)};
-  s_.polygons.for_each_of(piece, [&](std::int32_t q) {
+Defects::Source Defects::source_of(std::int32_t chart) const {
+  Source s{{}, {}, s_.planes[chart].normal, s_.labels.is_face(chart)};
+  s_.polygons.for_each_of(chart, [&](std::int32_t q) {
     for (const std::int32_t c : s_.polygons.of(q)) {
       s.loops.push_back(c);
       s.places.push_back(s_.corners.position[c]);
@@ -26,40 +26,40 @@ Defects::Source Defects::source_of(std::int32_t piece) const {
   return s;
 }
 
-bool Defects::is_source(const Source& s, std::int32_t piece) const {
+bool Defects::is_source(const Source& s, std::int32_t chart) const {
   auto loop = s.loops.begin();
   auto place = s.places.begin();
-  const std::int32_t first = s_.polygons.first_of(piece);
-  for (std::int32_t q = first; q < first + s_.polygons.count_of(piece); ++q) {
+  const std::int32_t first = s_.polygons.first_of(chart);
+  for (std::int32_t q = first; q < first + s_.polygons.count_of(chart); ++q) {
     for (const std::int32_t c : s_.polygons.of(q))
       if (loop == s.loops.end() || *loop++ != c || *place++ != s_.corners.position[c]) return false;
     if (loop == s.loops.end() || *loop++ != kNone) return false;
   }
-  return loop == s.loops.end() && s.normal == s_.planes[piece].normal && s.is_face == s_.labels.is_face(piece);
+  return loop == s.loops.end() && s.normal == s_.planes[chart].normal && s.is_face == s_.labels.is_face(chart);
 }
 
-bool Defects::is_given(std::int32_t piece) const {
+bool Defects::is_given(std::int32_t chart) const {
   std::vector<Vec3> corners;
-  for (const std::int32_t v : s_.mesh.triangles()[s_.labels.pieces[piece].face])
+  for (const std::int32_t v : s_.mesh.triangles()[s_.labels.charts[chart].face])
     corners.push_back(s_.mesh.vertices()[v]);
   return (judge_polygon(std::array{0, 1, 2}, corners, Vec3::Zero(), bounds_).kinds & kNoArea) != 0;
 }
 
-PolygonDefects Defects::judge_one(std::int32_t piece, std::int32_t part, std::span<const Vec3> beyond,
+PolygonDefects Defects::judge_one(std::int32_t chart, std::int32_t part, std::span<const Vec3> beyond,
                                   std::vector<Facet>* facets) const {
-  const auto polygon = s_.polygons.of(s_.polygons.first_of(piece) + part);
+  const auto polygon = s_.polygons.of(s_.polygons.first_of(chart) + part);
   Bounds bounds = bounds_;
-  Vec3 normal = s_.planes[piece].normal;
+  Vec3 normal = s_.planes[chart].normal;
   if (!beyond.empty()) {
     bounds.facing = kFacingApart;
-    const Vec3 area = vector_area(polygon, s_.corners.position), other = direction_on_scan(s_, piece, polygon, beyond);
+    const Vec3 area = vector_area(polygon, s_.corners.position), other = direction_on_scan(s_, chart, polygon, beyond);
     if (area.dot(other) > area.dot(normal)) normal = other;
   }
-  return judge_polygon(polygon, s_.corners.position, normal, bounds, {{}, piece, part}, facets);
+  return judge_polygon(polygon, s_.corners.position, normal, bounds, {{}, chart, part}, facets);
 }
 
-PolygonDefects Defects::defects_now(std::int32_t piece, std::int32_t part) const {
-  return judge_one(piece, part, areas_beyond(piece), nullptr);
+PolygonDefects Defects::defects_now(std::int32_t chart, std::int32_t part) const {
+  return judge_one(chart, part, areas_beyond(chart), nullptr);
 }
 
 bool Defects::meet_now(std::int32_t a, std::int32_t b) const {
@@ -67,17 +67,17 @@ bool Defects::meet_now(std::int32_t a, std::int32_t b) const {
   return a == b ? facets_meet(some, some) : facets_meet(some, find(b, source_of(b)).facets);
 }
 
-std::vector<Vec3> Defects::areas_beyond(std::int32_t piece) const {
-  return apart_ && s_.polygons.count_of(piece) > 1 ? areas_beyond_chords(s_, piece) : std::vector<Vec3>{};
+std::vector<Vec3> Defects::areas_beyond(std::int32_t chart) const {
+  return apart_ && s_.polygons.count_of(chart) > 1 ? areas_beyond_chords(s_, chart) : std::vector<Vec3>{};
 }
 
-Defects::Found Defects::find(std::int32_t piece, Source source) const {
+Defects::Found Defects::find(std::int32_t chart, Source source) const {
   Found f{std::move(source), {}, {}};
-  const std::vector<Vec3> beyond = areas_beyond(piece);
-  for (std::int32_t part = 0; part < s_.polygons.count_of(piece); ++part)
-    f.polygons.push_back(judge_one(piece, part, beyond, &f.facets.facets));
+  const std::vector<Vec3> beyond = areas_beyond(chart);
+  for (std::int32_t part = 0; part < s_.polygons.count_of(chart); ++part)
+    f.polygons.push_back(judge_one(chart, part, beyond, &f.facets.facets));
   f.facets.locate(s_.corners.position);
-  if (f.polygons.size() == 1 && f.polygons[0].kinds == kNoArea && f.source.is_face && is_given(piece))
+  if (f.polygons.size() == 1 && f.polygons[0].kinds == kNoArea && f.source.is_face && is_given(chart))
     f.polygons[0].kinds = kGiven;
   const auto is_home = [&](std::int32_t c) {
     return s_.corners.position[c] == s_.mesh.vertices()[s_.corners.vertex[c]];
@@ -87,36 +87,36 @@ Defects::Found Defects::find(std::int32_t piece, Source source) const {
   return f;
 }
 
-void Defects::set(std::int32_t piece, Found found) {
-  ISIMP_ASSERT(found.polygons.size() == static_cast<std::size_t>(s_.polygons.count_of(piece)),
-               "every polygon of a piece is judged");
-  found_[piece] = std::move(found);
-  around_.set(piece, found_[piece].facets);
-  kinds_[piece] = 0;
-  for (const PolygonDefects& v : found_[piece].polygons) kinds_[piece] |= v.kinds & ~kGiven;
+void Defects::set(std::int32_t chart, Found found) {
+  ISIMP_ASSERT(found.polygons.size() == static_cast<std::size_t>(s_.polygons.count_of(chart)),
+               "every polygon of a chart is judged");
+  found_[chart] = std::move(found);
+  around_.set(chart, found_[chart].facets);
+  kinds_[chart] = 0;
+  for (const PolygonDefects& v : found_[chart].polygons) kinds_[chart] |= v.kinds & ~kGiven;
 }
 
-void Defects::judge(std::span<const std::int32_t> pieces) {
-  const std::size_t count = s_.labels.pieces.size();
-  ISIMP_ASSERT(found_.size() <= count, "pieces keep their numbers");
+void Defects::judge(std::span<const std::int32_t> charts) {
+  const std::size_t count = s_.labels.charts.size();
+  ISIMP_ASSERT(found_.size() <= count, "charts keep their numbers");
   found_.resize(count);
   kept_.resize(count);
   kinds_.resize(count, 0);
   std::vector<bool> changed(count, false);
-  std::vector<Was> was(pieces.size(), Was::same);
-  std::vector<Found> fresh(pieces.size());
-  const auto n = static_cast<std::int32_t>(pieces.size());
+  std::vector<Was> was(charts.size(), Was::same);
+  std::vector<Found> fresh(charts.size());
+  const auto n = static_cast<std::int32_t>(charts.size());
   s_.threads.blocks(n, kFew, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     job_.poll();
     for (std::int32_t i = begin; i < end; ++i) {
-      const std::int32_t l = pieces[i];
+      const std::int32_t l = charts[i];
       if (is_source(found_[l].source, l)) continue;
       was[i] = kept_[l] && is_source(kept_[l]->source, l) ? Was::kept : Was::other;
       if (was[i] == Was::other) fresh[i] = find(l, source_of(l));
     }
   });
   for (std::int32_t i = 0; i < n; ++i) {
-    const std::int32_t l = pieces[i];
+    const std::int32_t l = charts[i];
     if (was[i] == Was::same || changed[l]) continue;
     changed[l] = true;
     judged_ += static_cast<std::int64_t>(fresh[i].polygons.size());
@@ -126,7 +126,7 @@ void Defects::judge(std::span<const std::int32_t> pieces) {
     if (was[i] == Was::kept) kept.reset();
   }
   around_.settle();
-  std::vector<bool> same(count);  // by piece: whether its defects are the kept ones
+  std::vector<bool> same(count);  // by chart: whether its defects are the kept ones
   for (std::size_t l = 0; l < count; ++l) same[l] = !kept_[l];
   find_hits_of(changed, same);
 }
@@ -148,8 +148,8 @@ void Defects::find_hits_of(const std::vector<bool>& changed, const std::vector<b
                "each pair of polygons that meet is there once");
 }
 
-FacetSet Defects::changed_facets(std::int32_t piece, const Found& fresh) const {
-  const FacetSet &now = fresh.facets, &was = found_[piece].facets;
+FacetSet Defects::changed_facets(std::int32_t chart, const Found& fresh) const {
+  const FacetSet &now = fresh.facets, &was = found_[chart].facets;
   FacetSet changed;
   for (std::size_t k = 0; k < now.facets.size(); ++k)
     if (k >= was.facets.size() || was.facets[k].corner != now.facets[k].corner || was.solids[k] != now.solids[k])
@@ -158,12 +158,12 @@ FacetSet Defects::changed_facets(std::int32_t piece, const Found& fresh) const {
   return changed;
 }
 
-bool Defects::meets_any(std::size_t i, std::span<const std::int32_t> pieces, std::span<const Found> fresh,
+bool Defects::meets_any(std::size_t i, std::span<const std::int32_t> charts, std::span<const Found> fresh,
                         const FacetSet& changed) {
   if (changed.solid.empty()) return false;
-  const std::int32_t l = pieces[i];
+  const std::int32_t l = charts[i];
   const auto is_excused = [&](std::int32_t k) {
-    const auto [low, high] = std::minmax(s_.labels.pieces[l].region, s_.labels.pieces[k].region);
+    const auto [low, high] = std::minmax(s_.labels.charts[l].region, s_.labels.charts[k].region);
     const ScanMeetings::Pair pair{low, high};
     excuses_.test({&pair, 1}, s_.threads, job_);
     return excuses_.meet(pair);
@@ -174,20 +174,20 @@ bool Defects::meets_any(std::size_t i, std::span<const std::int32_t> pieces, std
     any = facets_meet(changed, other) && !is_excused(k);
   };
   const auto look_up = [&](std::int32_t k) {
-    if (std::find(pieces.begin(), pieces.end(), k) == pieces.end()) look(k, found_[k].facets);
+    if (std::find(charts.begin(), charts.end(), k) == charts.end()) look(k, found_[k].facets);
   };
   around_.free.for_each_near(changed.around, look_up);
   if (!fresh[i].facets.given) around_.given.for_each_near(changed.around, look_up);
-  for (std::size_t k = 0; k < pieces.size(); ++k)
-    if (k != i) look(pieces[k], fresh[k].facets);
-  // The polygons of one piece are tested as a whole, since facets of one polygon meet by design.
+  for (std::size_t k = 0; k < charts.size(); ++k)
+    if (k != i) look(charts[k], fresh[k].facets);
+  // The polygons of one chart are tested as a whole, since facets of one polygon meet by design.
   if (fresh[i].polygons.size() > 1) any = any || (facets_meet(fresh[i].facets, fresh[i].facets) && !is_excused(l));
   return any;
 }
 
-bool Defects::accepts(std::span<const std::int32_t> pieces, std::int32_t whole) {
+bool Defects::accepts(std::span<const std::int32_t> charts, std::int32_t whole) {
   std::vector<std::int32_t> changed;
-  for (const std::int32_t l : pieces)
+  for (const std::int32_t l : charts)
     if (!is_source(found_[l].source, l)) changed.push_back(l);
   for (const std::int32_t l : changed) {  // without facets first: most that are refused have a defect of their own
     const std::uint8_t allowed = l == whole ? kGiven : kinds_[l] | kGiven;
@@ -220,7 +220,7 @@ void Defects::keep() {
 }
 
 ScanMeetings::Pair Defects::regions_of(const Hit& h) const {
-  ScanMeetings::Pair regions{s_.labels.pieces[h.a].region, s_.labels.pieces[h.b].region};
+  ScanMeetings::Pair regions{s_.labels.charts[h.a].region, s_.labels.charts[h.b].region};
   std::sort(regions.begin(), regions.end());
   return regions;
 }

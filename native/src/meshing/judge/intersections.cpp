@@ -30,9 +30,9 @@ Box box_of(const Corners& t) {
   return box;
 }
 
-/// Two facets that meet, by piece and index, the lower one first.
+/// Two facets that meet, by chart and index, the lower one first.
 struct Meeting {
-  std::int32_t piece, index, other_piece, other_index;
+  std::int32_t chart, index, other_chart, other_index;
   auto operator<=>(const Meeting&) const = default;
 };
 
@@ -100,7 +100,7 @@ bool meet(const Placed& f, const Placed& g) {
 
 Placed placed(const FacetSet& set, std::int32_t i) { return {set.facets[i].corner, set.solids[i], set.facings[i]}; }
 
-/// Calls fn(facet of a, facet of b) for the pairs of facets of two pieces, or of one, that meet, each pair once, until
+/// Calls fn(facet of a, facet of b) for the pairs of facets of two charts, or of one, that meet, each pair once, until
 /// it returns true.
 /// \return whether it did
 template <class Function>
@@ -120,15 +120,15 @@ bool any_meeting(const FacetSet& a, const FacetSet& b, Function fn) {
   return false;
 }
 
-constexpr std::int32_t kTogether = 16;  ///< pieces that one thread searches at a time
+constexpr std::int32_t kTogether = 16;  ///< charts that one thread searches at a time
 
-/// All pairs of facets that meet, searched in pairs of pieces whose boxes meet, as these are few.
-std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, const Arounds& arounds,
+/// All pairs of facets that meet, searched in pairs of charts whose boxes meet, as these are few.
+std::vector<Meeting> find_meetings(std::span<const FacetSet* const> charts, const Arounds& arounds,
                                    const std::vector<bool>& changed, const std::vector<bool>& known,
                                    const Threads& threads, const Job& job) {
   std::vector<std::int32_t> moved;
-  for (std::int32_t l = 0; l < static_cast<std::int32_t>(pieces.size()); ++l)
-    if (changed[l] && !pieces[l]->solid.empty()) moved.push_back(l);
+  for (std::int32_t l = 0; l < static_cast<std::int32_t>(charts.size()); ++l)
+    if (changed[l] && !charts[l]->solid.empty()) moved.push_back(l);
   std::vector<std::vector<Meeting>> met(moved.size() / kTogether + 1);  // by block
   threads.blocks(static_cast<std::int32_t>(moved.size()), kTogether,
                  [&](std::int32_t block, std::int32_t begin, std::int32_t end) {
@@ -137,17 +137,17 @@ std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, cons
                      const std::int32_t l = moved[i];
                      const auto look = [&](std::int32_t y) {
                        const bool seen_from_there = changed[y] && y < l, is_known = known[l] && known[y];
-                       // Two facets of one polygon are never tested, so a piece of one polygon has no pair.
-                       const bool is_alone = y == l && pieces[l]->facets.back().part == 0;
+                       // Two facets of one polygon are never tested, so a chart of one polygon has no pair.
+                       const bool is_alone = y == l && charts[l]->facets.back().part == 0;
                        if (seen_from_there || is_known || is_alone) return;
                        const std::int32_t first = std::min(l, y), second = std::max(l, y);
-                       any_meeting(*pieces[first], *pieces[second], [&](std::int32_t f, std::int32_t g) {
+                       any_meeting(*charts[first], *charts[second], [&](std::int32_t f, std::int32_t g) {
                          met[block].push_back({first, f, second, g});
                          return false;
                        });
                      };
-                     arounds.free.for_each_near(pieces[l]->around, look);
-                     if (!pieces[l]->given) arounds.given.for_each_near(pieces[l]->around, look);
+                     arounds.free.for_each_near(charts[l]->around, look);
+                     if (!charts[l]->given) arounds.given.for_each_near(charts[l]->around, look);
                    }
                  });
   std::vector<Meeting> all;
@@ -164,7 +164,7 @@ void FacetSet::locate(std::span<const Vec3> position) {
   boxes.clear();
   solid.clear();
   around = Box::nowhere();
-  for (const auto& [corner, piece, part] : facets) {
+  for (const auto& [corner, chart, part] : facets) {
     solids.push_back({rounded_to_float(position[corner[0]]), rounded_to_float(position[corner[1]]),
                       rounded_to_float(position[corner[2]])});
     facings.push_back(facing_of(solids.back()));
@@ -175,9 +175,9 @@ void FacetSet::locate(std::span<const Vec3> position) {
   }
 }
 
-void Arounds::set(std::int32_t piece, const FacetSet& facets) {
-  free.set(piece, facets.given ? Box::nowhere() : facets.around);
-  given.set(piece, facets.given ? facets.around : Box::nowhere());
+void Arounds::set(std::int32_t chart, const FacetSet& facets) {
+  free.set(chart, facets.given ? Box::nowhere() : facets.around);
+  given.set(chart, facets.given ? facets.around : Box::nowhere());
 }
 
 void Arounds::settle() {
@@ -185,16 +185,16 @@ void Arounds::settle() {
   given.settle();
 }
 
-std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds,
+std::vector<Hit> find_hits(std::span<const FacetSet* const> charts, const Arounds& arounds,
                            const std::vector<bool>& changed, const std::vector<bool>& known, const Threads& threads,
                            const Job& job) {
   std::vector<Hit> hits;
   // Facets are in the order of parts, so the lower one is of the lower polygon.
-  for (const Meeting& m : find_meetings(pieces, arounds, changed, known, threads, job)) {
-    const Facet &f = pieces[m.piece]->facets[m.index], &g = pieces[m.other_piece]->facets[m.other_index];
-    hits.push_back({f.piece,
+  for (const Meeting& m : find_meetings(charts, arounds, changed, known, threads, job)) {
+    const Facet &f = charts[m.chart]->facets[m.index], &g = charts[m.other_chart]->facets[m.other_index];
+    hits.push_back({f.chart,
                     f.part,
-                    g.piece,
+                    g.chart,
                     g.part,
                     {f.corner[0], f.corner[1], f.corner[2], g.corner[0], g.corner[1], g.corner[2]}});
   }
@@ -208,16 +208,16 @@ bool facets_meet(const FacetSet& a, const FacetSet& b) {
   return any_meeting(a, b, [](std::int32_t, std::int32_t) { return true; });
 }
 
-GivenHits find_given_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds, std::size_t most,
+GivenHits find_given_hits(std::span<const FacetSet* const> charts, const Arounds& arounds, std::size_t most,
                           std::int64_t most_counted, const Job& job) {
   GivenHits result;
   std::vector<std::int32_t> met;
-  for (std::int32_t l = 0; l < static_cast<std::int32_t>(pieces.size()) && result.is_all; ++l) {
-    if (!pieces[l]->given || pieces[l]->solid.empty()) continue;
+  for (std::int32_t l = 0; l < static_cast<std::int32_t>(charts.size()) && result.is_all; ++l) {
+    if (!charts[l]->given || charts[l]->solid.empty()) continue;
     job.poll();
     met.clear();
-    arounds.given.for_each_near(pieces[l]->around, [&](std::int32_t y) {
-      if (y > l && meet(placed(*pieces[l], 0), placed(*pieces[y], 0))) met.push_back(y);
+    arounds.given.for_each_near(charts[l]->around, [&](std::int32_t y) {
+      if (y > l && meet(placed(*charts[l], 0), placed(*charts[y], 0))) met.push_back(y);
     });
     std::sort(met.begin(), met.end());
     result.count += static_cast<std::int64_t>(met.size());

@@ -24,8 +24,8 @@ constexpr std::uint8_t kGiven = 16;
 /// A triangle of a polygon's triangulation, by corners.
 struct Facet {
   std::array<std::int32_t, 3> corner;
-  std::int32_t piece;
-  std::int32_t part;  ///< which of the piece's polygons
+  std::int32_t chart;
+  std::int32_t part;  ///< which of the chart's polygons
 };
 
 /// The defects of a polygon. All tests are exact on coordinates rounded to float32, as they will be stored.
@@ -35,9 +35,9 @@ struct PolygonDefects {
   std::array<std::int32_t, 2> crossing{-1, -1};  ///< two edges that meet, by the index of their first corner
 };
 
-/// The cosine between a polygon and its piece up to which it counts as flipped; the second for polygons that planar
+/// The cosine between a polygon and its chart up to which it counts as flipped; the second for polygons that planar
 /// ones were cut into, which may be steep where the bent one was.
-constexpr double kFacingPiece = 0.2, kFacingApart = 0.02;
+constexpr double kFacingChart = 0.2, kFacingApart = 0.02;
 
 struct Bounds {
   double bend = 0;       ///< scene units; no bound if not above 0
@@ -45,10 +45,10 @@ struct Bounds {
   /// Polygons are planar, so any triangulation will do: triangles that are about as thin are avoided, as the long side
   /// of one would run through a corner that lies on it.
   bool no_slivers = false;
-  double facing = kFacingPiece;  ///< the cosine up to which a polygon counts as flipped
+  double facing = kFacingChart;  ///< the cosine up to which a polygon counts as flipped
 };
 
-/// \param normal  that of the piece: a polygon that faces away from it is flipped
+/// \param normal  that of the chart: a polygon that faces away from it is flipped
 /// \param facets  the triangulation of a simple polygon is added here, marked as `like`; null if it is not needed
 PolygonDefects judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
                              const Bounds& bounds, Facet like = {}, std::vector<Facet>* facets = nullptr);
@@ -59,7 +59,7 @@ struct Facing {
   double slack;  ///< times the largest coordinate distance of a point: bound of the rounding error of its side
 };
 
-/// The facets of a piece's polygons with boxes for searches.
+/// The facets of a chart's polygons with boxes for searches.
 struct FacetSet {
   std::vector<Facet> facets;
   std::vector<std::array<Vec3, 3>> solids;  ///< positions of the corners of each, rounded to float32
@@ -74,33 +74,33 @@ struct FacetSet {
   void locate(std::span<const Vec3> position);
 };
 
-/// The boxes of all pieces. `given` pieces have boxes of their own, as pairs of two given pieces are not searched for.
+/// The boxes of all charts. `given` charts have boxes of their own, as pairs of two given charts are not searched for.
 struct Arounds {
   MovingBoxes free, given;
-  void set(std::int32_t piece, const FacetSet& facets);
-  /// To be called after pieces were set, before a search.
+  void set(std::int32_t chart, const FacetSet& facets);
+  /// To be called after charts were set, before a search.
   void settle();
 };
 
 /// Two polygons that meet elsewhere than in shared corners and edges.
 struct Hit {
-  std::int32_t a, part_a, b, part_b;    ///< two pieces, a <= b, and the polygon of each
+  std::int32_t a, part_a, b, part_b;    ///< two charts, a <= b, and the polygon of each
   std::array<std::int32_t, 6> corners;  ///< corners of the two facets that meet there
   bool excused = false;                 ///< whether their regions meet in the scan itself
   [[nodiscard]] std::array<std::int32_t, 4> key() const { return {a, b, part_a, part_b}; }
 };
 
-/// All pairs of polygons that intersect and of which one at least is of a `changed` piece, in rising order. Pairs of
-/// two `given` pieces are left out.
-/// \param pieces  their facets, by piece
-/// \param arounds  by piece, their boxes
-/// \param known  by piece: pairs of two such are left out
-/// Cost: O(c log(pieces) + pairs of boxes) for c changed pieces.
-std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds,
+/// All pairs of polygons that intersect and of which one at least is of a `changed` chart, in rising order. Pairs of
+/// two `given` charts are left out.
+/// \param charts  their facets, by chart
+/// \param arounds  by chart, their boxes
+/// \param known  by chart: pairs of two such are left out
+/// Cost: O(c log(charts) + pairs of boxes) for c changed charts.
+std::vector<Hit> find_hits(std::span<const FacetSet* const> charts, const Arounds& arounds,
                            const std::vector<bool>& changed, const std::vector<bool>& known, const Threads& threads,
                            const Job& job);
 
-/// Whether a polygon of a piece meets one of another; of the same piece, where both are one set.
+/// Whether a polygon of a chart meets one of another; of the same chart, where both are one set.
 bool facets_meet(const FacetSet& a, const FacetSet& b);
 
 /// Pairs of faces of the scan, at their places, that meet.
@@ -110,10 +110,10 @@ struct GivenHits {
   bool is_all = true;      ///< whether these are all pairs
 };
 
-/// The pairs of `given` pieces that meet.
+/// The pairs of `given` charts that meet.
 /// \param most  pairs that are listed
 /// \param most_counted  pairs after which the search ends
-GivenHits find_given_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds, std::size_t most,
+GivenHits find_given_hits(std::span<const FacetSet* const> charts, const Arounds& arounds, std::size_t most,
                           std::int64_t most_counted, const Job& job);
 
 /// Some faces of the scan in a search tree.

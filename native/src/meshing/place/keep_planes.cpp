@@ -15,10 +15,10 @@ constexpr int kPasses = 2;  ///< a plane may be met only after its neighbours ha
 class Keeper {
  public:
   Keeper(State& state, Defects& defects, Job& job)
-      : s_(state), defects_(defects), job_(job), planes_(state.planes), pieces_(state.regions) {
-    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
-      if (s_.labels.pieces[l].face != kNone && is_asked(s_.labels.pieces[l].region))
-        pieces_[s_.labels.pieces[l].region].push_back(l);
+      : s_(state), defects_(defects), job_(job), planes_(state.planes), charts_(state.regions) {
+    for (std::int32_t l = 0; l < s_.labels.chart_count(); ++l)
+      if (s_.labels.charts[l].face != kNone && is_asked(s_.labels.charts[l].region))
+        charts_[s_.labels.charts[l].region].push_back(l);
   }
 
   std::vector<std::int32_t> run() {
@@ -41,11 +41,11 @@ class Keeper {
 
   /// The regions with snapped planes, the largest first.
   [[nodiscard]] std::vector<std::int32_t> by_area() const {
-    std::vector<double> area(pieces_.size(), 0);
+    std::vector<double> area(charts_.size(), 0);
     std::vector<std::int32_t> regions;
     for (std::int32_t r = 0; r < s_.regions; ++r) {
-      for (const std::int32_t l : pieces_[r]) area[r] += s_.planes[l].area;
-      if (!pieces_[r].empty()) regions.push_back(r);
+      for (const std::int32_t l : charts_[r]) area[r] += s_.planes[l].area;
+      if (!charts_[r].empty()) regions.push_back(r);
     }
     std::stable_sort(regions.begin(), regions.end(), [&](auto a, auto b) { return area[a] > area[b]; });
     return regions;
@@ -70,37 +70,37 @@ class Keeper {
   [[nodiscard]] bool is_held_at(std::int32_t c) const {
     const auto around = s_.polygons.at(c);
     return std::any_of(around.begin(), around.end(),
-                       [&](std::int32_t q) { return planes_[s_.polygons.piece(q)].held; });
+                       [&](std::int32_t q) { return planes_[s_.polygons.chart(q)].held; });
   }
 
   /// Tries to move the corners of regions onto their planes and the planes that are kept already.
   /// \param with_neighbours  whether the neighbours' corners at kept planes move too
   bool keeps(std::span<const std::int32_t> regions, bool with_neighbours) {
-    std::vector<std::int32_t> pieces;
+    std::vector<std::int32_t> charts;
     for (const std::int32_t r : regions)
-      for (const std::int32_t l : pieces_[r]) {
+      for (const std::int32_t l : charts_[r]) {
         hold(planes_[l], s_.partition, r);
-        pieces.push_back(l);
+        charts.push_back(l);
       }
-    std::vector<std::int32_t> near = pieces;
+    std::vector<std::int32_t> near = charts;
     if (with_neighbours) s_.add_neighbours(near);
     std::vector<std::int32_t> moving = s_.polygons.corners_of(near);
     std::erase_if(moving, [&](std::int32_t c) { return !is_held_at(c); });
     Transaction transaction(s_);
     s_.move_onto(planes_, moving);
-    if (defects_.accepts(s_.polygons.pieces_at(moving))) {
+    if (defects_.accepts(s_.polygons.charts_at(moving))) {
       transaction.commit();
       return true;
     }
-    for (const std::int32_t l : pieces) planes_[l] = s_.planes[l];
+    for (const std::int32_t l : charts) planes_[l] = s_.planes[l];
     return false;
   }
 
   State& s_;
   Defects& defects_;
   Job& job_;
-  std::vector<Plane> planes_;                      // by piece: the snapped plane if it is kept, else that of the state
-  std::vector<std::vector<std::int32_t>> pieces_;  // by region: its pieces, if its plane is snapped
+  std::vector<Plane> planes_;                      // by chart: the snapped plane if it is kept, else that of the state
+  std::vector<std::vector<std::int32_t>> charts_;  // by region: its charts, if its plane is snapped
 };
 
 }  // namespace

@@ -20,24 +20,24 @@ std::vector<Move> carry_out(State& state, std::span<const Move> moves) {
   return back;
 }
 
-std::vector<std::int32_t> pieces_at(const State& state, std::span<const Move> moves) {
+std::vector<std::int32_t> charts_at(const State& state, std::span<const Move> moves) {
   std::vector<std::int32_t> corners;
   for (const Move& m : moves) corners.push_back(m.corner);
-  return state.polygons.pieces_at(corners);
+  return state.polygons.charts_at(corners);
 }
 
 bool move_all(State& state, Defects& defects, std::span<const Move> moves) {
   const std::vector<bool> before = defects.defective();
-  const std::vector<std::int32_t> pieces = pieces_at(state, moves);
+  const std::vector<std::int32_t> charts = charts_at(state, moves);
   defects.keep();
   const std::vector<Move> back = carry_out(state, moves);
-  defects.judge(pieces);
+  defects.judge(charts);
   const std::vector<bool> after = defects.defective();
   bool sound = true;
   for (std::size_t l = 0; l < after.size() && sound; ++l) sound = !after[l] || before[l];
   if (sound) return true;
   carry_out(state, back);
-  defects.judge(pieces);
+  defects.judge(charts);
   return false;
 }
 
@@ -45,7 +45,7 @@ bool move_all(State& state, Defects& defects, std::span<const Move> moves) {
 
 bool attempt_moves(State& state, Defects& defects, std::span<const Move> moves) {
   const std::vector<Move> back = carry_out(state, moves);
-  if (defects.accepts(pieces_at(state, moves))) return true;
+  if (defects.accepts(charts_at(state, moves))) return true;
   carry_out(state, back);
   return false;
 }

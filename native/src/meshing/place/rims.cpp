@@ -17,10 +17,10 @@ constexpr double kEnds = 0.1;        // share of a border at each end that does 
 constexpr double kLeastSine = 0.35;  // sine of 20 degrees: lines that meet at less count as one line
 constexpr std::size_t kLeastPoints = 4;
 
-/// The border along a chord of a piece, in the order of the loop.
-std::vector<Vec3> border_along(const State& s, std::int32_t piece, std::size_t chord) {
-  const auto loop = s.complex.loop(piece);
-  const auto chords = s.complex.chords(piece);
+/// The border along a chord of a chart, in the order of the loop.
+std::vector<Vec3> border_along(const State& s, std::int32_t chart, std::size_t chord) {
+  const auto loop = s.complex.loop(chart);
+  const auto chords = s.complex.chords(chart);
   const std::int32_t last = chords[(chord + 1) % chords.size()];
   std::size_t at = std::find(loop.begin(), loop.end(), chords[chord]) - loop.begin();
   std::vector<Vec3> line;
@@ -36,7 +36,7 @@ struct Line {
   Vec3 point, direction;
 };
 
-/// The line through the middle of a border, in the plane of a piece. Source: least squares, reweighted by the distance.
+/// The line through the middle of a border, in the plane of a chart. Source: least squares, reweighted by the distance.
 std::optional<Line> line_through(std::vector<Vec3> border, const Plane& plane, double reach) {
   const Along along(border);
   const double length = along.length();
@@ -76,7 +76,7 @@ std::optional<Line> line_through(std::vector<Vec3> border, const Plane& plane, d
 class Straightener {
  public:
   Straightener(const State& state, double reach) : s_(state), reach_(reach), rims_(state.corners.count()) {
-    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
+    for (std::int32_t l = 0; l < s_.labels.chart_count(); ++l) {
       if (s_.polygons.count_of(l) == 0) continue;
       const auto chords = s_.complex.chords(l);
       for (std::size_t i = 0; i < chords.size(); ++i) {
@@ -106,13 +106,13 @@ class Straightener {
  private:
   struct Rim {
     std::optional<Line> line;
-    std::int32_t piece;
+    std::int32_t chart;
   };
 
   /// Where both lines meet; between them where they are nearly one.
   [[nodiscard]] std::optional<Vec3> meeting(std::int32_t c) const {
     const Line &a = *rims_[c][0].line, &b = *rims_[c][1].line;
-    const Vec3& n = s_.planes[rims_[c][0].piece].normal;
+    const Vec3& n = s_.planes[rims_[c][0].chart].normal;
     const Vec3 &at = s_.corners.position[c], across = n.cross(b.direction);
     const double sine = a.direction.dot(across);
     const auto onto = [&](const Line& l) -> Vec3 { return l.point + l.direction * l.direction.dot(at - l.point); };
@@ -168,7 +168,7 @@ RimReport rims_of(const State& state) {
   RimReport report;
   report.reach = state.complex.tolerance.rim;
   if (!(report.reach > 0)) return report;
-  for (std::int32_t l = 0; l < state.labels.piece_count(); ++l) {
+  for (std::int32_t l = 0; l < state.labels.chart_count(); ++l) {
     if (state.polygons.count_of(l) == 0) continue;
     const auto chords = state.complex.chords(l);
     const auto position = [&](std::size_t i) -> const Vec3& {

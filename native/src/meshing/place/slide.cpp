@@ -14,12 +14,12 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 2, kDirections = 8;
-constexpr std::array kSteps = {0.2, 0.08};  // largest move of a corner in a round, in sqrt(area / pieces)
+constexpr std::array kSteps = {0.2, 0.08};  // largest move of a corner in a round, in sqrt(area / charts)
 constexpr double kFar = 0.3;                // largest move in all, in the same unit
 constexpr double kOff = 0.4;                // distance from its planes, in deviations of the scan from them
-constexpr double kBend = 1000;              // degrees that a bend of sqrt(area / pieces) counts as
-constexpr double kShort = 0.3;              // edges shorter than this, in sqrt(area / pieces), do not become shorter
-constexpr double kFacing = 0.9;             // cosine of how far a polygon may turn from its piece by a move
+constexpr double kBend = 1000;              // degrees that a bend of sqrt(area / charts) counts as
+constexpr double kShort = 0.3;              // edges shorter than this, in sqrt(area / charts), do not become shorter
+constexpr double kFacing = 0.9;             // cosine of how far a polygon may turn from its chart by a move
 constexpr double kWorth = 1;                // degrees that a move has to gain
 constexpr double kRounding = 1e-9;          // share of the diagonal: planes that are nearer than this are met
 constexpr double kTiny = 1e-6;              // share of the shortest edge: a corner with less freedom gains nothing
@@ -57,12 +57,12 @@ class Slider {
     return s_.mesh.opposite(s_.mesh.vertex_halfedge()[s_.corners.vertex[c]]) != kNone;
   }
 
-  /// The part of a polygon that a corner affects: two corners before it, two after it, and the direction of the piece.
+  /// The part of a polygon that a corner affects: two corners before it, two after it, and the direction of the chart.
   struct Beside {
     std::array<std::int32_t, 2> before, after;
     std::int32_t polygon;
     Vec3 normal;
-    double facing;  ///< cosine between polygon and piece before the move
+    double facing;  ///< cosine between polygon and chart before the move
   };
 
   void find_beside(std::int32_t c) {
@@ -71,7 +71,7 @@ class Slider {
       const auto loop = s_.polygons.of(q);
       const std::size_t n = loop.size(), i = std::find(loop.begin(), loop.end(), c) - loop.begin();
       const auto at = [&](std::size_t k) { return loop[(i + k) % n]; };
-      beside_.push_back({{at(n - 2), at(n - 1)}, {at(1), at(2)}, q, s_.planes[s_.polygons.piece(q)].normal, 0});
+      beside_.push_back({{at(n - 2), at(n - 1)}, {at(1), at(2)}, q, s_.planes[s_.polygons.chart(q)].normal, 0});
     }
   }
 
@@ -100,14 +100,14 @@ class Slider {
     return sum;
   }
 
-  /// The cosine between a polygon and its piece.
+  /// The cosine between a polygon and its chart.
   [[nodiscard]] double facing(const Beside& b) const {
     const Vec3 area = vector_area(s_.polygons.of(b.polygon), s_.corners.position);
     const double length = area.norm();
     return length > 0 ? area.dot(b.normal) / length : -1;
   }
 
-  /// Whether a polygon at a corner is turned from its piece more than before, and by more than kFacing allows.
+  /// Whether a polygon at a corner is turned from its chart more than before, and by more than kFacing allows.
   [[nodiscard]] bool turns_away() const {
     return std::any_of(beside_.begin(), beside_.end(),
                        [&](const Beside& b) { return facing(b) < std::min(b.facing, kFacing); });
@@ -122,7 +122,7 @@ class Slider {
     Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
     const auto around = s_.polygons.at(c);
     for (const std::int32_t q : around) {
-      const Vec3& n = s_.planes[s_.polygons.piece(q)].normal;
+      const Vec3& n = s_.planes[s_.polygons.chart(q)].normal;
       a += n * n.transpose() / static_cast<double>(around.size());
     }
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;

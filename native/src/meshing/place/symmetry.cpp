@@ -18,14 +18,14 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr double kNear = 0.35;   // largest distance of a corner from another's image, in sqrt(area / pieces)
+constexpr double kNear = 0.35;   // largest distance of a corner from another's image, in sqrt(area / charts)
 constexpr double kExact = 1e-9;  // share of the diagonal: points that are nearer count as one place
 
-/// The pairs of pieces and of corners that are images of each other.
+/// The pairs of charts and of corners that are images of each other.
 class Pairs {
  public:
   explicit Pairs(const State& state)
-      : s_(state), mirror_(state.partition.symmetry->relative_to(state.mesh.origin())), piece_(piece_images(state)) {
+      : s_(state), mirror_(state.partition.symmetry->relative_to(state.mesh.origin())), chart_(chart_images(state)) {
     reach_ = kNear * state.scale().size;
     pair_corners();
   }
@@ -39,17 +39,17 @@ class Pairs {
     return corner_[c] != kNone &&
            (position[c] - mirror_.image(position[corner_[c]])).norm() <= kExact * s_.mesh.diagonal();
   }
-  /// The images of the pieces at a corner, rising; empty if one of them has no image.
+  /// The images of the charts at a corner, rising; empty if one of them has no image.
   [[nodiscard]] std::vector<std::int32_t> images_round(std::int32_t c) const {
     std::vector<std::int32_t> images;
     for (const std::int32_t l : round(c)) {
-      if (piece_[l] == kNone) return {};
-      images.push_back(piece_[l]);
+      if (chart_[l] == kNone) return {};
+      images.push_back(chart_[l]);
     }
     sort_unique(images);
     return images;
   }
-  [[nodiscard]] std::vector<std::int32_t> round(std::int32_t c) const { return s_.polygons.pieces_at({&c, 1}); }
+  [[nodiscard]] std::vector<std::int32_t> round(std::int32_t c) const { return s_.polygons.charts_at({&c, 1}); }
   [[nodiscard]] double reach() const { return reach_; }
 
  private:
@@ -59,7 +59,7 @@ class Pairs {
       if (!s_.polygons.at(c).empty()) by_round[round(c)].push_back(c);
     corner_.assign(s_.corners.count(), kNone);
     const auto& position = s_.corners.position;
-    for (const auto& [pieces, some] : by_round) {
+    for (const auto& [charts, some] : by_round) {
       const auto others = by_round.find(images_round(some.front()));
       if (others == by_round.end()) continue;
       for (const std::int32_t c : some) {
@@ -80,7 +80,7 @@ class Pairs {
 
   const State& s_;
   const Mirror mirror_;  // relative to the mesh's origin
-  std::vector<std::int32_t> piece_, corner_;
+  std::vector<std::int32_t> chart_, corner_;
   double reach_ = 0;
 };
 
@@ -93,9 +93,9 @@ class Mirroring {
     for (const bool drop : {true, false}) {
       const Pairs pairs(s_);
       std::vector<std::int32_t> vertices;
-      std::vector<std::size_t> left;  // corners by piece, of which three stay
-      left.reserve(s_.labels.pieces.size());
-      for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) left.push_back(s_.complex.chords(l).size());
+      std::vector<std::size_t> left;  // corners by chart, of which three stay
+      left.reserve(s_.labels.charts.size());
+      for (std::int32_t l = 0; l < s_.labels.chart_count(); ++l) left.push_back(s_.complex.chords(l).size());
       for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
         if (pairs.of_corner(c) != kNone || s_.polygons.at(c).empty()) continue;
         const std::int32_t v = s_.corners.vertex[c];
@@ -172,19 +172,19 @@ class Mirroring {
   [[nodiscard]] bool ends_diagonal(std::int32_t c) const {
     const std::int32_t v = s_.corners.vertex[c];
     for (const std::int32_t q : s_.polygons.at(c))
-      for (const auto& [a, b] : s_.diagonals[s_.polygons.piece(q)])
+      for (const auto& [a, b] : s_.diagonals[s_.polygons.chart(q)])
         if (a == v || b == v) return true;
     return false;
   }
 
-  /// The vertex inside the border between two pieces, or of one and of the mesh, that is nearest to a place and no
+  /// The vertex inside the border between two charts, or of one and of the mesh, that is nearest to a place and no
   /// corner.
-  [[nodiscard]] std::int32_t vertex_near(std::span<const std::int32_t> pieces, const Vec3& place,
+  [[nodiscard]] std::int32_t vertex_near(std::span<const std::int32_t> charts, const Vec3& place,
                                          const Pairs& pairs) const {
     double least = pairs.reach();
     std::int32_t nearest = kNone;
-    for (const std::int32_t h : s_.complex.loop(pieces.front())) {
-      if (s_.labels.across(h) != (pieces.size() > 1 ? pieces.back() : kNone)) continue;
+    for (const std::int32_t h : s_.complex.loop(charts.front())) {
+      if (s_.labels.across(h) != (charts.size() > 1 ? charts.back() : kNone)) continue;
       const std::int32_t v = s_.mesh.from(h);
       const double distance = (s_.mesh.vertices()[v] - place).norm();
       if (distance >= least || s_.complex.is_corner(v) || s_.complex.boundary_edges(v) != 2) continue;
@@ -201,12 +201,12 @@ class Mirroring {
 
 }  // namespace
 
-std::vector<std::int32_t> piece_images(const State& state) {
+std::vector<std::int32_t> chart_images(const State& state) {
   if (!state.partition.symmetry) return {};
-  std::vector<Patch> patches(state.labels.pieces.size());
+  std::vector<Patch> patches(state.labels.charts.size());
   for (std::size_t l = 0; l < patches.size(); ++l) {
     const Plane& p = state.planes[l];
-    if (state.labels.pieces[l].face != kNone) patches[l] = {p.centre, p.normal, p.area};
+    if (state.labels.charts[l].face != kNone) patches[l] = {p.centre, p.normal, p.area};
   }
   return mirror_images(patches, state.partition.symmetry->relative_to(state.mesh.origin()));
 }

@@ -25,7 +25,7 @@ class Edges {
 
 /// The conditions on triangles under which the judge finds no defect in them.
 struct Rules {
-  Vec3 facing = Vec3::UnitZ();  ///< normal of the piece, for triangles without a direction of the scan
+  Vec3 facing = Vec3::UnitZ();  ///< normal of the chart, for triangles without a direction of the scan
   double thickness = 0;         ///< scene units: a thinner one has no area
 };
 

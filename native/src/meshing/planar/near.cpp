@@ -31,8 +31,8 @@ bool Near::is_on_scan(std::int32_t corner, const Vec3& x) {
       (x - v[s_.corners.vertex[corner]]).norm() <= s_.options.reach * places_.diagonal)
     return true;
   for (const Around::Use& use : around_.of(corner)) {
-    std::vector<std::int32_t>& faces = faces_[units_[use.unit].piece];
-    if (faces.empty()) faces = s_.labels.faces_of(units_[use.unit].piece);
+    std::vector<std::int32_t>& faces = faces_[units_[use.unit].chart];
+    if (faces.empty()) faces = s_.labels.faces_of(units_[use.unit].chart);
     for (const std::int32_t f : faces) {
       const Triangle& t = s_.mesh.triangles()[f];
       if (distance_to(x, {v[t[0]], v[t[1]], v[t[2]]}) <= places_.base) return true;
@@ -67,7 +67,7 @@ double Near::gap(std::int32_t corner) const {
   const auto& at = s_.corners.position;
   double least = std::numeric_limits<double>::infinity();
   for (const Around::Use& use : around_.of(corner))
-    for (const Facet& f : f_.of(units_[use.unit].piece).facets.facets)
+    for (const Facet& f : f_.of(units_[use.unit].chart).facets.facets)
       if (std::find(f.corner.begin(), f.corner.end(), corner) != f.corner.end())
         least = std::min(least, distance_to(home, {at[f.corner[0]], at[f.corner[1]], at[f.corner[2]]}));
   return least;

@@ -20,7 +20,7 @@
 namespace isimp::meshing::planar {
 namespace {
 
-constexpr int kRings = 5;               ///< rings around stuck pieces that are solved again
+constexpr int kRings = 5;               ///< rings around stuck charts that are solved again
 constexpr int kGentle = 12;             ///< rounds in which corners that are held back keep half their way
 constexpr std::int32_t kTogether = 64;  ///< corners on one thread
 constexpr std::size_t kFew = 12;  ///< most corners of a unit that is triangulated before its corners are held back
@@ -57,12 +57,12 @@ class Planarizer {
         near_(state, defects, units_, around_, places_),
         diagonals_(state.diagonals),
         edges_(state.corners.count()),
-        first_(state.labels.pieces.size() + 1, 0),
+        first_(state.labels.charts.size() + 1, 0),
         cuts_(units_.size()),
         uncut_(units_.size(), false),
         is_dirty_(units_.size(), false),
         is_moving_(state.corners.count(), false) {
-    for (const Unit& u : units_) ++first_[u.piece + 1];
+    for (const Unit& u : units_) ++first_[u.chart + 1];
     for (std::size_t l = 1; l < first_.size(); ++l) first_[l] += first_[l - 1];
     for (std::size_t l = 0; l + 1 < first_.size(); ++l)
       kinds_.push_back(f_.kinds(static_cast<std::int32_t>(l)) & ~kBent);
@@ -171,12 +171,12 @@ class Planarizer {
       for (const Edge& e : cuts_[u]) edges_.remove(e);
     judged_.clear();
     for (const std::int32_t u : dirty_) {
-      const Rules rules{s_.planes[units_[u].piece].normal, f_.bounds().thickness};
+      const Rules rules{s_.planes[units_[u].chart].normal, f_.bounds().thickness};
       cuts_[u].clear();
       uncut_[u] = !units_[u].left && !is_flat(units_[u].loop, at_, kPlanar * places_.diagonal) &&
                   !cut(units_[u], kept_[u], own_[u], at_, rules, edges_, cuts_[u]);
       is_dirty_[u] = false;
-      judged_.push_back(units_[u].piece);
+      judged_.push_back(units_[u].chart);
     }
     dirty_.clear();
     sort_unique(judged_);
@@ -201,7 +201,7 @@ class Planarizer {
     judged_.insert(judged_.end(), stuck_.begin(), stuck_.end());
     sort_unique(judged_);
     stuck_.clear();
-    for (const std::int32_t l : judged_) any = hold_back_piece(l, firmly) || any;
+    for (const std::int32_t l : judged_) any = hold_back_chart(l, firmly) || any;
     for (const Hit& h : f_.hits()) {
       if (h.excused || met_.contains({h.a, h.b})) continue;
       if (!firmly && settle(h)) {
@@ -234,7 +234,7 @@ class Planarizer {
     return any;
   }
 
-  bool hold_back_piece(std::int32_t l, bool firmly) {
+  bool hold_back_chart(std::int32_t l, bool firmly) {
     bool any = false;
     const double most = kPlanar * s_.mesh.diagonal();
     const auto& polygons = f_.of(l).polygons;
@@ -330,7 +330,7 @@ class Planarizer {
     return sum;
   }
 
-  /// The unit that a polygon of a piece is cut from.
+  /// The unit that a polygon of a chart is cut from.
   [[nodiscard]] std::int32_t unit_of(std::int32_t l, std::int32_t part) const {
     const auto loop = s_.polygons.of(s_.polygons.first_of(l) + part);
     for (std::int32_t u = first_[l]; u + 1 < first_[l + 1]; ++u) {
@@ -410,7 +410,7 @@ class Planarizer {
       const auto added = static_cast<std::int32_t>(cuts_[u].size());
       whole += added == 0 && !uncut_[u] && !units_[u].left;
       r.faces_added += added;
-      if (units_[u].scan.snapped && !units_[u].held) let_go.insert(s_.labels.pieces[units_[u].piece].region);
+      if (units_[u].scan.snapped && !units_[u].held) let_go.insert(s_.labels.charts[units_[u].chart].region);
       switch (added == 0 ? Cause::none : units_[u].cause) {
         case Cause::none:
         case Cause::apart:
@@ -435,7 +435,7 @@ class Planarizer {
     return out;
   }
 
-  /// Saves the results for the next try, except within kRings rings of the stuck pieces.
+  /// Saves the results for the next try, except within kRings rings of the stuck charts.
   void remember(const std::vector<std::int32_t>& stuck) {
     std::vector<std::int32_t> all;
     for (const std::int32_t l : stuck)
@@ -458,23 +458,23 @@ class Planarizer {
   Memory& memory_;
   const bool is_last_;
   const Job& job_;
-  std::vector<Unit> units_;  // in the order of their pieces
+  std::vector<Unit> units_;  // in the order of their charts
   Places places_;
   const Around around_;
   Near near_;
   const std::vector<std::vector<std::array<std::int32_t, 2>>> diagonals_;  // diagonals at the start
   Edges edges_;
   std::vector<std::vector<Edge>> own_;         // by unit
-  std::vector<std::int32_t> first_;            // by piece: its first unit
-  std::vector<std::uint8_t> kinds_;            // by piece: the defects at the start
-  std::set<std::array<std::int32_t, 2>> met_;  // pairs of pieces that met
+  std::vector<std::int32_t> first_;            // by chart: its first unit
+  std::vector<std::uint8_t> kinds_;            // by chart: the defects at the start
+  std::set<std::array<std::int32_t, 2>> met_;  // pairs of charts that met
   std::vector<Vec3> at_;
   Kept kept_;
   std::vector<std::vector<Edge>> cuts_;       // by unit
   std::vector<bool> uncut_, acted_;           // by unit: there is no way to cut it; `give_up` changed it in this round
   std::vector<bool> is_dirty_, is_moving_;    // by unit, by corner: listed in ...
   std::vector<std::int32_t> dirty_, moving_;  // ... units to be cut and corners to be placed in the next round
-  std::vector<std::int32_t> judged_, stuck_;  // pieces
+  std::vector<std::int32_t> judged_, stuck_;  // charts
 };
 
 }  // namespace
@@ -484,7 +484,7 @@ PlanarOutcome make_planar(State& state, Defects& defects, Memory& memory, bool i
 }
 
 bool is_planar(const State& state) {
-  for (std::int32_t l = 0; l < state.labels.piece_count(); ++l) {
+  for (std::int32_t l = 0; l < state.labels.chart_count(); ++l) {
     bool all = true;
     state.polygons.for_each_of(l, [&](std::int32_t q) {
       all = all && is_flat(state.polygons.of(q), state.corners.position, kPlanar * state.mesh.diagonal());

@@ -16,7 +16,7 @@ namespace isimp::meshing::planar {
 /// Largest distance of a corner from its polygon's plane, as a share of the diagonal, in double and rounded to float32.
 constexpr double kPlanar = 1e-6;
 
-/// Results of a try, by the corners of polygons, for the next one. Some pieces are split between two tries.
+/// Results of a try, by the corners of polygons, for the next one. Some charts are split between two tries.
 struct Memory {
   std::map<std::vector<std::int32_t>, Unit> units;
   std::vector<double> reach;  ///< by corner
@@ -25,18 +25,18 @@ struct Memory {
 struct PlanarOutcome {
   PlanarReport report;
   std::vector<std::int32_t> let_go;  ///< regions whose snapped planes were released, in rising order
-  std::vector<std::int32_t> stuck;   ///< pieces with a polygon that could not be made planar, or not without a defect
+  std::vector<std::int32_t> stuck;   ///< charts with a polygon that could not be made planar, or not without a defect
 };
 
 /// Makes every polygon planar: planes and corners are moved together so that corners lie on all their planes. A corner
 /// that can't, within reach, is cut off its polygon by a triangle. No defect is added. A defective polygon (1) moves its
-/// corners less, (2) is triangulated, (3) returns to its old triangulation and positions, which had no defect. A piece
+/// corners less, (2) is triangulated, (3) returns to its old triangulation and positions, which had no defect. A chart
 /// is stuck only if such a triangle can't be a polygon of its own (it would face away, or one of its edges is an edge
 /// of other polygons). A polygon that is planar at its old place is never cut for a defect.
 /// \param is_last  stuck polygons keep their old shape, though it is not planar
 /// \param defects  of the present state; up to date afterwards
 /// \param memory  results of the last try, replaced by the results of this one
-/// Cost: about twenty sparse solves in three unknowns a polygon, and a judgement of the changed pieces in each round.
+/// Cost: about twenty sparse solves in three unknowns a polygon, and a judgement of the changed charts in each round.
 PlanarOutcome make_planar(State& state, Defects& defects, Memory& memory, bool is_last, const Job& job);
 
 /// Whether all polygons are planar.

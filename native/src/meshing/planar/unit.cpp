@@ -32,14 +32,14 @@ bool is_inside(const Vec3& p, std::span<const std::int32_t> loop, std::span<cons
   return inside;
 }
 
-/// Sets the plane of each of a piece's units from the faces of the scan that are nearest to it.
+/// Sets the plane of each of a chart's units from the faces of the scan that are nearest to it.
 void share_out(State& state, std::span<Unit> units) {
   const Mesh& mesh = state.mesh;
   const auto& at = state.corners.position;
   int axis = 0;
-  state.planes[units[0].piece].normal.cwiseAbs().maxCoeff(&axis);
+  state.planes[units[0].chart].normal.cwiseAbs().maxCoeff(&axis);
   std::vector<std::vector<std::int32_t>> faces(units.size());
-  for (const std::int32_t f : state.labels.faces_of(units[0].piece)) {
+  for (const std::int32_t f : state.labels.faces_of(units[0].chart)) {
     const Triangle& t = mesh.triangles()[f];
     const Vec3 middle = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
     std::size_t best = 0;
@@ -57,7 +57,7 @@ void share_out(State& state, std::span<Unit> units) {
   }
   for (std::size_t u = 0; u < units.size(); ++u) {
     units[u].scan = faces[u].empty() ? Plane{} : plane_of(mesh, faces[u]);
-    hold(units[u].scan, state.partition, state.labels.pieces[units[u].piece].region);
+    hold(units[u].scan, state.partition, state.labels.charts[units[u].chart].region);
   }
 }
 
@@ -115,19 +115,19 @@ double distance_to(const Vec3& p, const std::array<Vec3, 3>& t) {
 std::vector<Unit> units_of(State& state) {
   std::vector<Unit> units;
   double area = 0;
-  for (std::int32_t l = 0; l < state.labels.piece_count(); ++l) {
+  for (std::int32_t l = 0; l < state.labels.chart_count(); ++l) {
     const std::size_t first = units.size();
     if (state.polygons.count_of(l) == 0) continue;
     const std::vector<Vec3> beyond = areas_beyond_chords(state, l);
     state.polygons.for_each_of(l, [&](std::int32_t q) {
       Unit& u = units.emplace_back();
-      u.piece = l;
+      u.chart = l;
       u.loop.assign(state.polygons.of(q).begin(), state.polygons.of(q).end());
       for (const std::int32_t c : u.loop) u.home.push_back(state.mesh.vertices()[state.corners.vertex[c]]);
       for (const std::int32_t k : chords_of(state, l, u.loop))
         u.beyond.push_back(k == kNone ? Vec3::Zero() : beyond[k]);
       u.scan = state.planes[l];
-      hold(u.scan, state.partition, state.labels.pieces[l].region);
+      hold(u.scan, state.partition, state.labels.charts[l].region);
     });
     if (units.size() - first > 1) share_out(state, std::span(units).subspan(first));
     for (std::size_t u = first; u < units.size(); ++u) area += units[u].scan.area;

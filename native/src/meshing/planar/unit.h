@@ -22,7 +22,7 @@ enum class Cause : std::uint8_t {
 
 /// A polygon that is to be planar: the part of the scan that it stands for, and the plane that it is to have.
 struct Unit {
-  std::int32_t piece = kNone;
+  std::int32_t chart = kNone;
   std::vector<std::int32_t> loop;  ///< corners
   std::vector<Vec3> home;          ///< the vertices of the scan for these corners
   std::vector<Vec3> beyond;        ///< by edge: the vector area between it and the boundary that it stands for
@@ -57,7 +57,7 @@ struct Places {
 /// The distance of a point from a triangle.
 double distance_to(const Vec3& p, const std::array<Vec3, 3>& t);
 
-/// The polygons of a state as units, in the order of their pieces. A piece that has several is shared out among them.
+/// The polygons of a state as units, in the order of their charts. A chart that has several is shared out among them.
 std::vector<Unit> units_of(State& state);
 
 /// The largest move of each corner: `base`; more if its edges are long, as it slides along its planes, or if given

@@ -15,7 +15,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kTogether = 256;  ///< pieces in which one thread searches for candidates
+constexpr std::int32_t kTogether = 256;  ///< charts in which one thread searches for candidates
 // Deviation that a union of two regions may add, as shares of the mean deviation of a region. Source: own trials, 15
 // scans, buildings and nasty meshes at 50 to 1,000 regions.
 constexpr double kError = 1, kSquare = 3;
@@ -26,12 +26,12 @@ enum class Act : std::int32_t { diagonal, split };
 struct Candidate {
   double score;  ///< the higher, the sooner it is tried
   Act act;
-  std::int32_t piece;  ///< the piece that keeps its number
-  std::int32_t other;  ///< split: the piece that is absorbed
+  std::int32_t chart;  ///< the chart that keeps its number
+  std::int32_t other;  ///< split: the chart that is absorbed
   int version = 0;     ///< split: that of the unions of `other`
   /// Whether another one is tried sooner.
   bool operator<(const Candidate& c) const {
-    return std::tuple(score, c.other, c.act, c.piece) < std::tuple(c.score, other, act, piece);
+    return std::tuple(score, c.other, c.act, c.chart) < std::tuple(c.score, other, act, chart);
   }
 };
 
@@ -44,12 +44,12 @@ class Coarsener {
         defects_(defects),
         usual_(usual),
         job_(job),
-        pieces_of_(s_.mesh.component_count(), 0),
-        pieces_in_(s_.regions, 0) {
-    for (const Piece& p : s_.labels.pieces)
+        charts_of_(s_.mesh.component_count(), 0),
+        charts_in_(s_.regions, 0) {
+    for (const Chart& p : s_.labels.charts)
       if (p.face != kNone) {
-        ++pieces_of_[s_.mesh.component()[p.face]];
-        ++pieces_in_[p.region];
+        ++charts_of_[s_.mesh.component()[p.face]];
+        ++charts_in_[p.region];
       }
   }
 
@@ -67,7 +67,7 @@ class Coarsener {
     tried_.insert({static_cast<std::int32_t>(act), a, b, c});
   }
 
-  /// The first of a piece's diagonals that was not tried, their number if there is none.
+  /// The first of a chart's diagonals that was not tried, their number if there is none.
   [[nodiscard]] std::size_t untried_diagonal(std::int32_t l) const {
     const auto& all = s_.diagonals[l];
     const auto at =
@@ -75,9 +75,9 @@ class Coarsener {
     return static_cast<std::size_t>(at - all.begin());
   }
 
-  /// Queues the candidates of all pieces.
+  /// Queues the candidates of all charts.
   void queue_all() {
-    const std::int32_t count = s_.labels.piece_count();
+    const std::int32_t count = s_.labels.chart_count();
     std::vector<std::vector<Candidate>> by_block(count / kTogether + 1);
     version_.resize(count, 0);
     s_.threads.blocks(count, kTogether, [&](std::int32_t block, std::int32_t begin, std::int32_t end) {
@@ -102,42 +102,42 @@ class Coarsener {
 
   /// Whether two parts of a row of holes are long enough each for itself.
   [[nodiscard]] bool parts_row(std::int32_t a, std::int32_t b) const {
-    const auto is_cut = [&](std::int32_t l) { return s_.labels.pieces[l].cause == Cause::hole; };
+    const auto is_cut = [&](std::int32_t l) { return s_.labels.charts[l].cause == Cause::hole; };
     return s_.cutter.perforated && is_cut(a) && is_cut(b) &&
            s_.complex.chords(a).size() + s_.complex.chords(b).size() > 2 * kLarge;
   }
 
-  [[nodiscard]] bool is_there(std::int32_t l) const { return s_.labels.pieces[l].face != kNone; }
+  [[nodiscard]] bool is_there(std::int32_t l) const { return s_.labels.charts[l].face != kNone; }
 
   [[nodiscard]] bool may_unite(std::int32_t kept, std::int32_t gone) const { return !tried(Act::split, gone, kept); }
 
-  /// Whether a larger piece of another region, or of two of one size that of the first region, is near enough to the
+  /// Whether a larger chart of another region, or of two of one size that of the first region, is near enough to the
   /// plane of both.
   [[nodiscard]] bool is_alike(std::int32_t kept, std::int32_t gone) const {
     const Plane &a = s_.planes[kept], &b = s_.planes[gone];
-    if (b.area > a.area || (b.area == a.area && s_.labels.pieces[kept].region > s_.labels.pieces[gone].region))
+    if (b.area > a.area || (b.area == a.area && s_.labels.charts[kept].region > s_.labels.charts[gone].region))
       return false;
     const Plane both = united(a, b);
     return error_of(both) - error_of(a) - error_of(b) <= kError * usual_.error &&
            square_of(both) - square_of(a) - square_of(b) <= kSquare * usual_.square;
   }
 
-  /// Whether the region of the absorbed piece keeps another piece, and the union belongs to the region of the kept one.
+  /// Whether the region of the absorbed chart keeps another chart, and the union belongs to the region of the kept one.
   [[nodiscard]] bool may_change_region(const Candidate& c) const {
-    const std::int32_t from = s_.labels.pieces[c.other].region, to = s_.labels.pieces[c.piece].region;
+    const std::int32_t from = s_.labels.charts[c.other].region, to = s_.labels.charts[c.chart].region;
     if (from == to) return true;
-    if (pieces_in_[from] < 2) return false;
+    if (charts_in_[from] < 2) return false;
     std::vector<std::int32_t> faces = s_.labels.faces_of(c.other);
     std::sort(faces.begin(), faces.end());
-    if (!may_give(s_, c.other, c.piece, faces)) return false;
-    const std::vector<std::int32_t> more = s_.labels.faces_of(c.piece);
+    if (!may_give(s_, c.other, c.chart, faces)) return false;
+    const std::vector<std::int32_t> more = s_.labels.faces_of(c.chart);
     faces.insert(faces.end(), more.begin(), more.end());
-    return s_.region_of(c.piece, faces) == to;
+    return s_.region_of(c.chart, faces) == to;
   }
 
-  /// Adds the unions that would absorb a piece: the larger the share of its boundary along the other, the sooner.
+  /// Adds the unions that would absorb a chart: the larger the share of its boundary along the other, the sooner.
   void add_unions(std::int32_t gone, std::vector<Candidate>& all) const {
-    const Piece& p = s_.labels.pieces[gone];
+    const Chart& p = s_.labels.charts[gone];
     if (p.face == kNone || p.cause == Cause::region || p.cause == Cause::closed || p.cause == Cause::handle) return;
     const SharedBoundary shared = s_.shared_boundary(gone);
     const double first = p.cause == Cause::repair ? 1 : 0;  // cuts for holes are hardly ever needless
@@ -172,8 +172,8 @@ class Coarsener {
       const Candidate c = queue_.top();
       queue_.pop();
       if (c.act == Act::diagonal)
-        drop_diagonal(c.piece);
-      else if (is_there(c.piece) && is_there(c.other) && c.version == version_[c.other] && may_unite(c.piece, c.other))
+        drop_diagonal(c.chart);
+      else if (is_there(c.chart) && is_there(c.other) && c.version == version_[c.other] && may_unite(c.chart, c.other))
         unite(c);
     }
     defects_.renew_hits();
@@ -196,33 +196,33 @@ class Coarsener {
   }
 
   void unite(const Candidate& c) {
-    mark_tried(Act::split, c.other, c.piece);
-    std::int32_t& left = pieces_of_[s_.mesh.component()[s_.labels.pieces[c.other].face]];
+    mark_tried(Act::split, c.other, c.chart);
+    std::int32_t& left = charts_of_[s_.mesh.component()[s_.labels.charts[c.other].face]];
     if (left <= kLeastClosed) return;
-    const std::int32_t region = s_.labels.pieces[c.other].region;
-    const std::vector<std::int32_t> loop = s_.loop_together(c.piece, c.other);
+    const std::int32_t region = s_.labels.charts[c.other].region;
+    const std::vector<std::int32_t> loop = s_.loop_together(c.chart, c.other);
     if (loop.empty() || crosses_anywhere(loop, c) || !may_change_region(c)) return;
     const auto join = [&] {
-      s_.unite(c.piece, c.other, loop);
+      s_.unite(c.chart, c.other, loop);
       return true;
     };
-    if (!attempt(s_, defects_, {c.other}, c.piece, join, Places::better)) return;
+    if (!attempt(s_, defects_, {c.other}, c.chart, join, Places::better)) return;
     --left;
-    --pieces_in_[region];
-    std::vector<std::int32_t> around = s_.neighbours(c.piece);
-    around.push_back(c.piece);
+    --charts_in_[region];
+    std::vector<std::int32_t> around = s_.neighbours(c.chart);
+    around.push_back(c.chart);
     std::vector<Candidate> more;
     for (const std::int32_t l : around) {
       ++version_[l];
-      tried_.erase({static_cast<std::int32_t>(Act::split), l, c.piece, kNone});
-      tried_.erase({static_cast<std::int32_t>(Act::split), c.piece, l, kNone});
+      tried_.erase({static_cast<std::int32_t>(Act::split), l, c.chart, kNone});
+      tried_.erase({static_cast<std::int32_t>(Act::split), c.chart, l, kNone});
       add_unions(l, more);
     }
-    add_diagonal(c.piece, more);
+    add_diagonal(c.chart, more);
     queue(more);
   }
 
-  /// Whether the union of two pieces, with the given loop, would cross itself both with its corners at their places and
+  /// Whether the union of two charts, with the given loop, would cross itself both with its corners at their places and
   /// on the mesh. Such a union is not worth a trial.
   [[nodiscard]] bool crosses_anywhere(std::span<const std::int32_t> loop, const Candidate& c) const {
     std::vector<std::int32_t> polygon;
@@ -236,7 +236,7 @@ class Coarsener {
       placed.push_back(s_.corners.position[s_.corners.of_vertex[v]]);
     }
     if (polygon.size() < 3) return false;
-    const Vec3 normal = united(s_.planes[c.piece], s_.planes[c.other]).normal;
+    const Vec3 normal = united(s_.planes[c.chart], s_.planes[c.other]).normal;
     const Bounds bounds{.thickness = defects_.bounds().thickness};
     return judge_polygon(polygon, placed, normal, bounds).kinds != 0 &&
            judge_polygon(polygon, home, normal, bounds).kinds != 0;
@@ -246,9 +246,9 @@ class Coarsener {
   Defects& defects_;
   const Scale usual_;
   Job& job_;
-  std::vector<std::int32_t> pieces_of_;  // by component of the mesh
-  std::vector<std::int32_t> pieces_in_;  // by region
-  std::vector<int> version_;             // by piece: how often its possible unions have changed
+  std::vector<std::int32_t> charts_of_;  // by component of the mesh
+  std::vector<std::int32_t> charts_in_;  // by region
+  std::vector<int> version_;             // by chart: how often its possible unions have changed
   std::priority_queue<Candidate> queue_;
   std::set<Key> tried_;
 };

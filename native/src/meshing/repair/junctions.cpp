@@ -15,22 +15,22 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kPasses = 2;
-constexpr std::size_t kMostLabels = 5;  ///< pieces that may meet in a vertex
-// How far the planes may miss the vertex: deviations of the scan from them, and of sqrt(area / pieces).
+constexpr std::size_t kMostLabels = 5;  ///< charts that may meet in a vertex
+// How far the planes may miss the vertex: deviations of the scan from them, and of sqrt(area / charts).
 constexpr double kPlanes = 3.2, kGap = 0.11;
 constexpr double kRounding = 1e-9;                 ///< share of the diagonal: planes that are nearer than this meet
 constexpr double kFixed = 0.0625;                  ///< share of the largest eigenvalue: below, planes fix no point
 constexpr double kParallel = 1e-6, kMeets = 1e-6;  ///< the same of planes of cells; how far these may miss, of the size
-constexpr double kStep = 0.3;                      ///< from the middle to the vertex, in sqrt(area / pieces)
+constexpr double kStep = 0.3;                      ///< from the middle to the vertex, in sqrt(area / charts)
 constexpr double kShort = 0.4;  ///< length below which a chord may be removed for its length alone, in the same unit
 constexpr double kSharp = 20, kSharper = 3;  ///< degrees
 constexpr double kExcess = 20;               ///< degrees that reflex corners may open further in all
-constexpr double kError = 0.02;              ///< increase of the error that is allowed, in area / pieces
-constexpr double kOfGiver = 1.0 / 3;         ///< share of its area that a piece may give
+constexpr double kError = 0.02;              ///< increase of the error that is allowed, in area / charts
+constexpr double kOfGiver = 1.0 / 3;         ///< share of its area that a chart may give
 constexpr double kLoose = 3;                 ///< times the gap: at the image of a join
-constexpr double kLongest = 4;               ///< longest path between two junctions, in sqrt(area / pieces)
+constexpr double kLongest = 4;               ///< longest path between two junctions, in sqrt(area / charts)
 
-/// The pieces at a vertex, counter-clockwise.
+/// The charts at a vertex, counter-clockwise.
 using Round = std::vector<std::int32_t>;
 
 /// Two junctions, and the boundary half-edges from one to the other.
@@ -39,7 +39,7 @@ struct Chord {
   std::vector<std::int32_t> path;
 };
 
-/// One of the ways to join: a transfer of faces from one piece to another, by which one end moves to the other.
+/// One of the ways to join: a transfer of faces from one chart to another, by which one end moves to the other.
 struct Gift {
   double error = 0;
   std::int32_t giver, taker, keeps, moves;
@@ -63,7 +63,7 @@ class Joiner {
         join_both(c.a, c.b);
     }
     for (std::size_t i = before; i < joins_.size(); ++i)
-      s_.hand_over(joins_[i].giver, joins_[i].taker, joins_[i].faces, joins_[i].pieces);
+      s_.hand_over(joins_[i].giver, joins_[i].taker, joins_[i].faces, joins_[i].charts);
     return joins_.size() > before;
   }
 
@@ -76,12 +76,12 @@ class Joiner {
 
   /// Polygons and planes as they are, to be kept up to date while junctions are joined.
   void read() {
-    const std::int32_t pieces = s_.labels.piece_count();
-    loops_.resize(pieces);
-    sums_.resize(pieces);
+    const std::int32_t charts = s_.labels.chart_count();
+    loops_.resize(charts);
+    sums_.resize(charts);
     at_.resize(s_.corners.count());
-    for (std::int32_t l = 0; l < pieces; ++l) {
-      if (s_.labels.pieces[l].face == kNone) continue;
+    for (std::int32_t l = 0; l < charts; ++l) {
+      if (s_.labels.charts[l].face == kNone) continue;
       sums_[l] = s_.planes[l].projected * s_.planes[l].normal;
       for (const std::int32_t h : s_.complex.chords(l)) {
         const std::int32_t c = s_.corner_at(mesh_.from(h));
@@ -94,12 +94,12 @@ class Joiner {
     gap_ = std::min(kPlanes * scale.deviation, kGap * size_) + kRounding * mesh_.diagonal();
     vertex_ = s_.corners.vertex;
     position_ = s_.corners.position;
-    image_ = piece_images(s_);
+    image_ = chart_images(s_);
     planes_ = s_.planes;
     if (!s_.partition.region_cell.empty())
-      for (std::int32_t l = 0; l < pieces; ++l)
-        if (const std::int32_t r = s_.labels.pieces[l].region;
-            s_.labels.pieces[l].face != kNone && s_.partition.region_held[r] == kPlaneRound)
+      for (std::int32_t l = 0; l < charts; ++l)
+        if (const std::int32_t r = s_.labels.charts[l].region;
+            s_.labels.charts[l].face != kNone && s_.partition.region_held[r] == kPlaneRound)
           hold(planes_[l], s_.partition, r);
   }
 
@@ -148,15 +148,15 @@ class Joiner {
     return found;
   }
 
-  /// Whether corners of some pieces stay on the planes of cells exactly: two cells of one round part meet in a line, from
+  /// Whether corners of some charts stay on the planes of cells exactly: two cells of one round part meet in a line, from
   /// which a join would move their corner far if they are nearly parallel. Four cells of two parts nearly meet in a point,
   /// which is good enough.
-  [[nodiscard]] bool holds_cells(const Round& pieces) const {
+  [[nodiscard]] bool holds_cells(const Round& charts) const {
     int cells = 0;
     std::int32_t part = kNone;
-    for (const std::int32_t l : pieces) {
+    for (const std::int32_t l : charts) {
       if (!planes_[l].round) continue;
-      const std::int32_t mine = s_.partition.region_cell[s_.labels.pieces[l].region].proxy;
+      const std::int32_t mine = s_.partition.region_cell[s_.labels.charts[l].region].proxy;
       if (cells > 0 && mine != part) return false;
       part = mine;
       ++cells;
@@ -164,12 +164,12 @@ class Joiner {
     return cells > 1;
   }
 
-  /// Where the planes of some pieces meet, near a point; nothing where they do not.
-  [[nodiscard]] std::optional<Vec3> meeting_point(const Round& pieces, const Vec3& near, double radius,
+  /// Where the planes of some charts meet, near a point; nothing where they do not.
+  [[nodiscard]] std::optional<Vec3> meeting_point(const Round& charts, const Vec3& near, double radius,
                                                   double gap) const {
-    const bool holds = holds_cells(pieces);
+    const bool holds = holds_cells(charts);
     std::vector<const Plane*> cells, others;
-    for (const std::int32_t l : pieces) (holds && planes_[l].round ? cells : others).push_back(&planes_[l]);
+    for (const std::int32_t l : charts) (holds && planes_[l].round ? cells : others).push_back(&planes_[l]);
     Eigen::Matrix3d free = Eigen::Matrix3d::Identity();
     Vec3 d = Vec3::Zero();
     if (holds) d = step_onto(cells, kParallel, near, free);
@@ -249,19 +249,19 @@ class Joiner {
     }
   }
 
-  /// The junction at which exactly these pieces meet, or two adjacent junctions that together have these pieces.
-  [[nodiscard]] std::array<std::int32_t, 2> junctions_among(const Round& pieces) const {
+  /// The junction at which exactly these charts meet, or two adjacent junctions that together have these charts.
+  [[nodiscard]] std::array<std::int32_t, 2> junctions_among(const Round& charts) const {
     std::array<std::int32_t, 2> found{kNone, kNone};
-    for (const std::int32_t l : pieces) {
+    for (const std::int32_t l : charts) {
       const auto& loop = loops_[l];
       for (std::size_t i = 0; i < loop.size(); ++i) {
         const std::int32_t c = loop[i], d = loop[i + 1 < loop.size() ? i + 1 : 0];
-        if (at_[c] == pieces) return {c, kNone};
-        if (at_[c].size() < 3 || at_[d].size() < 3 || at_[c].size() + at_[d].size() != pieces.size() + 2) continue;
+        if (at_[c] == charts) return {c, kNone};
+        if (at_[c].size() < 3 || at_[d].size() < 3 || at_[c].size() + at_[d].size() != charts.size() + 2) continue;
         Round together = at_[c];
         together.insert(together.end(), at_[d].begin(), at_[d].end());
         sort_unique(together);
-        if (together == pieces) found = {c, d};
+        if (together == charts) found = {c, d};
       }
     }
     return found;
@@ -348,8 +348,8 @@ class Joiner {
            gift.error <= kError * size_ * size_ && may_give(s_, gift.giver, gift.taker, gift.faces);
   }
 
-  /// Changes the labels, if all pieces stay discs and no other junction changes.
-  /// \param all  the pieces that shall meet in the vertex that stays
+  /// Changes the labels, if all charts stay discs and no other junction changes.
+  /// \param all  the charts that shall meet in the vertex that stays
   bool give(const Gift& gift, const Round& all) {
     std::vector<std::int32_t> near;
     for (const std::int32_t f : gift.faces)
@@ -360,7 +360,7 @@ class Joiner {
     for (const std::int32_t w : near) before.push_back(round_of(w));
     if (std::any_of(before.begin(), before.end(), [](const Round& r) { return r.empty(); })) return false;
     s_.relabel(gift.faces, gift.taker);
-    const std::int32_t face = s_.labels.pieces[gift.giver].face;
+    const std::int32_t face = s_.labels.charts[gift.giver].face;
     bool good = true;
     for (std::size_t i = 0; i < near.size() && good; ++i)
       good = is_kept(before[i], round_of(near[i]), near[i] == gift.keeps, near[i] == gift.moves, all);
@@ -378,21 +378,21 @@ class Joiner {
   [[nodiscard]] static bool is_kept(const Round& before, const Round& after, bool keeps, bool moves, const Round& all) {
     Round sorted = after;
     sort_unique(sorted);
-    if (sorted.size() != after.size()) return false;  // a piece would touch itself
+    if (sorted.size() != after.size()) return false;  // a chart would touch itself
     if (keeps) return sorted == all;
     if (after.size() <= 2) return moves || before.size() <= 2;
     return before == after;
   }
 
   /// Names the giver by a face that it keeps.
-  /// \return whether both pieces are discs still
+  /// \return whether both charts are discs still
   bool stay_discs(const Gift& gift) {
     const std::int32_t kept = face_beside(s_.labels, gift.faces, gift.giver);
     if (kept == kNone) return false;
-    if (s_.labels.label[s_.labels.pieces[gift.giver].face] != gift.giver) s_.name(gift.giver, kept);
+    if (s_.labels.label[s_.labels.charts[gift.giver].face] != gift.giver) s_.name(gift.giver, kept);
     const std::vector<std::int32_t> loop = outline(gift.faces);
     // A disc without a disc along one path of its boundary is a disc, and so are two discs with one common path.
-    // `is_kept` has already checked that no piece touches itself at a vertex.
+    // `is_kept` has already checked that no chart touches itself at a vertex.
     const auto runs = [&](std::int32_t label) {
       int count = 0;
       for (std::size_t i = 0; i < loop.size(); ++i)
@@ -461,12 +461,12 @@ class Joiner {
   Job& job_;
   double size_ = 0;                                    // size of a region, scene units
   double gap_ = 0;                                     // distance by which planes may miss the vertex
-  std::vector<std::vector<std::int32_t>> loops_, at_;  // corners by piece, pieces by corner
+  std::vector<std::vector<std::int32_t>> loops_, at_;  // corners by chart, charts by corner
   std::vector<std::int32_t> vertex_;                   // by corner: where the junction is
   std::vector<Vec3> position_;                         // by corner
-  std::vector<Plane> planes_;                          // by piece: its plane, or that of its cell
-  std::vector<Vec3> sums_;                             // by piece: vector area of its faces
-  std::vector<std::int32_t> image_;                    // by piece: see piece_images
+  std::vector<Plane> planes_;                          // by chart: its plane, or that of its cell
+  std::vector<Vec3> sums_;                             // by chart: vector area of its faces
+  std::vector<std::int32_t> image_;                    // by chart: see chart_images
 };
 
 }  // namespace

@@ -8,21 +8,21 @@
 
 namespace isimp::meshing {
 
-/// Joins pairs of junctions that a short chord connects, so that four or five pieces meet in one vertex. Where a
+/// Joins pairs of junctions that a short chord connects, so that four or five charts meet in one vertex. Where a
 /// surface is a saddle, three planar polygons can't all be convex at a vertex, and four can. A short edge disappears.
 ///
-/// A join is a change of labels: the faces of one piece along the path between the junctions become faces of the piece
+/// A join is a change of labels: the faces of one chart along the path between the junctions become faces of the chart
 /// at the end that moves. It is made if
-/// - the planes of the pieces meet in about one point, nearer than kPlanes times the deviation of the scan from them,
+/// - the planes of the charts meet in about one point, nearer than kPlanes times the deviation of the scan from them,
 /// - no polygon at the junctions turns over or gets a corner that is too sharp,
 /// - there are no more reflex corners than before and, where the chord is not very short, fewer,
-/// - all pieces stay discs, and no other junction changes,
+/// - all charts stay discs, and no other junction changes,
 /// - no locked region changes and no bound of the partition is broken.
 /// Shortest chords come first; ties go to the lower vertex.
 /// Pre: `update` has placed the corners. Calls `update` where something was joined.
 /// \return the joins, in the order in which they were made
 /// Source: the cause is that of Li, Liu, Wang: Planar Hexagonal Meshing for Architecture, 2015; the joining is our own.
-/// Cost: O(chords + faces of the pieces joined).
+/// Cost: O(chords + faces of the charts joined).
 std::vector<Join> join_junctions(State& state, Job& job);
 
 }  // namespace isimp::meshing

@@ -9,7 +9,7 @@ namespace isimp::meshing {
 
 void list_defects(const State& state, const Defects& defects, RepairOutcome& outcome, const Job& job) {
   auto& list = outcome.defects;
-  for (std::int32_t l = 0; l < state.labels.piece_count(); ++l)
+  for (std::int32_t l = 0; l < state.labels.chart_count(); ++l)
     for (std::size_t i = 0; i < defects.of(l).polygons.size(); ++i) {
       const std::int32_t q = state.polygons.first_of(l) + static_cast<std::int32_t>(i);
       const std::uint8_t kinds = defects.of(l).polygons[i].kinds;

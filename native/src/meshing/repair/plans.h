@@ -7,21 +7,21 @@
 
 namespace isimp::meshing {
 
-/// The actions against the defects of a piece.
+/// The actions against the defects of a chart.
 enum class Action : std::uint8_t {
   none,
-  pull,          ///< move the corners of the piece halfway back to the scan
+  pull,          ///< move the corners of the chart halfway back to the scan
   add_corner,    ///< add a corner on one of two chords that cross, else split
-  add_diagonal,  ///< split one polygon of the piece between two of its corners, else split the piece
-  split,         ///< split the piece in two
+  add_diagonal,  ///< split one polygon of the chart between two of its corners, else split the chart
+  split,         ///< split the chart in two
 };
 
-/// A plan: the actions for the first, second, third ... time that a piece is found defective.
+/// A plan: the actions for the first, second, third ... time that a chart is found defective.
 ///
-/// How often an action leaves the piece, or both halves of it, without a defect in the next round; scans, buildings,
+/// How often an action leaves the chart, or both halves of it, without a defect in the next round; scans, buildings,
 /// household things and nasty meshes at 30 to 1,000 regions (39,000 actions):
 ///
-/// | piece      | pull | add_corner | add_diagonal | split |
+/// | chart      | pull | add_corner | add_diagonal | split |
 /// |------------|------|------------|--------------|-------|
 /// | crossing   | .30  | .23        |              | .25   |
 /// | flipped    | .59  |            | .25          | .33   |
@@ -43,6 +43,6 @@ inline constexpr std::array kForBent{add_diagonal, add_diagonal, add_diagonal, s
                                      add_diagonal, split,        add_diagonal, split, add_diagonal, split};
 }  // namespace plans
 
-inline constexpr int kAfterSplit = 5;  ///< index in its plan at which a piece continues after a split
+inline constexpr int kAfterSplit = 5;  ///< index in its plan at which a chart continues after a split
 
 }  // namespace isimp::meshing

@@ -29,7 +29,7 @@ namespace {
 constexpr int kRounds = 40;
 constexpr double kPull = 0.5;       ///< share of a corner's distance from its vertex that a pull leaves
 constexpr double kLeastPull = 0.1;  ///< share of its radius below which a pull returns the corner to its vertex
-constexpr std::size_t kShard = 16;  ///< faces of a piece that falls apart into them where nothing else helped
+constexpr std::size_t kShard = 16;  ///< faces of a chart that falls apart into them where nothing else helped
 constexpr std::size_t kMostForDiagonal = 64;  ///< corners of a polygon beyond which it is split at once
 constexpr std::int32_t kLeastBudget = 100;    ///< splits that are always allowed
 constexpr double kOfOpening = 4;              ///< polygons that a border or handle of the scan may take
@@ -40,10 +40,10 @@ constexpr double kWorthwhile = 0.97;          ///< a pass that leaves more of th
 class Repairer {
  public:
   Repairer(State& state, Job& job) : s_(state), job_(job), defects_(state, bounds_of(state), job) {
-    const std::int32_t pieces = s_.labels.piece_count();
-    const double all = pieces + kOfOpening * openings_of(s_.mesh);
-    most_polygons_ = pieces + to_integer(s_.options.repair_budget * all, kLeastBudget,
-                                         std::numeric_limits<std::int32_t>::max() - pieces);
+    const std::int32_t charts = s_.labels.chart_count();
+    const double all = charts + kOfOpening * openings_of(s_.mesh);
+    most_polygons_ = charts + to_integer(s_.options.repair_budget * all, kLeastBudget,
+                                         std::numeric_limits<std::int32_t>::max() - charts);
     if (s_.options.planar) defects_.judge_planar();
   }
 
@@ -53,7 +53,7 @@ class Repairer {
       s_.update({});
       usual_ = s_.scale();
       std::vector<Join> joins = join_junctions(s_, job_);
-      judge(all_pieces());
+      judge(all_charts());
       s_.take_stale();
       take_back_joins(joins);
       outcome_.joined = static_cast<std::int32_t>(joins.size());
@@ -82,7 +82,7 @@ class Repairer {
   }
 
  private:
-  /// Undoes the joins at pieces that moves of corners do not mend, since a split would cost more polygons.
+  /// Undoes the joins at charts that moves of corners do not mend, since a split would cost more polygons.
   void take_back_joins(std::vector<Join>& joins) {
     if (joins.empty()) return;
     may_split_ = false;
@@ -90,7 +90,7 @@ class Repairer {
     may_split_ = true;
     while (true) {
       std::vector<bool> defective = defects_.defective(kCrossing | kFlipped | kNoArea);
-      const std::vector<std::int32_t> image = piece_images(s_);  // a join and its image are undone together
+      const std::vector<std::int32_t> image = chart_images(s_);  // a join and its image are undone together
       for (std::size_t l = 0; l < image.size(); ++l)
         if (image[l] != kNone && defective[l]) defective[image[l]] = true;
       if (!take_back(s_, defective, joins)) return;
@@ -152,7 +152,7 @@ class Repairer {
     return ever;
   }
 
-  /// Makes polygons planar. A piece whose polygon cannot become planar is split, after kSplits tries down to faces of
+  /// Makes polygons planar. A chart whose polygon cannot become planar is split, after kSplits tries down to faces of
   /// the scan, and the step is repeated. After kTries tries the polygon stays bent.
   void make_planar() {
     constexpr int kSplits = 6, kTries = 16;
@@ -172,21 +172,21 @@ class Repairer {
       for (const std::int32_t l : outcome.stuck) any = (go < kSplits ? split(l) || shatter(l) : shatter(l)) || any;
       is_last = !any || go + 1 == kTries;
       bring_up_to_date();
-      judge(all_pieces());
+      judge(all_charts());
       std::fill(tries_.begin(), tries_.end(), 0);
       mend(kRounds);
       fall_back();
     }
   }
 
-  /// Finds the pieces that meet in the present hits. To be called after each judgement, which replaces the hits.
+  /// Finds the charts that meet in the present hits. To be called after each judgement, which replaces the hits.
   void find_met() {
-    met_.assign(s_.labels.pieces.size(), false);
+    met_.assign(s_.labels.charts.size(), false);
     for (const Hit& h : defects_.hits())
       if (!h.excused) met_[h.a] = met_[h.b] = true;
   }
 
-  [[nodiscard]] std::vector<std::int32_t> all_pieces() const { return numbers_below(s_.labels.piece_count()); }
+  [[nodiscard]] std::vector<std::int32_t> all_charts() const { return numbers_below(s_.labels.chart_count()); }
 
   bool shatter(std::int32_t l) {
     const std::size_t faces = s_.labels.faces_of(l).size();
@@ -194,28 +194,28 @@ class Repairer {
     polygons_ += static_cast<std::int32_t>(faces) - 1;
     changed_.push_back(l);
     const bool any = s_.shatter(l);
-    tries_.resize(s_.labels.pieces.size(), 0);
+    tries_.resize(s_.labels.charts.size(), 0);
     return any;
   }
 
-  void judge(std::span<const std::int32_t> pieces) {
-    defects_.judge(pieces);
-    tries_.resize(s_.labels.pieces.size(), 0);
+  void judge(std::span<const std::int32_t> charts) {
+    defects_.judge(charts);
+    tries_.resize(s_.labels.charts.size(), 0);
   }
 
-  /// One step of its plan for every defective piece.
+  /// One step of its plan for every defective chart.
   /// \return whether anything was done
   bool act() {
     find_met();
-    // If two pieces meet, the smaller is not split, but in each third round.
-    const std::int32_t pieces = s_.labels.piece_count();
-    std::vector<bool> is_spared(pieces, false);
+    // If two charts meet, the smaller is not split, but in each third round.
+    const std::int32_t charts = s_.labels.chart_count();
+    std::vector<bool> is_spared(charts, false);
     if (outcome_.rounds % 3 != 0)
       for (const Hit& h : defects_.hits())
         if (!h.excused && h.a != h.b) is_spared[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
     bool any = false;
     polygons_ = s_.polygons.count();
-    for (std::int32_t l = 0; l < pieces; ++l) {
+    for (std::int32_t l = 0; l < charts; ++l) {
       const Action action = next_action(l);
       if (action == Action::none) continue;
       job_.poll();
@@ -225,7 +225,7 @@ class Repairer {
     return any;
   }
 
-  /// The next action in the plan for a piece; none if the piece has no defect or the plan is used up.
+  /// The next action in the plan for a chart; none if the chart has no defect or the plan is used up.
   [[nodiscard]] Action next_action(std::int32_t l) const {
     const std::uint8_t kinds = defects_.kinds(l);
     if (kinds == 0 && !met_[l]) return Action::none;
@@ -241,21 +241,21 @@ class Repairer {
     return met_[l] ? Plan(plans::kForMeeting) : Plan(plans::kForBent);
   }
 
-  /// Where an action can't be taken, the piece is split, or waits if it is spared.
+  /// Where an action can't be taken, the chart is split, or waits if it is spared.
   bool take(Action action, std::int32_t l, bool is_spared) {
     if (action == Action::pull) return pull(l);
     return (action == Action::add_corner && bend(l)) || (action == Action::add_diagonal && add_diagonal(l)) ||
            is_spared || split(l);
   }
 
-  /// Moves the corners of a piece halfway back to their vertices.
+  /// Moves the corners of a chart halfway back to their vertices.
   bool pull(std::int32_t l) {
     for (const std::int32_t c : s_.polygons.corners_of({&l, 1})) {
       const Vec3& home = s_.mesh.vertices()[s_.corners.vertex[c]];
       const Vec3 way = kPull * (s_.corners.position[c] - home);
       s_.move(c, way.norm() < kLeastPull * s_.corners.radius[c] ? home : Vec3(home + way));
       s_.mark_stale(c);
-      for (const std::int32_t q : s_.polygons.at(c)) also_.push_back(s_.polygons.piece(q));
+      for (const std::int32_t q : s_.polygons.at(c)) also_.push_back(s_.polygons.chart(q));
     }
     return true;
   }
@@ -278,7 +278,7 @@ class Repairer {
     return worse != kNone && s_.bend(worse);
   }
 
-  /// The chord of a piece from one corner to another, kNone where that edge is a diagonal.
+  /// The chord of a chart from one corner to another, kNone where that edge is a diagonal.
   [[nodiscard]] std::int32_t chord_of(std::int32_t l, std::int32_t from, std::int32_t to) const {
     const std::int32_t a = s_.corners.vertex[from], b = s_.corners.vertex[to];
     const auto chords = s_.complex.chords(l);
@@ -287,7 +287,7 @@ class Repairer {
     return kNone;
   }
 
-  /// Splits the worst of the piece's polygons by a new edge between two of its corners.
+  /// Splits the worst of the chart's polygons by a new edge between two of its corners.
   bool add_diagonal(std::int32_t l) {
     std::int32_t worst = kNone;
     double most = -1;
@@ -318,9 +318,9 @@ class Repairer {
       return false;
     }
     if (!s_.split(l, job_)) return false;
-    polygons_ += s_.labels.piece_count() - static_cast<std::int32_t>(tries_.size());
+    polygons_ += s_.labels.chart_count() - static_cast<std::int32_t>(tries_.size());
     tries_[l] = std::min(tries_[l], kAfterSplit);
-    tries_.resize(s_.labels.pieces.size(), tries_[l]);
+    tries_.resize(s_.labels.charts.size(), tries_[l]);
     return true;
   }
 
@@ -329,11 +329,11 @@ class Repairer {
   RepairOutcome outcome_;
   std::int32_t most_polygons_ = 0, polygons_ = 0;  // polygons_: as they will be after the acts of this round
   Defects defects_;
-  std::vector<int> tries_;             // by piece
-  std::vector<bool> met_;              // by piece: whether it meets another
-  std::vector<std::int32_t> also_;     // pieces to be judged in addition to the result of an update
+  std::vector<int> tries_;             // by chart
+  std::vector<bool> met_;              // by chart: whether it meets another
+  std::vector<std::int32_t> also_;     // charts to be judged in addition to the result of an update
   bool may_split_ = true;              // else acts only move corners
-  std::vector<std::int32_t> changed_;  // pieces whose diagonals were changed in this round
+  std::vector<std::int32_t> changed_;  // charts whose diagonals were changed in this round
   Scale usual_;                        // scale of the regions before the repair
 };
 

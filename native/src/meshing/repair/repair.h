@@ -28,7 +28,7 @@ constexpr std::size_t kMostListed = 1000;         ///< defects of a kind that a 
 constexpr std::int64_t kMostCounted = 1'000'000;  ///< pairs of the scan's own faces that are counted
 
 /// Finds polygons that cross themselves, are flipped, are bent or intersect, and changes them and their neighbours
-/// until none is left or nothing helps: pulls corners back to the mesh, adds diagonals, splits pieces.
+/// until none is left or nothing helps: pulls corners back to the mesh, adds diagonals, splits charts.
 /// Then undoes changes that were not needed. Remaining defective polygons are replaced by the scan's own faces.
 RepairOutcome repair(State& state, Job& job);
 
