@@ -1,4 +1,4 @@
-"""Loss of detail by Blender's float32 coordinates, of a scan far from its own zero. numpy only."""
+"""Computes the detail that Blender's float32 coordinates lose of a scan far from its own origin. numpy only."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .language import own, said
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-#: the largest step between coordinates, as a share of the diagonal, that is no loss
+#: the largest negligible step between coordinates, as a share of the diagonal
 FINE = 1e-5
 
 #: Blender's unit systems: length of the unit in metres, and its name
@@ -21,16 +21,16 @@ _UNITS = {"METRIC": (1.0, "m"), "IMPERIAL": (0.3048, "ft")}
 
 @dataclass(frozen=True)
 class Loss:
-    """The loss along the axis where it is largest; lengths in scene units."""
+    """The loss along the axis with the largest loss; lengths in scene units."""
 
-    away: float  #: how far from zero the scan reaches
-    step: float  #: between a coordinate there and the next one
+    away: float  #: the largest distance of the scan from zero along this axis
+    step: float  #: the distance between two adjacent float32 coordinates there
 
 
 def loss(low: ArrayLike, high: ArrayLike, scale: ArrayLike = (1.0, 1.0, 1.0)) -> Loss | None:
-    """The loss of a mesh in a box of its own coordinates; None if it is too small to be seen.
+    """Return the loss of a mesh from its bounding box; None if the loss is negligible.
 
-    low, high: (3,) corners of the box. scale: (3,) what the object's transform makes of a unit along each axis.
+    low, high: (3,) corners of the box in the mesh's coordinates. scale: (3,) scale of the object along each axis.
     """
     box, scale = np.abs(np.array([low, high], np.float64)), np.abs(np.asarray(scale, np.float64))
     if not (np.isfinite(box).all() and np.isfinite(scale).all() and box.max() < np.finfo(np.float32).max):
@@ -45,7 +45,7 @@ def loss(low: ArrayLike, high: ArrayLike, scale: ArrayLike = (1.0, 1.0, 1.0)) ->
 
 
 def told(lost: Loss, system: str, unit_scale: float) -> str:
-    """The loss as one line. system, unit_scale: the scene's unit settings."""
+    """Return the warning about a loss, one line. system, unit_scale: the scene's unit settings."""
     metres, unit = _UNITS.get(system, (unit_scale, said(own("units"))))
     away, step = (f"{_plain(length * unit_scale / metres)} {unit}" for length in (lost.away, lost.step))
     return said(
@@ -57,6 +57,6 @@ def told(lost: Loss, system: str, unit_scale: float) -> str:
 
 
 def _plain(number: float) -> str:
-    """Two digits of a number, with no exponent."""
+    """Return a number rounded to two digits, without an exponent."""
     rounded = float(f"{number:.2g}")
     return f"{rounded:,.0f}" if rounded >= 10 else f"{rounded:.12f}".rstrip("0").rstrip(".")

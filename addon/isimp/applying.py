@@ -1,4 +1,4 @@
-"""How the engine does each step of a recipe but the partition, which session.py does."""
+"""Applies each step of a recipe by the engine, except Partition, which session.py applies."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from .outcome import Outcome
 from .prepared import Prepared, face_regions, joined_pairs, pair_lengths, triangle_at, triangles_at, with_split_faces
 from .task import Stopped, Watch
 
-ALONG_AN_AXIS = 0.94  #: cosine of the angle from which a plane's normal is not along an axis: 20 degrees
-#: numbers of a bound that would bring the regions of a drawn model nearer to it
+ALONG_AN_AXIS = 0.94  #: cosine of the largest angle (20 degrees) between an axis and a normal along it
+#: numbers about a bound that would bring the regions of a drawn model nearer to it
 NEARER = ("nearer_bound", "nearer_regions", "nearer_times")
 
 
 def engine_call(watch: Watch, begin: float, end: float, stage: str, function, *args):
-    """Calls the engine with a job of its own, so that its progress shows and it can be stopped."""
+    """Calls the engine with a job of its own, which reports progress and can be cancelled."""
     with watch.part(stage, begin, end, engine.Job()) as job:
         try:
             return function(*args, job=job)
@@ -36,7 +36,7 @@ def _needs_regions(before: Outcome | None) -> Outcome:
 
 
 def with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers: dict) -> Outcome:
-    """kept: (R,) the colour each region has already, -1 for a new one."""
+    """Return the outcome of a partition. kept: (R,) the previous colour of each region, -1 for a new region."""
     face_region = face_regions(prepared, partition)
     border = view.border_pairs(face_region, prepared.face_pairs)
     pairs = view.region_pairs(face_region, prepared.face_pairs[border])
@@ -52,7 +52,7 @@ def with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers
 
 
 def _mirror_numbers(symmetry: dict | None) -> dict:
-    """Across which axis a partition mirrors, and how many of its regions do; nothing where it does not."""
+    """Return the axis across which a partition mirrors and its number of mirrored regions; empty without symmetry."""
     if symmetry is None:
         return {}
     axis = int(np.argmax(np.abs(symmetry["normal"])))
@@ -62,7 +62,7 @@ def _mirror_numbers(symmetry: dict | None) -> dict:
 
 
 def _round_known(prepared: Prepared, partition) -> dict:
-    """Of each round part its kind, radius, segments and rings, and a face of the scan in it; the largest first."""
+    """Return kind, radius, segments, rings and one face of the scan of each round part, the largest part first."""
     parts = sorted(partition.curved, key=lambda part: -part.faces)
     if not parts:
         return {}
@@ -87,7 +87,7 @@ def _apply_delete(step: rcp.DeleteProxy, prepared, before, watch, begin, end) ->
 
 
 def defects(report: dict) -> dict:
-    """{kind of defect: polygons}, without pairs that intersect in the scan itself."""
+    """Return {kind of defect: polygons}, without pairs that intersect in the scan itself."""
     found = {}
     for entry in report.get("imperfect", ()):
         if entry["flaw"] != "excused":
@@ -96,11 +96,11 @@ def defects(report: dict) -> dict:
 
 
 def carried_colors(before: Outcome, partition) -> np.ndarray:
-    """(R,) the colour each region brings from before, -1 for a new one: colours go with the regions' seeds."""
+    """Return (R,) the previous colour of each region, -1 for a new region. The seeds identify regions."""
     old, color = before.partition, before.region_color
     came, went = old.face_region[partition.region_seed], partition.face_region[old.region_seed]
     kept = np.full(partition.region_count, -1, color.dtype)
-    for region in range(len(color) - 1, -1, -1):  # of several that became one the lowest
+    for region in range(len(color) - 1, -1, -1):  # merged regions have the colour of the lowest one
         if went[region] >= 0:
             kept[went[region]] = color[region]
     same = (came >= 0) & (went[came] == np.arange(len(came)))
@@ -136,25 +136,25 @@ def _apply_paint(step: rcp.PaintFaces, prepared, before, watch, begin, end) -> O
 
 
 def _apply_erase(step: rcp.EraseFaces, prepared, before, watch, begin, end) -> Outcome:
-    """Erasing by hand changes a locked region too."""
+    """Erases faces, also from a locked region: the user chose them."""
     before, faces = _needs_regions(before), triangles_at(prepared, step.faces)
     partition, region = before.partition, int(before.partition.face_region[faces[0]])
     locked = region >= 0 and bool(partition.region_locked[region])
     if locked:
         partition = engine.unlock_regions(prepared.mesh, partition, faces[:1])
     partition = engine_call(watch, begin, end, "erasing", engine.erase_faces, prepared.mesh, partition, faces)
-    if locked and partition.region_count == before.partition.region_count:  # else it is gone
+    if locked and partition.region_count == before.partition.region_count:  # the region still exists
         partition = engine.lock_regions(prepared.mesh, partition, np.flatnonzero(partition.face_region == region)[:1])
     return with_regions(prepared, partition, carried_colors(before, partition), {})
 
 
 def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) -> Outcome:
-    """Works on the user's faces: those that change their region are painted onto it, one region after the other.
+    """Smooths borders on the faces of the scan, then paints changed faces onto their new regions, one at a time.
 
-    A stroke that begins in a locked region smooths that region too; other locked regions stay unchanged.
+    A stroke that begins in a locked region smooths that region too. Other locked regions stay unchanged.
     """
     before, count = _needs_regions(before), prepared.scan.face_count
-    triangles_at(prepared, step.faces)  # raises if there are no such faces
+    triangles_at(prepared, step.faces)  # raises if a face does not exist
     inside = np.zeros(count, bool)
     inside[list(step.faces)] = True
     inside &= prepared.face_triangle >= 0
@@ -170,7 +170,7 @@ def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) ->
     wanted = smoothing.shortened(wanted, pairs, pair_lengths(prepared)[joined], inside, fixed)
     for region in np.unique(label[wanted != label]):
         if not (wanted[label == region] == region).any():
-            wanted[label == region] = region  # a brush that covers all of it must not take it away
+            wanted[label == region] = region  # a brush that covers a whole region must not remove it
     for region in np.unique(wanted[wanted != label]):
         stays = int(np.flatnonzero((label == region) & (wanted == region))[0])
         now = face_regions(prepared, partition)
@@ -204,7 +204,7 @@ _LOCKS = {
 
 
 def _up(step: rcp.Regularise | rcp.AlignPlanes, prepared, before) -> np.ndarray | None:
-    """(3,) what points up, in the scan's space; None: nothing does."""
+    """Return (3,) the up direction in the scan's space; None if the step has none."""
     if step.up == "none":
         return None
     if step.up == "region":
@@ -247,7 +247,7 @@ def _apply_align(step: rcp.AlignPlanes, prepared, before, watch, begin, end) -> 
 
 
 def _with_planes(before: Outcome, partition) -> Outcome:
-    """The same regions with other planes."""
+    """Return the outcome with the same regions and the planes of `partition`."""
     names = ("regions", "error", "left_out", "locked", "regions_left_out")
     known = {name: before.numbers[name] for name in names if name in before.numbers}
     return replace(
@@ -261,7 +261,7 @@ def _with_planes(before: Outcome, partition) -> Outcome:
 
 
 def planes_known(partition) -> dict:
-    """How many regions have a plane that polygons keep to, and what `engine.Partition.regularity` tells."""
+    """Return the number of regions with a held plane, and numbers of `engine.Partition.regularity`."""
     held, found = np.asarray(partition.region_held), partition.regularity
     known = {"held": int(((held == 1) | (held == 2)).sum())}
     if found is not None:
@@ -271,7 +271,7 @@ def planes_known(partition) -> dict:
 
 
 def _apply_texture(step: rcp.Texture, prepared, before, watch, begin, end) -> Outcome:
-    """The images are the object's, and no part of the scan's arrays: `Session.texture` makes it from them."""
+    """Checks that there are polygons. `Session.texture` bakes, since images are not in the scan's arrays."""
     if before is None or before.polygons is None:
         raise ValueError(said("there are no polygons: a Mesh step must come right before"))
     return before
@@ -302,7 +302,7 @@ def _segments_arguments(step: rcp.RoundSegments, prepared) -> tuple:
     return triangle_at(prepared, step.face), step.segments, step.rings
 
 
-#: of each step: its name while it works, the engine's function, and that function's arguments
+#: by class of step: name of the stage in the progress line, function of the engine, and its arguments
 _EDITS = {
     rcp.SplitRegion: ("splitting", "split_region", _at_face),
     rcp.CutRegion: ("splitting", "split_along", _cut_arguments),
@@ -320,7 +320,7 @@ _EDITS = {
 
 
 def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int) -> Outcome:
-    """If the polygons violate the bound, repartitions with a smaller one, unless the partition was edited."""
+    """Makes polygons. If they violate the bound, repartitions with a smaller one, unless the partition was edited."""
     before = _needs_regions(before)
     options = engine.MeshingOptions(**rcp.engine_options(step, rcp.MESHING), threads=threads)
 
@@ -349,7 +349,7 @@ def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int
 
 
 def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
-    """away: (V,) how far the scan's vertices are from the polygons, NaN where they are in no region."""
+    """Return the numbers of the report. away: (V,) distance of each vertex from the polygons, NaN outside regions."""
     polygons, report = found.polygons, found.report
     names = ("regions", "error", "left_out", "regions_left_out", "symmetry", *NEARER)
     more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
@@ -381,7 +381,7 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
 
 
 def _of_regions(mesh, partition, away: np.ndarray) -> np.ndarray:
-    """(R,) the largest of the vertices of each region."""
+    """Return (R,) the largest distance of a vertex of each region."""
     label, triangles = np.asarray(partition.face_region), np.asarray(mesh.triangles)
     largest, inside = np.zeros(partition.region_count), label >= 0
     each = np.nan_to_num(away)[triangles[inside]].max(axis=1)
@@ -389,7 +389,7 @@ def _of_regions(mesh, partition, away: np.ndarray) -> np.ndarray:
     return largest
 
 
-#: relative time of a step, and of the preparation before the first
+#: relative times of steps, 1 if not listed, and of the preparation before the first step
 TIMES = {rcp.Partition: 5.0, rcp.Mesh: 14.0}
 PREPARING = 3.0
 

@@ -1,4 +1,4 @@
-"""The border between two regions, moved by a drag: the triangles between its old and its new place. numpy only."""
+"""Finds the triangles that change their region as the border between two regions is dragged. numpy only."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from . import view
 
-_STRIP = 3.0  # edges: width of the strip of the growing region, to which the taken triangles are connected
+_STRIP = 3.0  # width of the strip of the growing region to which moved triangles are connected, in edges
 
 
 def swept(
@@ -17,14 +17,15 @@ def swept(
     drag: np.ndarray,
     sight: np.ndarray,
 ) -> np.ndarray:
-    """The triangles that a region takes from its neighbour as the border is dragged, and a strip of its own triangles.
+    """Return the triangles that move to the growing region as the border is dragged, and a strip of its own triangles.
 
-    Places are compared as seen, without the distance along the sight. A triangle is taken if it lies between a place of
-    the border and the same place moved by the drag, and is connected to the strip.
+    Points are projected along the view direction. A triangle moves if it lies between a point of the border and the
+    same point moved by the drag, and is connected to the strip.
 
-    centers: (T, 3) of the visible triangles of both regions. is_taker: (T,) those of the growing region.
+    centers: (T, 3) of the visible triangles of both regions. is_taker: (T,) whether one is of the growing region.
     border: (K, 2, 3) the ends of the edges between both. pairs: (E, 2) of the T triangles that share an edge.
-    drag, sight: (3,) vectors. Returns (N,) numbers of triangles; none if the border does not move into the neighbour.
+    drag, sight: (3,) the drag and the view direction. Returns (N,) numbers of triangles; empty if the border does not
+    move into the neighbour.
     """
     sight = sight / np.linalg.norm(sight)
     along = drag - (drag @ sight) * sight
@@ -49,9 +50,9 @@ def swept(
 
 
 def _ahead(at: np.ndarray, line: np.ndarray, edge: float) -> np.ndarray:
-    """(T,) how far each place is ahead of the border along the drag; NaN where the border is not beside it.
+    """Return (T,) the distance of each point ahead of the border along the drag; NaN past the ends of the border.
 
-    line: (K, 2) places of the border, along the drag and across it, in rising order across.
+    line: (K, 2) points of the border, along the drag and across it, in rising order across.
     """
     after = np.clip(np.searchsorted(line[:, 1], at[:, 1]), 0, len(line) - 1)
     before = np.maximum(after - 1, 0)

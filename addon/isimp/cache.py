@@ -9,7 +9,7 @@ from typing import Any
 
 
 class Cache:
-    """The values used last, as many as fit into `budget` bytes; the newest `least` always do. For any thread."""
+    """Keeps the values used last, up to `budget` bytes, and at least the newest `least` values. Thread-safe."""
 
     def __init__(self, budget: int, least: int = 1):
         self._budget, self._least, self._size = budget, least, 0

@@ -1,4 +1,4 @@
-"""A corner where three or more regions meet, moved by a drag: the triangles that change their region. numpy only."""
+"""Finds the triangles that change their region as a corner of three or more regions is dragged. numpy only."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-_REACH = 3.0  # times the drag: how far along its borders a corner moves them
+_REACH = 3.0  # length of a border that moves with its corner, in lengths of the drag
 
 
 @dataclass(frozen=True)
 class Around:
-    """What a corner is dragged in: the visible triangles of the regions around it, and the borders of these regions."""
+    """The surroundings of a corner: the visible triangles of its regions, and the borders of these regions."""
 
     centers: np.ndarray  #: (T, 3) of the triangles
     label: np.ndarray  #: (T,) regions of the triangles
@@ -22,7 +22,7 @@ class Around:
 
 
 def corners(edges: np.ndarray, beside: np.ndarray) -> np.ndarray:
-    """The vertices where three or more regions meet. edges: (K, 2) vertices. beside: (K, 2) regions, -1 for none."""
+    """Return vertices where three or more regions meet. edges: (K, 2) vertices. beside: (K, 2) regions, -1 for none."""
     ends = np.repeat(edges.ravel(), 2)
     pairs = np.stack([ends, np.repeat(beside, 2, axis=0).ravel()], axis=1)
     found, count = np.unique(np.unique(pairs[pairs[:, 1] >= 0], axis=0)[:, 0], return_counts=True)
@@ -30,18 +30,18 @@ def corners(edges: np.ndarray, beside: np.ndarray) -> np.ndarray:
 
 
 def swept(around: Around, drag: np.ndarray, sight: np.ndarray) -> dict[int, np.ndarray]:
-    """The triangles that change their region as the corner moves, by the region that takes them.
+    """Return the triangles that change their region as the corner moves, by their new region.
 
-    Each border from the corner becomes straight up to the point where it is far from the corner, and the triangles
-    between its old and its new line change. Places are compared as seen, without the distance along the sight.
-    drag, sight: (3,) vectors.
+    Each border is replaced by a straight line from the moved corner to the border's first point beyond a limit, and
+    the triangles between both lines change. Points are projected along the view direction.
+    drag, sight: (3,) the drag and the view direction.
     """
     axes = np.linalg.svd(sight[None] / np.linalg.norm(sight))[2][1:].T
     place, step = around.vertices[around.corner] @ axes, drag @ axes
     far = _REACH * float(np.linalg.norm(step))
     at = around.centers @ axes
     near = np.linalg.norm(at - place, axis=1) <= far
-    passed = []  # by border: the region that takes, the one that gives, and the triangles between its two lines
+    passed = []  # by border: the growing region, the shrinking region, and the triangles between the two lines
     for pair in np.unique(np.sort(around.beside, axis=1), axis=0):
         end = _along(around, pair, far, axes)
         if end is None:
@@ -49,10 +49,10 @@ def swept(around: Around, drag: np.ndarray, sight: np.ndarray) -> dict[int, np.n
         sides = [_cross(end - place, at[near & (around.label == region)] - place) for region in pair]
         if not all(map(len, sides)):
             continue
-        ahead = int((sides[1].mean() - sides[0].mean()) * _cross(end - place, step) > 0)  # the region in the way
+        ahead = int((sides[1].mean() - sides[0].mean()) * _cross(end - place, step) > 0)  # index of the shrinking one
         passed.append((pair[1 - ahead], pair[ahead], _in_triangle(at, place, place + step, end)))
     label = around.label.copy()
-    for _ in passed:  # a triangle may be passed by one border after another
+    for _ in passed:  # several borders may pass a triangle, one after another
         for taker, giver, inside in passed:
             label[inside & (label == giver)] = taker
     changed = np.flatnonzero(label != around.label)
@@ -60,7 +60,7 @@ def swept(around: Around, drag: np.ndarray, sight: np.ndarray) -> dict[int, np.n
 
 
 def _along(around: Around, pair: np.ndarray, far: float, axes: np.ndarray) -> np.ndarray | None:
-    """(2,) the last point near enough of the border of two regions, from the corner on; None: no such border."""
+    """Return (2,) the first point beyond `far` on a border from the corner, or its end; None without such a border."""
     edges = around.edges[(np.sort(around.beside, axis=1) == pair).all(axis=1)]
     place, now, before = around.vertices[around.corner] @ axes, around.corner, -1
     while True:

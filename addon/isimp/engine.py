@@ -1,10 +1,10 @@
-"""The engine, in the add-on's own folder or installed beside it. The only importer of it."""
+"""Imports the engine, installed or in the add-on's own folder. No other module imports it."""
 
 from pathlib import Path
 
 from .language import own
 
-ENGINE_PROBLEM = ""  #: why the engine can't be used; empty when it can
+ENGINE_PROBLEM = ""  #: why the engine can't be used; empty if it can
 try:
     import isimp_engine as engine
 except ImportError as outer:
@@ -12,7 +12,7 @@ except ImportError as outer:
         from . import isimp_engine as engine
     except ImportError as inner:
         engine = None
-        # What is there and does not load says more than what is not there.
+        # The error of an engine that exists but does not load is more useful than "not found".
         ENGINE_PROBLEM = str(inner if isinstance(outer, ModuleNotFoundError) else outer)
         if Path(__file__).with_name("wheels").is_dir() and not __name__.startswith("bl_ext."):
             ENGINE_PROBLEM = own("this one is for Blender 4.2 and later, the one for earlier ones is called legacy")

@@ -1,6 +1,6 @@
-"""The meaning of mouse presses, moves and releases for the tools, without a window: places in, wishes out.
+"""State machines of the tools: they turn mouse presses, moves and releases into wishes, without a window.
 
-A tool's operator casts the rays, draws what a gesture shows meanwhile, and makes one recipe step of its wish.
+A tool's operator casts the rays, draws the highlight of a gesture, and makes one recipe step of its wish.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ import numpy as np
 
 from . import view
 
-_DRAG = 8.0  # pixels before a press is a drag
-_MIN_RING, _MOST_RINGS = 0.05, 1000  # pixels; faces
-_MOST_OF = 0.1  # of a region, or of a stroke, that makes the region one that was painted over
+_DRAG = 8.0  # pixels of movement from which a press is a drag
+_MIN_RING, _MOST_RINGS = 0.05, 1000  # smallest width of a ring in pixels; most rings of a wish
+_MOST_OF = 0.1  # least share of a region, or of a stroke, that counts as painted over
 
 
 def is_far(begin, at) -> bool:
-    """Whether the mouse has gone from one place to another."""
+    """Return whether two points of the mouse are far enough apart for a drag."""
     return (at[0] - begin[0]) ** 2 + (at[1] - begin[1]) ** 2 > _DRAG**2
 
 
@@ -36,8 +36,8 @@ class Wish:
 
     verb: str  #: add, delete, merge, select, paint, new, erase, smooth, finer, split, cut, grow or shrink
     faces: tuple
-    into: int | None = None  #: a face of the region that takes part
-    rings: int = 0  #: how many faces deep
+    into: int | None = None  #: a face of the other region of a merge, or of the growing region of a stroke
+    rings: int = 0  #: number of rings of faces to grow or shrink by
 
 
 class Pointing:
@@ -58,7 +58,7 @@ class Pointing:
 
     @property
     def merging(self) -> bool:
-        """Whether letting go now would merge two regions."""
+        """Whether a release now would merge two regions."""
         return self._verb == "add" and self._dragged and self._parted()
 
     def _parted(self) -> bool:
@@ -68,7 +68,7 @@ class Pointing:
         return begin >= 0 and over >= 0 and begin != over
 
     def release(self) -> Wish | None:
-        """The wish; None if the press missed the scan or was dragged back to its start."""
+        """Return the wish; None if the press missed the scan or the drag ended in the same region."""
         begin, over = self.begin, self.over
         merging, verb, dragged = self.merging, self._verb, self._dragged
         self.cancel()
@@ -87,7 +87,7 @@ class Stroke:
     """The Paint tool: collects the faces under a brush, and makes a wish of them."""
 
     def __init__(self, surface, triangle_face: np.ndarray, pairs: np.ndarray, radius: float):
-        """surface: pick.Surface; triangle_face: the user's face of each triangle; pairs: (E, 2) triangles that meet."""
+        """surface: pick.Surface; triangle_face: the user's face of each triangle; pairs: (E, 2) adjacent triangles."""
         self._surface, self._triangle_face, self._pairs = surface, triangle_face, pairs
         self._radius = radius
         self.covered: set[int] = set()  #: triangles
@@ -99,9 +99,9 @@ class Stroke:
         self.move(hit, facing)
 
     def move(self, hit: Hit | None, facing) -> None:
-        """Covers the faces between the last place and this one, on the side facing the ray.
+        """Covers the faces between the last place and this one, on the side facing the viewer.
 
-        facing: along the sight. So an open scan may be painted from its back, and a thin one not through it.
+        facing: the view direction. An open scan can be painted from its back, but a thin one not through its front.
         """
         if hit is None:
             self._last = None
@@ -123,7 +123,7 @@ class Stroke:
         return int(np.searchsorted(self._triangle_face, hit.face))
 
     def release(self) -> Wish | None:
-        """The painted faces that are connected to the first place; None if there are none."""
+        """Return the wish with the painted faces connected to the first one; None if there are none."""
         if self._first is None:
             return None
         begin, verb = self._first, self._verb
@@ -139,22 +139,22 @@ class Stroke:
 
 
 def painted_over(faces, label: np.ndarray, locked: np.ndarray) -> list[int]:
-    """A face of each region that a stroke went over, and did not only touch; none of locked ones.
+    """Return a face of each unlocked region that a stroke covers, without regions that it only touches.
 
-    faces: those of the stroke. label: (F,) the region of each face, -1 for none. locked: numbers of regions.
+    faces: faces of the stroke. label: (F,) the region of each face, -1 for none. locked: numbers of regions.
     """
     faces = np.asarray(faces, np.int64)
     regions, first, count = np.unique(label[faces], return_index=True, return_counts=True)
     size = np.bincount(label[label >= 0], minlength=int(regions[-1]) + 1)
     enough = (count >= _MOST_OF * len(faces)) | (count >= _MOST_OF * size[regions])
     enough &= (regions >= 0) & ~np.isin(regions, locked)
-    splits = size[regions] > 1  # one face is no two regions
+    splits = size[regions] > 1  # a single face can't be split
     found: list[int] = faces[np.sort(first[enough & splits])].tolist()
     return found
 
 
 class Cut:
-    """The Cut tool: a straight line over a region cuts it, as seen; a click splits it in two."""
+    """The Cut tool: a straight line in the view cuts the region below it; a click splits a region in two."""
 
     def __init__(self):
         self._hits, self._from, self.dragged = [], (0.0, 0.0), False
@@ -163,13 +163,13 @@ class Cut:
         self._hits, self._from, self.dragged = [hit], at, False
 
     def move(self, hit: Hit | None, at=(0.0, 0.0)) -> None:
-        """A place along the line."""
+        """Adds a place on the line."""
         self._hits.append(hit)
         self.dragged = self.dragged or is_far(self._from, at)
 
     @property
     def target(self) -> Hit | None:
-        """Where the line meets the region that it meets most; before there is one, where the mouse was pressed."""
+        """The first hit in the region with most hits of the line; without a drag, the hit of the press."""
         hits = [hit for hit in self._hits[: None if self.dragged else 1] if hit is not None and hit.region >= 0]
         if not hits:
             return None
@@ -186,13 +186,13 @@ class Sizing:
     """The Grow tool: a drag to the right grows a region by its distance; a drag to the left shrinks it."""
 
     def __init__(self, ring: float):
-        """ring: how many pixels wide a ring of faces is seen."""
+        """ring: width of a ring of faces in pixels."""
         self._ring = ring
         self._hit, self._from, self._click, self._dragged = None, (0.0, 0.0), 1, False
-        self._rings = 0  # how many to grow by; below 0: to shrink by
+        self._rings = 0  # number of rings to grow by; negative: to shrink by
 
     def press(self, hit: Hit | None, at=(0.0, 0.0), ctrl: bool = False) -> None:
-        """A click is one ring more; with ctrl, one less."""
+        """Starts the gesture. A click grows by one ring; with ctrl it shrinks by one."""
         self._hit, self._from, self._click = hit, at, -1 if ctrl else 1
         self._rings, self._dragged = 0, False
 
@@ -203,7 +203,7 @@ class Sizing:
 
     @property
     def wish(self) -> Wish | None:
-        """The wish at a release now; None if the mouse is back at its start."""
+        """The wish of a release now; None if the mouse is at its start again."""
         rings = self._rings if self._dragged else self._click
         if self._hit is None or self._hit.region < 0 or rings == 0:
             return None
@@ -211,5 +211,5 @@ class Sizing:
 
 
 def rings_in(pixels: float, ring: float) -> int:
-    """How many rings of faces, each so many pixels wide, there are in a width; at least one."""
+    """Return the number of rings of width `ring` in `pixels`; at least one."""
     return min(max(1, round(pixels / max(ring, _MIN_RING))), _MOST_RINGS)

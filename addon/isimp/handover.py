@@ -1,4 +1,4 @@
-"""Models on their way to files: their polygons as the engine's exporters take them, and reports. Numpy only."""
+"""Passes models to the engine's exporters and reports. Numpy only."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .outcome import Outcome
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """The polygons of any mesh, with those attributes of the engine's PolygonMesh that exporters read."""
+    """Polygons of any mesh, with the attributes of the engine's PolygonMesh that exporters read."""
 
     vertices: np.ndarray  #: (V, 3) float64
     loops: np.ndarray  #: (L,) int32
@@ -32,7 +32,7 @@ class Model:
 
 
 def _topology(loops: np.ndarray, start: np.ndarray) -> tuple[bool, bool]:
-    """Returns whether the polygons are closed (two at each edge) and manifold (at most two, in opposite directions)."""
+    """Return whether the polygons are closed (two at each edge) and manifold (at most two, in opposite directions)."""
     after = np.roll(loops, -1)
     after[np.append(start[1:], len(loops)) - 1] = loops[start]
     ends = np.stack([loops, after], axis=1)
@@ -59,7 +59,7 @@ def _planarity(vertices: np.ndarray, loops: np.ndarray, start: np.ndarray) -> np
 
 
 def require(path: Path) -> None:
-    """Raises ValueError with the way to get the package that files of this kind need, if it is missing."""
+    """Raises ValueError with a remedy if the package for files of this kind is missing."""
     if package := engine.exporting.missing(path):
         text = own('For {kind} Blender needs the package {package}. In a terminal: "{python}" -m pip install {package}')
         raise ValueError(said(text, kind=engine.exporting.kind_of(path), package=package, python=sys.executable))
@@ -72,14 +72,14 @@ def export(path: Path, model: Model, crs: int | None) -> None:
 
 
 def export_step(path: Path, mesh: Any, outcome: Outcome, place: np.ndarray, unit: str) -> dict[str, Any]:
-    """Writes a solid and returns what it is; see `isimp_engine.exporting`. place: (4, 4) from the mesh to the world."""
+    """Writes a solid and returns its report; see `isimp_engine.exporting`. place: (4, 4) from the mesh to the world."""
     parts = {"partition": outcome.partition, "mesh": mesh}
     told: dict[str, Any] = engine.exporting.write(path, outcome.polygons, **parts, place=place, unit=unit)
     return told
 
 
 def far_origin(vertices: np.ndarray) -> np.ndarray:
-    """(3,) whole numbers to subtract from coordinates so that float32 keeps their detail; zero along near axes."""
+    """Return (3,) integers to subtract from coordinates so that float32 keeps their detail; zero along near axes."""
     known = vertices[np.isfinite(vertices).all(axis=1)]
     if not len(known):
         return np.zeros(3)
@@ -89,7 +89,7 @@ def far_origin(vertices: np.ndarray) -> np.ndarray:
 
 
 def report_texts(mesh: Any, outcome: Outcome, place: np.ndarray, name: str, crs: int | None) -> dict[str, str]:
-    """The files of a report by their names; see `isimp_engine.reports`. place: (4, 4) from the mesh to the world."""
+    """Return the files of a report by name; see `isimp_engine.reports`. place: (4, 4) from the mesh to the world."""
     from importlib import import_module
 
     reports = import_module(f"{engine.__name__}.reports")

@@ -1,4 +1,4 @@
-"""The language of the add-on's messages, which recipes share."""
+"""Re-exports the functions that translate messages, which recipes use too."""
 
 from .recipe import count, noun, own, plural, said, speak
 

@@ -1,7 +1,7 @@
-"""Messages to the user.
+"""Makes the messages to the user.
 
-They use the words of the panel. They name no step and no face by a number that the user has not given. This module does
-not import Blender.
+They use the words of the panel, and no number of a step or a face that the user has not entered. This module does not
+import Blender.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def partitioned(numbers: dict[str, Any]) -> str:
 
 
 def meshed(numbers: dict[str, Any], width: int = 0) -> str:
-    """width: of the widest image of the result's texture, in pixels; 0 without one."""
+    """Return the report of Mesh. width: width of the widest image of the texture, pixels; 0 without a texture."""
     triangles, polygons = count(numbers["triangles"], "triangle"), count(numbers["polygons"], "polygon")
     text = own("{triangles} -> {polygons}, closed") if numbers["closed"] else own("{triangles} -> {polygons}, open")
     told = said(text, triangles=triangles, polygons=polygons)
@@ -39,7 +39,7 @@ def meshed(numbers: dict[str, Any], width: int = 0) -> str:
 
 
 def changed(before: dict[str, Any], numbers: dict[str, Any]) -> str:
-    """What an edit has done."""
+    """Return the report of an edit: the numbers of regions before and after."""
     now = count(numbers["regions"], "region")
     return f"{count(before['regions'], 'region')} -> {now}" if "regions" in before else now
 
@@ -60,13 +60,13 @@ def several(number: int) -> str:
 
 
 def listed(names: list[str], most: int = 3) -> str:
-    """Names of objects, the first of them where there are many."""
+    """Return the names of objects, at most the first `most`."""
     named = ", ".join(f"'{name}'" for name in names[:most])
     return said("{names} and others", names=named) if len(names) > most else named
 
 
 def skipped(names: list[str]) -> str:
-    """Selected scans that Mesh can't do."""
+    """Return the warning about selected scans without regions."""
     return said("Not done, as they have no regions yet: {names}", names=listed(names))
 
 
@@ -80,7 +80,7 @@ def hidden(name: str) -> str:
 
 
 def shared(names: list[str]) -> str:
-    """Linked duplicates of a scan."""
+    """Return the note about linked duplicates of a scan."""
     if len(names) == 1:
         return said("'{name}' has the same mesh, and so the same regions", name=names[0])
     others = count(len(names), "other object")
@@ -104,13 +104,13 @@ def left_out(numbers: dict[str, Any]) -> str:
 
 
 def is_kept(why: str) -> str:
-    """A result that changed settings and Mesh leave alone. why: what its user has done with it, as in `kept`."""
+    """Return the note that settings and Mesh do not change a result. why: the reason, as in `kept`."""
     text = own("This result was {why}: changed settings do not change it, and Mesh makes its polygons another object")
     return said(text, why=said(why))
 
 
 def kept(name: str, why: str, is_hidden: bool, made: str) -> str:
-    """Mesh was pressed again after the result was edited by hand, or copied."""
+    """Return the warning that Mesh kept a result because it was edited by hand or copied."""
     text = own("'{name}' was {why} and is kept. The new polygons are '{made}'")
     if is_hidden:
         text = own("'{name}' was {why} and is kept, hidden. The new polygons are '{made}'")
@@ -118,7 +118,7 @@ def kept(name: str, why: str, is_hidden: bool, made: str) -> str:
 
 
 def hand_edits(recipe: rcp.Recipe | None, regularises: bool = False) -> int:
-    """How many edits by hand a partition of the whole scan would drop. regularises: whether Mesh does so first."""
+    """Return how many edits a partition of the whole scan would drop. regularises: whether Mesh regularises first."""
     if recipe is None or not recipe.steps:
         return 0
     steps = recipe.without_mesh().steps
@@ -127,7 +127,7 @@ def hand_edits(recipe: rcp.Recipe | None, regularises: bool = False) -> int:
 
 
 def _comes_again(step: rcp.Step, regularises: bool) -> bool:
-    """Whether Partition or Mesh makes a step like this one again."""
+    """Return whether Partition or Mesh makes a step like this one again."""
     if isinstance(step, rcp.Regularise):
         return regularises
     return isinstance(step, rcp.Partition) and not step.faces
@@ -144,7 +144,7 @@ def will_drop(number: int) -> str:
     return said("Partition starts anew: {edits} by hand will be dropped", edits=count(number, "edit"))
 
 
-#: An engine's reason, and the words of the person who pointed at the place that it names
+#: patterns of the engine's reasons, and the messages for a user who has clicked the face that they name
 _REASONS = (
     (
         "symmetry can't be had with a bound: .*",
@@ -225,7 +225,7 @@ def plain(value: float) -> str:
 
 
 def reason(told: str, length: Callable[[float], str] = plain) -> str:
-    """A reason of the engine in the words of the panel. length: the text of a length."""
+    """Return a reason of the engine in the words of the panel. length: returns the text of a length."""
     told = told.rstrip(".")
     found = re.search(r"proxies must be in \[1, (\d+)\], got (-?\d+)", told)
     if found:
@@ -252,7 +252,7 @@ def reason(told: str, length: Callable[[float], str] = plain) -> str:
 
 
 def failed(error: StepFailed, names_step: bool, length: Callable[[float], str] = plain) -> str:
-    """Why a step failed. names_step: the user looks at the list of steps, or does not know which one it was."""
+    """Return why a step failed. names_step: the message has the step's number, as the user may not know the step."""
     why = reason(error.reason, length)
     if names_step:
         return said("Step {number}, {step}: {why}", number=error.index + 1, step=line(error.step), why=why)
@@ -260,7 +260,7 @@ def failed(error: StepFailed, names_step: bool, length: Callable[[float], str] =
 
 
 def unchanged(why: str) -> str:
-    """Something could not be done."""
+    """Return the message of a failed operation that changed nothing."""
     return said("{why}. Nothing was changed.", why=why.rstrip("."))
 
 
@@ -307,7 +307,7 @@ _OF_TIMES = {
 
 
 def line(step: rcp.Step) -> str:
-    """A step's line in the list of steps."""
+    """Return a step's line in the list of steps."""
     if type(step) in _LINES:
         return said(_LINES[type(step)])
     if isinstance(step, rcp.Partition):
@@ -321,7 +321,7 @@ def line(step: rcp.Step) -> str:
         return said(_OF_TIMES[type(step)], number=f"{step.times:,}")
     if isinstance(step, rcp.PaintFaces):
         return _paint_line(step, count(faces, "face"))
-    if isinstance(step, rcp.GrowRegion):  # and ShrinkRegion
+    if isinstance(step, rcp.GrowRegion):  # ShrinkRegion is a subclass
         text = (
             own("Shrink a region by {rings}") if isinstance(step, rcp.ShrinkRegion) else own("Grow a region by {rings}")
         )
@@ -355,7 +355,7 @@ def _partition_line(step: rcp.Partition) -> str:
     return said(text, what=what, number=f"{getattr(step, step.count_by):.4g}")
 
 
-#: What the add-on and the engine name as they work
+#: Names of the stages in progress lines of the add-on and the engine
 STAGES = (
     own("Adding"),
     own("Adding a region"),
@@ -417,10 +417,10 @@ _FEWER = own("{number} fewer without area")
 
 
 def why_more(numbers: dict[str, Any]) -> str:
-    """Why there are more polygons than regions; empty if there are not. The figures add up to the difference.
+    """Return why there are more polygons than regions; empty if there are not. The figures add up to the difference.
 
-    What no other cause explains is the repair of polygons that were not flat. It splits regions and adds diagonals, and
-    removes some of both later, so its own counts do not add up.
+    The remainder after all counted causes is attributed to bent regions. Their repair splits regions and adds
+    diagonals, and later removes some of both, so its own counts do not add up.
     """
     more, split = numbers["polygons"] - numbers["regions"], numbers.get("split", {})
     if more <= 0 or not split:
@@ -439,11 +439,10 @@ def expected(
     previewed: dict[str, Any] | None = None,
     snaps: bool = False,
 ) -> str:
-    """How many polygons Mesh will make, and why; empty where that is not known or they are there.
+    """Return how many polygons Mesh will make, and why; empty if that is unknown or they exist.
 
-    previewed: the numbers of their preview once it is there, which is what Mesh will make; before, it is an estimate.
-    snaps: whether polygons become exactly planar or planes are
-    snapped, which the estimate knows nothing of.
+    previewed: the numbers of their preview, which are exact; None: the estimate of the partition is used.
+    snaps: whether polygons become exactly planar or planes are snapped, which the estimate ignores.
     """
     if "polygons" in numbers:
         return ""
@@ -465,7 +464,7 @@ def expected(
 
 
 def summary(regions: int, polygons: int | None, away: str) -> str:
-    """The line in the corner of the viewport."""
+    """Return the text in the corner of the viewport."""
     if polygons is None:
         return count(regions, "region")
     told = f"{count(regions, 'region')} -> {count(polygons, 'polygon')}"

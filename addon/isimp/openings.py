@@ -1,4 +1,4 @@
-"""The openings of a scan in a view: which one is under the mouse, and what is said of it. numpy only."""
+"""Finds the opening of a scan under the mouse, and makes its lines and its description. numpy only."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ REACH = 24.0  #: pixels
 
 
 def seen(points: np.ndarray, to_view: np.ndarray, size: tuple[float, float]) -> np.ndarray:
-    """(N, 2) pixels of (N, 3) points, NaN behind the eye. to_view: (4, 4) from their space to the view's box."""
+    """Return (N, 2) pixels of (N, 3) points, NaN behind the viewer. to_view: (4, 4) from their space to clip space."""
     there = np.column_stack([points, np.ones(len(points))]) @ np.asarray(to_view, float).T
     with np.errstate(divide="ignore", invalid="ignore"):
         flat = there[:, :2] / there[:, 3:]
@@ -19,7 +19,7 @@ def seen(points: np.ndarray, to_view: np.ndarray, size: tuple[float, float]) -> 
 
 
 def nearest(openings: list[dict], to_view: np.ndarray, size: tuple[float, float], at) -> int | None:
-    """The opening under the mouse or next to it: by its center and its border, within REACH."""
+    """Return the opening whose center or border is nearest to the mouse within REACH, or None."""
     best, found = REACH, None
     for number, opening in enumerate(openings):
         points = np.concatenate([[opening["center"]], *opening["loops"]])
@@ -31,7 +31,7 @@ def nearest(openings: list[dict], to_view: np.ndarray, size: tuple[float, float]
 
 
 def lines(openings: list[dict], origin=(0.0, 0.0, 0.0)) -> np.ndarray:
-    """(2 E, 3) float32 the borders of openings as pairs of points, relative to a place."""
+    """Return (2 E, 3) float32 the borders of openings as pairs of points, relative to `origin`."""
     pairs = [
         np.stack([loop, np.roll(loop, -1, axis=0)], axis=1).reshape(-1, 3)
         for opening in openings
@@ -41,7 +41,7 @@ def lines(openings: list[dict], origin=(0.0, 0.0, 0.0)) -> np.ndarray:
 
 
 def cover(opening: dict) -> np.ndarray:
-    """(3 T, 3) float32 triangles that close an opening, as far as a picture needs: from the middle of each border."""
+    """Return (3 T, 3) float32 triangles that cover an opening in a drawing: a fan around the middle of each border."""
     triangles = [np.empty((0, 3))]
     for loop in map(np.asarray, opening["loops"]):
         middle = np.broadcast_to(loop.mean(axis=0), loop.shape)
@@ -50,7 +50,7 @@ def cover(opening: dict) -> np.ndarray:
 
 
 def told(opening: dict, length: str) -> str:
-    """What is said of the opening under the mouse. length: in the scene's units."""
+    """Return the description of the opening under the mouse. length: a text in the scene's units."""
     name = said("Hole") if opening["kind"] == "hole" else said("Tunnel or handle")
     state = said("kept open · click: close it") if opening["kept"] else said("closed · click: keep it open")
     return said("{opening}, {length} round", opening=name, length=length) + f" · {state}"

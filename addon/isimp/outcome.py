@@ -1,4 +1,4 @@
-"""What a recipe leads to, or why it leads nowhere."""
+"""The outcome of a recipe, and the exception of a failed step."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .prepared import NONE_CLOSED, Closing
 
 
 class StepFailed(Exception):
-    """A step failed; `outcome` is the result of the steps before it, None if there were none."""
+    """A failed step. `outcome` is the result of the steps before it, None if there are none."""
 
     def __init__(self, index: int, step: rcp.Step, reason: str, outcome: Outcome | None):
         super().__init__(f"Step {index + 1}, {step.describe()}: {reason}")
@@ -26,13 +26,13 @@ class Outcome:
 
     face_region: np.ndarray  #: (face_count,) int32, -1 where a face is in no region
     region_color: np.ndarray  #: (R,) int32 into view.PALETTE
-    border: np.ndarray  #: (K,) those of the scan's `face_edges` where regions meet, or a region and none
+    border: np.ndarray  #: (K,) indices of the scan's `face_edges` between regions, or between a region and none
     partition: Any
     polygons: Any = None  #: the engine's PolygonMesh after Mesh, else None
-    origin: tuple = (0.0, 0.0, 0.0)  #: near the polygons, exactly; 0 where they lie near zero. See `engine.Mesh.origin`
-    numbers: dict = field(default_factory=dict)  #: of the last step and of the scan
-    made: Any = None  #: how the engine made the partition; None once it was edited
-    region_distance: Any = None  #: after Mesh: (R,) largest distance of its vertices from the polygons
+    origin: tuple = (0.0, 0.0, 0.0)  #: a point near the polygons; 0 if they lie near zero. See `engine.Mesh.origin`
+    numbers: dict = field(default_factory=dict)  #: numbers of the last step and of the scan
+    made: Any = None  #: `engine.within.Made` of the partition; None after an edit
+    region_distance: Any = None  #: after Mesh: (R,) largest distance of a region's vertices from the polygons
     closing: Closing = NONE_CLOSED  #: how openings were closed before the partition
 
     @property

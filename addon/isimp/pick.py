@@ -1,21 +1,21 @@
-"""Which faces a ray meets, or a brush covers: own search structure, so that no tool waits for Blender's. numpy only."""
+"""Finds faces that a ray meets or a brush covers, by its own search structure. numpy only."""
 
 from __future__ import annotations
 
 import numpy as np
 
-_LEAF = 64  # faces a box
-_BRANCH = 64  # boxes a larger box
+_LEAF = 64  # faces in a box of the lower level
+_BRANCH = 64  # boxes in a box of the upper level
 
 
 class Surface:
-    """Triangles in boxes in boxes. Building it takes about half a second a million faces; a ray about a millisecond.
+    """Triangles in two levels of boxes. A million faces take about half a second, a ray about a millisecond.
 
-    area: that of all triangles.
+    area: the area of all triangles.
     """
 
     def __init__(self, vertices: np.ndarray, triangles: np.ndarray):
-        """vertices (V, 3) float; triangles (T, 3) int, T at least 1. A face that isn't finite is never met."""
+        """vertices (V, 3) float; triangles (T, 3) int, T at least 1. Faces that aren't finite are ignored."""
         corners = np.asarray(vertices, np.float32)[triangles]
         low, high = corners.min(axis=1), corners.max(axis=1)
         centers = (low + high) / 2
@@ -31,7 +31,7 @@ class Surface:
         self.area = area(vertices, triangles)
 
     def cast(self, origin, direction) -> tuple[int, np.ndarray] | None:
-        """(triangle, place) that a ray meets first, or None. Both sides of a triangle count."""
+        """Return (triangle, point) of the first hit of a ray, or None. Both sides of a triangle count."""
         origin, direction = np.asarray(origin, np.float64), np.asarray(direction, np.float64)
         leaves = self._within(lambda low, high: _meets(origin, direction, low, high))
         faces = _spread(leaves, _LEAF, len(self._order))
@@ -53,7 +53,7 @@ class Surface:
         return int(self._order[faces[first]]), origin + far[first] * direction
 
     def ball(self, center, radius: float, facing=None) -> np.ndarray:
-        """Triangles whose middle is within a radius, in rising order; of those that look against `facing`, if given."""
+        """Return triangles whose center is within a radius, in rising order. facing: keeps only triangles facing it."""
         center = np.asarray(center, np.float64)
         leaves = self._within(lambda low, high: _near(center, radius, low, high))
         faces = _spread(leaves, _LEAF, len(self._order))
@@ -63,21 +63,21 @@ class Surface:
         return np.sort(self._order[faces[inside]])
 
     def normal(self, triangle: int) -> np.ndarray:
-        """(3,) unit normal; zero of a triangle without area."""
+        """Return (3,) the unit normal; zero for a triangle without area."""
         a, b, c = self._corner[np.flatnonzero(self._order == triangle)[0]].astype(np.float64)
         normal = np.cross(b - a, c - a)
         length = np.linalg.norm(normal)
         return normal / length if length > 0 else normal
 
     def _within(self, inside) -> np.ndarray:
-        """The leaves whose box, and the box around it, fulfil a condition."""
+        """Return the lower boxes that fulfil a condition together with their upper box."""
         branches = np.flatnonzero(inside(*self._branches))
         leaves = _spread(branches, _BRANCH, len(self._leaves[0]))
         return leaves[inside(self._leaves[0][leaves], self._leaves[1][leaves])]
 
 
 def _along_curve(points: np.ndarray) -> np.ndarray:
-    """The order of points along a space-filling curve (Morton)."""
+    """Return the order of points along a Morton curve."""
     finite = np.isfinite(points).all(axis=1)
     low = points[finite].min(axis=0) if finite.any() else np.zeros(3)
     extent = float((points[finite] - low).max()) if finite.any() else 0.0
@@ -97,13 +97,13 @@ def _boxes(low: np.ndarray, high: np.ndarray, size: int) -> tuple[np.ndarray, np
 
 
 def _spread(groups: np.ndarray, size: int, count: int) -> np.ndarray:
-    """The members of groups of a size, of `count` in all."""
+    """Return the members of groups of `size` consecutive members, of `count` in total."""
     members = (groups[:, None] * size + np.arange(size)).ravel()
     return members[members < count]
 
 
 def _meets(origin, direction, low, high) -> np.ndarray:
-    """Whether a ray meets boxes."""
+    """Return whether a ray meets each box."""
     with np.errstate(divide="ignore", invalid="ignore"):
         near, far = (low - origin) / direction, (high - origin) / direction
     begin, end = np.fmin(near, far), np.fmax(near, far)
@@ -117,7 +117,7 @@ def _meets(origin, direction, low, high) -> np.ndarray:
 
 
 def _near(center, radius, low, high) -> np.ndarray:
-    """Whether boxes come within a radius of a place."""
+    """Return whether each box is within a radius of a point."""
     away = np.maximum(np.maximum(low - center, center - high), 0.0)
     return (away**2).sum(axis=1) <= radius * radius * (1 + 1e-6)
 
@@ -127,7 +127,7 @@ def area(vertices: np.ndarray, triangles: np.ndarray) -> float:
 
 
 def _crosses(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """(T, 3) normals twice as long as the areas; three times as fast as `np.cross`, a million of them in a tenth."""
+    """Return (T, 3) normals twice as long as the areas, three times as fast as `np.cross`."""
     vertices = vertices.astype(np.float64)
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     b -= a
@@ -142,9 +142,9 @@ def _lengths(vectors: np.ndarray) -> np.ndarray:
 
 
 def flatness(vertices: np.ndarray, triangles: np.ndarray, chosen: np.ndarray) -> tuple[float, float, float]:
-    """(area, error, largest distance of a corner from the mean plane) of some triangles.
+    """Return (area, error, largest distance of a corner from the mean plane) of chosen triangles.
 
-    The error is the sum of area times squared distance of the normals from the mean one, as the engine's.
+    The error is the sum of area times squared distance of the normal from the mean normal, like the engine's.
     """
     a, b, c = (vertices[triangles[chosen, k]].astype(np.float64) for k in range(3))
     cross = np.cross(b - a, c - a) / 2

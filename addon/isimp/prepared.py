@@ -1,4 +1,4 @@
-"""A scan as the engine has it, and the ways between its faces and the user's."""
+"""The engine's repaired mesh of a scan, with the maps between its faces and the user's faces."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from .spare import blocks
 
 @dataclass(frozen=True)
 class Closing:
-    """How a scan is repaired before it is partitioned, and which of its openings are closed."""
+    """Options of the repair before the partition: limits for the openings to close, and other lengths."""
 
-    handles: float = 0.0  #: scene units; handles up to this length are cut,
-    holes: float = 0.0  #: and holes up to this length filled,
-    flat_holes: float = 0.0  #: in walls up to this one,
-    kept: tuple = ()  #: but for those at these places
-    stitch: float | None = None  #: how far borders may be apart that become one; None: it is found
-    grid: float | None = None  #: cell of the grid whose steps are smoothed; None: it is found
+    handles: float = 0.0  #: handles up to this length are cut, scene units
+    holes: float = 0.0  #: holes up to this length are filled, scene units
+    flat_holes: float = 0.0  #: holes in flat walls up to this length are filled, scene units
+    kept: tuple = ()  #: places of openings that stay open
+    stitch: float | None = None  #: largest distance of borders to stitch; None: the engine finds it
+    grid: float | None = None  #: cell of the grid whose steps are smoothed; None: the engine finds it
 
     def up_to(self, lengths, kept: tuple) -> Closing:
-        """The same repair with openings closed up to these lengths, but for those at the kept places."""
+        """Return the repair with openings closed up to these lengths, except openings at the kept places."""
         holes, flat, handles = lengths.holes, lengths.flat_holes, lengths.handles
         return replace(self, handles=handles, holes=holes, flat_holes=flat, kept=kept)
 
     @property
     def opened(self) -> Closing:
-        """The same repair with no opening closed."""
+        """The same repair without closing openings."""
         return replace(self, handles=0.0, holes=0.0, flat_holes=0.0, kept=())
 
 
@@ -42,16 +42,16 @@ NONE_CLOSED = Closing()
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A scan as the engine takes it, and the way back to the user's faces."""
+    """A scan with the engine's mesh of it, and the maps to the user's faces."""
 
     scan: Scan
     mesh: Any
-    mesh_face: np.ndarray  #: (F',) the user's face each face of the mesh is of
+    mesh_face: np.ndarray  #: (F',) the user's face of each face of the mesh
     face_triangle: np.ndarray  #: (face_count,) the largest face of the mesh in each user's face, -1 if none is left
-    layers: dict = field(default_factory=dict, kw_only=True)  #: of the scan as it is now
-    closing: Closing = field(default=NONE_CLOSED, kw_only=True)  #: how its openings were closed
-    shared: np.ndarray  #: (K,) faces of the mesh that are of one user's face together with others, rising
-    areas: np.ndarray  #: (K,) of these; 0 of covers
+    layers: dict = field(default_factory=dict, kw_only=True)  #: present layers of the scan
+    closing: Closing = field(default=NONE_CLOSED, kw_only=True)  #: the repair that made the mesh
+    shared: np.ndarray  #: (K,) faces of the mesh whose user's face has several of them, in rising order
+    areas: np.ndarray  #: (K,) areas of `shared`; 0 for covers
 
     @property
     def face_pairs(self) -> np.ndarray:
@@ -60,12 +60,12 @@ class Prepared:
 
 
 def prepared_of(scan: Scan, mesh) -> Prepared:
-    """The scan with the mesh that the engine made of it. Covers of openings belong to the user's face beside them."""
+    """Return the scan with the engine's mesh of it. Covers of openings belong to the nearest user's face."""
     mesh_face = scan.triangle_face[mesh.source_face]
     covers = np.flatnonzero(np.asarray(mesh.source_face) < 0)
     if len(covers):
         mesh_face[covers] = _faces_beside(np.asarray(mesh.triangles), mesh_face, covers)
-    scan.face_edges  # noqa: B018  (made here and kept)
+    scan.face_edges  # noqa: B018  (computed here and cached)
     face_triangle = np.full(scan.face_count, -1, np.int32)
     triangle = np.arange(len(mesh_face), dtype=np.int32)
     face_triangle[mesh_face] = triangle
@@ -73,17 +73,17 @@ def prepared_of(scan: Scan, mesh) -> Prepared:
     is_shared[mesh_face[face_triangle[mesh_face] != triangle]] = True
     shared = np.flatnonzero(is_shared[mesh_face])
     areas = face_areas(mesh, shared)
-    areas[np.isin(shared, covers)] = 0  # they are no part of the user's face, and do not tell its region
+    areas[np.isin(shared, covers)] = 0  # covers must not determine the region of a user's face
     order = shared[np.argsort(areas, kind="stable")]
     face_triangle[mesh_face[order]] = order  # the last one written is the largest
     return Prepared(scan, mesh, mesh_face, face_triangle, shared, areas)
 
 
 def _faces_beside(triangles: np.ndarray, mesh_face: np.ndarray, covers: np.ndarray) -> np.ndarray:
-    """(K,) the user's face of the nearest triangle that is no cover, by steps across edges."""
+    """Return (K,) the user's face of the triangle nearest to each cover that is not a cover, by steps across edges."""
     near = np.zeros(triangles.max() + 1, bool)
     near[triangles[covers]] = True
-    some = np.flatnonzero(near[triangles].sum(axis=1) >= 2)  # all that share an edge with a cover, and the covers
+    some = np.flatnonzero(near[triangles].sum(axis=1) >= 2)  # covers, and triangles that share an edge with one
     ends = np.sort(triangles[some][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     _, edge = np.unique(ends, axis=0, return_inverse=True)
     order = np.argsort(edge.ravel(), kind="stable")
@@ -109,14 +109,14 @@ def face_areas(mesh, faces: np.ndarray) -> np.ndarray:
 
 
 def pair_lengths(prepared: Prepared) -> np.ndarray:
-    """(E,) how long the edge is that each of `face_pairs` shares."""
+    """Return (E,) the length of the shared edge of each of `face_pairs`."""
     scan = prepared.scan
     ends = scan.vertices[scan.face_edges[1]].astype(np.float64)
     return np.nan_to_num(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1))
 
 
 def joined_pairs(prepared: Prepared, separated: np.ndarray) -> np.ndarray:
-    """(E,) bool: which of `face_pairs` no barrier separates. separated: (K, 2) triangles that one does."""
+    """Return (E,) bool: whether no barrier separates each of `face_pairs`. separated: (K, 2) separated triangles."""
     pairs = prepared.face_pairs
     apart = np.sort(prepared.mesh_face[separated], axis=1)
     count = max(prepared.scan.face_count, 1)
@@ -125,9 +125,9 @@ def joined_pairs(prepared: Prepared, separated: np.ndarray) -> np.ndarray:
 
 
 def joined_faces(prepared: Prepared, faces: np.ndarray, start: int) -> np.ndarray:
-    """Those of the user's faces that ways over shared edges lead to from one of them, on the engine's mesh.
+    """Return the faces that are connected to `start` over shared edges of the engine's mesh.
 
-    Its edges are others than the user's where faces were mended: flat ones are flipped, say. faces: in rising order.
+    The repair may have changed edges of the user's mesh, for example flipped them. faces: in rising order.
     """
     inside = np.zeros(prepared.scan.face_count, bool)
     inside[faces] = True
@@ -137,12 +137,12 @@ def joined_faces(prepared: Prepared, faces: np.ndarray, start: int) -> np.ndarra
 
 
 def with_split_faces(prepared: Prepared, partition, faces: np.ndarray, home: np.ndarray, pairs: np.ndarray):
-    """(F,) bool: the user's faces, and those of `home` beside them some triangles of which are in other regions.
+    """Return (F,) bool: `faces`, and adjacent faces of `home` whose triangles are in several regions.
 
-    A face is joined to a region at triangles only: made one, such a face joins what is beside it. Those with a locked
-    triangle are left out. faces, home: (F,) bool.
+    A region is connected over triangles. Painting all triangles of such a face connects its neighbours to the region.
+    Faces with a locked triangle are excluded. faces, home: (F,) bool.
     """
-    if len(prepared.shared) == 0:  # all triangles
+    if len(prepared.shared) == 0:  # each user's face is one triangle
         return faces
     count, face = prepared.scan.face_count, prepared.mesh_face[prepared.shared]
     label = np.asarray(partition.face_region)[prepared.shared]
@@ -158,10 +158,10 @@ def with_split_faces(prepared: Prepared, partition, faces: np.ndarray, home: np.
 
 
 def face_regions(prepared: Prepared, partition) -> np.ndarray:
-    """(face_count,) int32 region of each of the user's faces, -1 where it is in none.
+    """Return (face_count,) int32 the region of each user's face, -1 for none.
 
-    A face whose triangles are in several regions is in the one with most of its area; a region that would have no
-    face that way gets the one its seed is in.
+    A face whose triangles are in several regions belongs to the one with most of its area. A region without a face
+    after that gets the face of its seed.
     """
     label = np.asarray(partition.face_region)
     region = np.full(prepared.scan.face_count, -1, np.int32)
@@ -175,10 +175,10 @@ def face_regions(prepared: Prepared, partition) -> np.ndarray:
     key = face[inside].astype(np.int64) * partition.region_count + label[inside]
     keys, where = np.unique(key, return_inverse=True)
     area = np.bincount(where, prepared.areas[inside])
-    order = np.lexsort((-keys, area))  # by area, of equal areas the lowest region last
+    order = np.lexsort((-keys, area))  # by area; for equal areas the lowest region is last
     region[keys[order] // partition.region_count] = keys[order] % partition.region_count
     seed_face = prepared.mesh_face[np.asarray(partition.region_seed)]
-    has_face = np.zeros(partition.region_count + 1, bool)  # the last one for faces without region
+    has_face = np.zeros(partition.region_count + 1, bool)  # the last entry is for faces without region
     has_face[region] = True
     lost = np.flatnonzero(~has_face[:-1])
     region[seed_face[lost]] = lost
@@ -194,7 +194,7 @@ def scan_numbers(prepared: Prepared) -> dict:
 
 
 def in_users_faces(message: str, prepared: Prepared) -> str:
-    """An engine's message, with the user's face numbers in place of its own."""
+    """Return an engine's message with the user's face numbers in place of the mesh's."""
 
     def users(number: re.Match) -> str:
         face = int(number[0])
@@ -217,7 +217,7 @@ def triangle_at(prepared: Prepared, face: int) -> int:
 
 
 def triangles_at(prepared: Prepared, faces: tuple[int, ...]) -> np.ndarray:
-    """The triangles of some of the user's faces, one of the first face first."""
+    """Return the triangles of user's faces, one of the first face first."""
     first = triangle_at(prepared, faces[0])
     count = prepared.scan.face_count
     if max(faces) >= count:

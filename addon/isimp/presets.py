@@ -1,6 +1,6 @@
-"""Settings that suit kinds of scans, to start from; docs/regions.md says why.
+"""The add-on's presets: settings for kinds of scans. docs/regions.md has the reasons.
 
-Standard library only. Blender saves users' own presets itself.
+Standard library only. Blender saves presets of the user.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from . import recipe as rcp
 class Preset:
     """The steps of a recipe for one kind of scan."""
 
-    name: str  #: for programs
-    label: str  #: for people
+    name: str  #: identifier
+    label: str  #: name in the interface
     about: str
     partition: rcp.Partition
     mesh: rcp.Mesh
-    regularise: rcp.Regularise | None = None  #: how planes are snapped before Mesh; None: they are not
-    card: bool = True  #: whether the panel has a card for it; the menu has all
+    regularise: rcp.Regularise | None = None  #: the step that snaps planes before Mesh; None: no snapping
+    card: bool = True  #: whether the panel has a card for it; the menu lists all presets
 
     @property
     def recipe(self) -> rcp.Recipe:
@@ -71,7 +71,7 @@ PRESETS = (
         "Few large facets of similar size",
         rcp.Partition(count_by="detail", detail=0.01, snap=False, adaptivity=0.0),
         rcp.Mesh(flatten=60),
-        card=False,  # a style and no kind of scan
+        card=False,  # a style, not a kind of scan
     ),
 )
 

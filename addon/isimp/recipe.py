@@ -1,4 +1,4 @@
-"""The folder `recipe` of the engine's package, which loads without the engine. The packed add-on has a copy of it."""
+"""Loads the folder `recipe` of the engine's package without the engine. The packed add-on has a copy of the folder."""
 
 import sys
 from importlib.util import module_from_spec, spec_from_file_location

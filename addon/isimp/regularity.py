@@ -1,4 +1,4 @@
-"""Planes of regions: how far they are from level and upright, and colours by direction. numpy only."""
+"""Measures the angle of planes from level and upright, and assigns colours by direction. numpy only."""
 
 from __future__ import annotations
 
@@ -6,27 +6,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
-NEAR = 15.0  #: degrees: of a plane that is further from level and upright, nothing is told
+NEAR = 15.0  #: degrees: largest angle from level or upright that is reported
 FREE = (0.55, 0.55, 0.55, 0.85)  #: sRGB and opacity of a region whose plane is not held
-# Hues that are told apart by people with colour-blindness too, the strongest first; sRGB.
+# Hues that people with colour-blindness can distinguish, the strongest first; sRGB.
 _HUES = ("0077bb", "ee7733", "009988", "cc3311", "33bbee", "aa3377", "ddaa33", "225555", "8877dd", "778800")
-_SAME = 1e-6  # of two normals that are one direction
+_SAME = 1e-6  # 1 minus the cosine below which two normals have one direction
 _DARKEST, _OPACITY = 0.55, 0.85
 
 
 @dataclass(frozen=True)
 class Leaning:
-    """How far a plane is from level or upright."""
+    """Angle of a plane from level or upright, whichever is nearer."""
 
-    is_level: bool  #: else upright
+    is_level: bool  #: whether level is nearer, else upright
     degrees: float
-    adds: float  #: to the root mean square distance of its region, if it is turned there
+    adds: float  #: increase of the root mean square distance of the region if its plane is turned
 
 
 def leaning(normal: np.ndarray, spread: np.ndarray, up: np.ndarray) -> Leaning | None:
-    """That of a plane of best fit to the nearer of both; None beyond NEAR.
+    """Return the leaning of a best-fit plane; None if its angle is above NEAR.
 
-    normal, up: (3,). spread: (3, 3), as of `engine.region_fits`.
+    normal, up: (3,). spread: (3, 3), from `engine.region_fits`.
     """
     up = up / np.linalg.norm(up)
     rise = float(np.clip(normal @ up, -1.0, 1.0))
@@ -42,10 +42,10 @@ def leaning(normal: np.ndarray, spread: np.ndarray, up: np.ndarray) -> Leaning |
 
 
 def direction_colors(normal: np.ndarray, offset: np.ndarray, held: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """(R, 4) float32 sRGB and opacity: a hue for each direction, a shade for each plane of it, FREE where none is held.
+    """Return (R, 4) float32 sRGB and opacity: a hue for each direction, a shade for each plane, FREE if not held.
 
-    normal: (R, 3) and offset: (R,) of the planes. held: (R,) bool. area: (R,); the hues go to the largest directions.
-    Cost: O(R D) for D directions.
+    normal: (R, 3) and offset: (R,) of the planes. held: (R,) bool. area: (R,) the largest directions get the first
+    hues. Cost: O(R D) for D directions.
     """
     colors = np.tile(np.array(FREE, np.float32), (len(normal), 1))
     left = np.where(held, area, 0.0)

@@ -1,4 +1,4 @@
-"""A user's mesh as arrays."""
+"""The user's mesh as arrays, with cached digests and edges."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from .engine import engine
 class Scan:
     """The user's mesh as arrays: faces with any number of corners, cut into triangles.
 
-    vertices (V, 3) float, scene units; triangles (T, 3) int32; triangle_face (T,) int32, the user's face each is of.
+    vertices (V, 3) float, scene units; triangles (T, 3) int32; triangle_face (T,) int32, the user's face of each.
     """
 
     vertices: np.ndarray
     triangles: np.ndarray
     triangle_face: np.ndarray
     face_count: int
-    #: {name: (face_count,) numbers} painted by its user; a layer that it does not have is missing. Those of
-    #: `recipe.MARKS` are Blender's own marks: edges as (K, 2) vertices, materials and face sets of each face.
+    #: {name: (face_count,) numbers} painted by the user. Layers of `recipe.MARKS` are Blender's own marks: edges as
+    #: (K, 2) vertices, materials and face sets of each face. Layers that the mesh does not have are missing.
     layers: dict[str, np.ndarray] = field(default_factory=dict)
 
     #: results computed from the mesh, shared by scans that differ only in their layers
     _known: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def with_layers(self, layers: dict[str, np.ndarray]) -> Scan:
-        """The same mesh with other layers."""
+        """Return the same mesh with other layers."""
         return replace(self, layers=layers)
 
     @cached_property
     def layers_digest(self) -> str:
-        """A digest of the layers, equal for equal layers."""
+        """Digest of the layers, equal for equal layers."""
         digest = hashlib.blake2b(digest_size=16)
         for name in sorted(self.layers):
             digest.update(f"{name}\0{self.layers[name].shape}".encode())
@@ -45,7 +45,7 @@ class Scan:
 
     @property
     def digest(self) -> str:
-        """Equal for equal arrays, the layers left aside."""
+        """Digest of the arrays without the layers, equal for equal arrays."""
         if "digest" not in self._known:
             digest = hashlib.blake2b(digest_size=16)
             for array in (self.vertices, self.triangles, self.triangle_face):
@@ -66,7 +66,7 @@ class Scan:
 
     @property
     def face_edges(self) -> tuple[np.ndarray, np.ndarray]:
-        """As `edges`, but the user's faces that share an edge."""
+        """(E, 2) user's faces that share an edge, (E, 2) the vertices of that edge."""
         if "face_edges" not in self._known:
             pairs, ends = self.edges
             if not np.array_equal(self.triangle_face, np.arange(len(self.triangles))):

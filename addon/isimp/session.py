@@ -1,4 +1,4 @@
-"""Replays a recipe on arrays and returns arrays; earlier results are kept."""
+"""Replays a recipe on arrays and returns arrays. Earlier results are cached."""
 
 from __future__ import annotations
 
@@ -31,38 +31,38 @@ __all__ = ["ENGINE_PROBLEM", "Outcome", "Scan", "Session", "Shown", "StepFailed"
 
 
 def backends() -> list[str]:
-    """Where parallel methods can run here: "cpu" first, and "cuda" if a device is present."""
+    """Return the available back ends of parallel methods: "cpu", and "cuda" if a device is present."""
     return engine.backends() if engine else []
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """What the triangles of a scan show."""
+    """The texture on the triangles of a scan."""
 
-    uv: np.ndarray  #: (T, 3, 2) of each corner
-    material: np.ndarray  #: (T,) which image
-    images: list  #: (H, W, 4) uint8, row 0 at the top; a dict of them by number for UDIM tiles
-    #: what else the materials have: by layer one of each, an image, a number or None; see `engine.TextureLayer`
+    uv: np.ndarray  #: (T, 3, 2) coordinates of each corner
+    material: np.ndarray  #: (T,) index of the image
+    images: list  #: (H, W, 4) uint8, row 0 at the top; a dict of arrays by number for UDIM tiles
+    #: further layers, a list by material: an image, a number or None; see `engine.TextureLayer`
     layers: dict = field(default_factory=dict)
-    strength: float = 1.0  #: of the emission
-    names: tuple = ()  #: of the materials
+    strength: float = 1.0  #: strength of the emission
+    names: tuple = ()  #: names of the materials
 
 
 class Session:
-    """Replays recipes on scans. One thread at a time."""
+    """Replays recipes on scans. Only one thread at a time may use a session."""
 
     def __init__(self, budget: int = 1 << 30, backend: str = "cpu", threads: int = 0):
         # Neither changes the result:
         self.backend = backend  #: one of backends(), for parallel methods
-        self.threads = threads  #: how many may work; 0: as many as there are cores
-        self._meshes = Cache(budget, least=2)  # one scan: its mesh as it is, and the mesh with closed openings
+        self.threads = threads  #: number of threads; 0: one for each core
+        self._meshes = Cache(budget, least=2)  # for one scan: the mesh with open and the one with closed openings
         self._outcomes = Cache(budget)
-        self._parts = Cache(0)  # the last one alone
-        self._fits: tuple = (None, ())  # of the last partition
-        self._textures = Cache(0)  # the same, by scan: what stays of it need not be made again
+        self._parts = Cache(0)  # the last part only
+        self._fits: tuple = (None, ())  # the last partition and its fits
+        self._textures = Cache(0)  # the last texture by scan, whose unchanged parts are reused
 
     def replay(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> Outcome:
-        """The outcome of the recipe on the scan.
+        """Return the outcome of the recipe on the scan.
 
         Raises StepFailed (which carries the last good outcome), ValueError (the scan itself can't be used) or Stopped.
         """
@@ -82,7 +82,7 @@ class Session:
                 prepared = replace(self._prepared(scan, outcome), layers=scan.layers)
             except engine.InvalidInput as error:
                 raise StepFailed(index, step, in_users_faces(str(error), prepared), outcome) from error
-            except (ValueError, RuntimeError) as error:  # that of a device that ran out of memory, say
+            except (ValueError, RuntimeError) as error:  # a device may run out of memory, for example
                 raise StepFailed(index, step, str(error), outcome) from error
             self._outcomes.put(keys[number], outcome, _size(outcome, prepared))
         if outcome is None:
@@ -97,36 +97,36 @@ class Session:
         end: float = 1.0,
         closing: Closing = NONE_CLOSED,
     ) -> Prepared:
-        """Check and repair the scan. Raises ValueError if it has no usable face."""
+        """Checks and repairs the scan. Raises ValueError if it has no usable face."""
         key = (scan.digest, closing)
         prepared = self._meshes.get(key)
         if prepared is None:
             opened = closing.opened
             plain = None if closing == opened else self.prepare(scan, watch, begin, begin, opened).mesh
             prepared = _prepare(scan, plain, closing, watch or Watch(), begin, end)
-            # Adjacency, normals and other data of the engine: about 300 bytes a face.
+            # Adjacency, normals and other data of the engine: about 300 bytes for each face.
             self._meshes.put(key, prepared, 300 * len(scan.triangles))
         return prepared
 
     def _prepared(self, scan: Scan, outcome: Outcome, watch: Watch | None = None) -> Prepared:
-        """The repaired scan that an outcome's partition belongs to."""
+        """Return the repaired scan that an outcome's partition belongs to."""
         return self.prepare(scan, watch, closing=outcome.closing)
 
     def openings(self, scan: Scan, outcome: Outcome) -> list[dict]:
-        """What was closed before the partition, and what was kept open: `engine.Mesh.openings`."""
+        """Return the openings that were closed before the partition or kept open: `engine.Mesh.openings`."""
         found: list[dict] = self._prepared(scan, outcome).mesh.openings
         return found
 
     def triangulate(self, polygons) -> tuple[np.ndarray, np.ndarray]:
-        """(T, 3) vertices and (T,) polygon of triangles that fill the polygons of an outcome."""
+        """Return (T, 3) vertices and (T,) polygon of triangles that fill the polygons of an outcome."""
         args = (np.asarray(polygons.vertices), np.asarray(polygons.loops), np.asarray(polygons.loop_start))
         triangles, polygon = engine.triangulate(*args)
         return np.asarray(triangles), np.asarray(polygon)
 
     def texture(self, scan: Scan, outcome: Outcome, shown: Shown, step: rcp.Texture, watch: Watch | None = None):
-        """UVs and images of an outcome's polygons; see `engine.texture`. Raises ValueError or Stopped.
+        """Return UVs and images of an outcome's polygons; see `engine.texture`. Raises ValueError or Stopped.
 
-        Charts stay where the last texture of the scan had them, and only what an edit changed is made again.
+        Charts keep their places in the last texture of the scan, and only charts changed by an edit are baked again.
         """
         watch = watch or Watch()
         mesh = self._prepared(scan, outcome, watch).mesh
@@ -144,9 +144,9 @@ class Session:
         return made
 
     def corner_sources(self, scan: Scan, outcome: Outcome, uv=None) -> tuple[np.ndarray, np.ndarray]:
-        """(L,) triangle of the scan and (L, 3) weights of its corners, for each corner of an outcome's polygons.
+        """Return (L,) triangle of the scan and (L, 3) weights of its corners, for each corner of an outcome's polygons.
 
-        uv: (T, 3, 2) of a UV map that is carried over: then each polygon takes places of one island only.
+        uv: (T, 3, 2) a UV map to transfer: each polygon then uses points of one island only.
         """
         islands = None if uv is None else engine.uv_islands(scan.triangles, uv)
         mesh = self._prepared(scan, outcome).mesh
@@ -155,21 +155,21 @@ class Session:
         return np.asarray(triangle), np.asarray(weights)
 
     def region_at(self, scan: Scan, outcome: Outcome, face: int) -> dict:
-        """The result of `engine.region_statistics` for the region of one of the user's faces.
+        """Return `engine.region_statistics` of the region of one of the user's faces.
 
-        Raises ValueError if there is no such face, or it is in no region. Cost: of the size of the region.
+        Raises ValueError if there is no such face, or it is in no region. Cost: linear in the size of the region.
         """
         prepared = self._prepared(scan, outcome)
         return engine.region_statistics(prepared.mesh, outcome.partition, triangle_at(prepared, face))
 
     def region_fits(self, scan: Scan, outcome: Outcome) -> tuple:
-        """The result of `engine.region_fits` for an outcome; kept for the last one."""
+        """Return `engine.region_fits` of an outcome; cached for the last one."""
         if self._fits[0] is not outcome.partition:
             self._fits = outcome.partition, engine.region_fits(self._prepared(scan, outcome).mesh, outcome.partition)
         return self._fits[1]
 
     def locked_regions(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> np.ndarray:
-        """The numbers of the regions that the recipe leaves locked. Raises ValueError or Stopped."""
+        """Return the numbers of the regions that are locked after the recipe. Raises ValueError or Stopped."""
         if not any(isinstance(step, (rcp.LockRegions, rcp.PaintFaces)) for _, step in recipe.active()):
             return np.empty(0, np.int64)
         try:
@@ -179,13 +179,13 @@ class Session:
         return np.empty(0, np.int64) if outcome is None else np.flatnonzero(outcome.partition.region_locked)
 
     def known(self, scan: Scan, recipe: rcp.Recipe) -> Outcome | None:
-        """The kept outcome of the recipe, or None; nothing is computed."""
+        """Return the cached outcome of the recipe, or None. Nothing is computed."""
         keys = _keys(scan, recipe)
         done, outcome = self._longest_known(keys)
         return outcome if done == len(keys) else None
 
     def is_prepared(self, scan: Scan) -> bool:
-        """Whether `prepare` of the scan takes no time."""
+        """Return whether `prepare` of the scan is cached."""
         return self._meshes.get((scan.digest, NONE_CLOSED)) is not None
 
     def _longest_known(self, keys: list) -> tuple[int, Outcome | None]:
@@ -217,7 +217,7 @@ class Session:
         own = {name: value for name, value in own.items() if name not in rcp.COUNTS or name == step.count_by}
         options = engine.PartitionOptions(**own, backend=self.backend, threads=self.threads)
         locked = before is not None and before.partition.region_locked.any()
-        may_close = not (locked or step.faces)  # they keep regions that are of the mesh as it was
+        may_close = not (locked or step.faces)  # regions that stay belong to the mesh before a new closing
         is_right, count = False, options.proxies
         while not is_right:
             lengths = engine.openings.Lengths()
@@ -251,7 +251,7 @@ class Session:
         return replace(with_regions(prepared, partition, kept, numbers), made=made)
 
     def _expected(self, prepared: Prepared, partition, watch, at: float) -> dict[str, int]:
-        """How many polygons there will be; empty where a part has no regions yet, and Mesh would say so."""
+        """Return estimated counts of polygons; empty if a component has no regions, for which Mesh raises an error."""
         args = (prepared.mesh, partition)
         try:
             return engine_call(watch, at, at, "counting polygons", engine.expected_polygons, *args)
@@ -259,7 +259,10 @@ class Session:
             return {}
 
     def _lengths(self, step: rcp.Partition, scan: Scan, opened, options, count: int | None, watch, begin, end):
-        """Up to which length openings are closed, since the regions of the step can't show them. count: of regions."""
+        """Return the lengths up to which openings are closed, because regions of this size can't show them.
+
+        count: the number of regions if it is known.
+        """
         plain = self.prepare(scan, watch, begin, begin, opened).mesh
         if not step.close_openings or step.count_by == "bound":
             return engine.openings.Lengths()
@@ -270,7 +273,7 @@ class Session:
         return engine.openings.lengths_for(plain, options, count, counted)
 
     def _part(self, prepared: Prepared, guides, options):
-        """The part of the mesh to split, kept so that another number is quick; None: all of it."""
+        """Return the part of the mesh to split, or None for all of it. It is cached for other numbers of regions."""
         faces = engine.guided.open_faces(prepared.mesh, guides, options.leave_out, options.proxies)
         if faces is None:
             return None
@@ -281,12 +284,12 @@ class Session:
 
 
 def _keys(scan: Scan, recipe: rcp.Recipe) -> list[tuple]:
-    """The cache keys of the outcomes of the recipe's steps."""
+    """Return the cache keys of the outcomes of the recipe's steps."""
     return [(scan.digest, scan.layers_digest, key) for key in recipe.prefix_keys()]
 
 
 def _prepare(scan: Scan, plain, closing: Closing, watch: Watch, begin: float, end: float) -> Prepared:
-    """plain: the scan's mesh before openings are closed, None where none are."""
+    """Return the repaired scan. plain: its mesh with open openings, None if none are to be closed."""
     if len(scan.triangles) == 0:
         raise ValueError(said("The mesh has no faces: there is nothing to simplify"))
     middle = begin + 0.4 * (end - begin)
@@ -308,7 +311,7 @@ def _prepare(scan: Scan, plain, closing: Closing, watch: Watch, begin: float, en
 
 
 def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:
-    """(F',) the factor of each face's area; a weight of 1 gives four times as many regions as one of 0."""
+    """Return (F',) the factor of each face's area. Weight 1 gives four times the regions of weight 0 at influence 1."""
     if not step.weights:
         return None
     if step.weights not in prepared.layers:
@@ -320,7 +323,7 @@ def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:
 
 
 def _barriers(step: rcp.Partition, prepared: Prepared) -> list[np.ndarray]:
-    """Edges that no region crosses, as the step and the scan's marks say."""
+    """Return edges that no region crosses, by attributes, materials and angle of the step."""
     guides, mesh, found = engine.guides, prepared.mesh, []
     values = [prepared.layers.get(rcp.MARKS[name]) for name in ("materials", "face_sets") if getattr(step, name)]
     if step.borders:
@@ -335,7 +338,7 @@ def _barriers(step: rcp.Partition, prepared: Prepared) -> list[np.ndarray]:
 
 
 def _guides(step: rcp.Partition, prepared: Prepared, before: Outcome | None):
-    """The barriers, weights and locks of the step for the engine."""
+    """Return the barriers, weights and locks of the step for the engine."""
     marked = [prepared.layers.get(rcp.MARKS[name]) for name in ("seams", "sharp") if getattr(step, name)]
     cuts = [engine.guides.marked_edges(prepared.mesh, edges) for edges in marked if edges is not None]
     barriers = _barriers(step, prepared)

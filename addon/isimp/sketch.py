@@ -1,4 +1,4 @@
-"""The overlay of a scan, region borders and polygons, as plain arrays: no window is needed."""
+"""Computes the overlay of a scan, region borders and polygons, as plain arrays without a window."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ def _points() -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Sketch:
-    """Points relative to `origin`, as float32. Lines are pairs of points, triangles are threes."""
+    """Points relative to `origin`, float32. Lines are pairs of points, triangles are triples."""
 
-    #: (2 B, 3) where regions meet
+    #: (2 B, 3) the border edges of regions
     borders: np.ndarray = field(default_factory=_points)
     #: (2 E, 3) the edges of the polygons, the longest first
     outline: np.ndarray = field(default_factory=_points)
-    #: (C, 3) their corners, those with the longest edges first
+    #: (C, 3) their corners, the ones with the longest edges first
     corners: np.ndarray = field(default_factory=_points)
     #: (C,) the mean length of the edges at each corner
     reach: np.ndarray = field(default_factory=lambda: np.empty(0, np.float32))
@@ -32,9 +32,9 @@ class Sketch:
     surface: np.ndarray = field(default_factory=_points)
     #: (3 T, 4) RGBA of the corners of the triangles, by the planarity of their polygon
     heat: np.ndarray = field(default_factory=lambda: np.empty((0, 4), np.float32))
-    #: (3 T, 4) the same by the distance of the scan from their polygon
+    #: (3 T, 4) RGBA by the distance of the scan from their polygon
     away: np.ndarray = field(default_factory=lambda: np.empty((0, 4), np.float32))
-    #: (3 T, 4) the same by the direction of their region's plane
+    #: (3 T, 4) RGBA by the direction of their region's plane
     directions: np.ndarray = field(default_factory=lambda: np.empty((0, 4), np.float32))
     #: the numbers of the polygons, as Mesh reports them
     numbers: dict = field(default_factory=dict)
@@ -44,29 +44,29 @@ class Sketch:
     locked: np.ndarray = field(default_factory=_points)
     #: why there are no polygons; empty if there are
     reason: str = ""
-    #: where the points are relative to, in the scan's space: float32 is coarse far from zero, where map coordinates are
+    #: origin of the points in the scan's space, since float32 is too coarse for map coordinates
     origin: tuple = (0.0, 0.0, 0.0)
 
 
 def borders(scan: Scan, border: np.ndarray, origin=(0.0, 0.0, 0.0)) -> np.ndarray:
-    """(2 B, 3) float32 some of the edges between faces, relative to a place."""
+    """Return (2 B, 3) float32 the chosen edges between faces, relative to `origin`."""
     return _relative(scan.vertices[scan.face_edges[1][border].ravel()], origin)
 
 
 def _relative(points: np.ndarray, origin) -> np.ndarray:
-    """(N, 3) float32 points, relative to a place."""
+    """Return (N, 3) float32 points relative to `origin`."""
     return (points - np.asarray(origin, np.float64)).astype(np.float32)
 
 
 def outline(vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
-    """(2 E, 3) float32 the edges of polygons, those of two only once, the longest first."""
+    """Return (2 E, 3) float32 the edges of polygons, each once, the longest first."""
     ends = np.unique(np.sort(polygon_edges(loops, loop_start), axis=1), axis=0)
     order = np.argsort(-_lengths(vertices, ends), kind="stable")
     return vertices[ends[order].ravel()].astype(np.float32)
 
 
 def corners(vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(C, 3) float32 the corners of polygons, and (C,) the mean length of their edges, the longest first."""
+    """Return (C, 3) float32 the corners of polygons, and (C,) the mean length of their edges, the longest first."""
     ends = polygon_edges(loops, loop_start)
     length, count = np.repeat(_lengths(vertices, ends), 2), len(vertices)
     times = np.bincount(ends.ravel(), minlength=count)
@@ -80,12 +80,12 @@ def _lengths(vertices: np.ndarray, ends: np.ndarray) -> np.ndarray:
 
 
 def strength(pixels: float) -> float:
-    """How strongly a line of some length on the screen is drawn, in [0.15, 1]: crowds of short ones hide the scan."""
+    """Return the opacity of a line by its length on the screen, in [0.15, 1]. Many short lines would hide the scan."""
     return min(1.0, max(0.15, (pixels - 4.0) / 50.0))
 
 
 def polygon_edges(loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
-    """(L, 2) the two vertices of each polygon's each edge, in order."""
+    """Return (L, 2) the two vertices of each edge of each polygon, in order."""
     after = np.roll(loops, -1)
     last = np.append(loop_start[1:], len(loops)) - 1
     after[last] = loops[loop_start]
@@ -93,21 +93,21 @@ def polygon_edges(loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
 
 
 def heat(planarity: np.ndarray, diagonal: float, bound: float = 0.005) -> np.ndarray:
-    """(Q,) non-planarity of polygons in [0, 1]. bound: the distance that counts as 1, as a share of the diagonal."""
+    """Return (Q,) non-planarity of polygons in [0, 1]. bound: the distance for 1, as a share of the diagonal."""
     if diagonal <= 0:
         return np.zeros(len(planarity))
     return np.clip(planarity / (bound * diagonal), 0.0, 1.0)
 
 
 def heat_colors(share: np.ndarray) -> np.ndarray:
-    """(N, 4) float32 RGBA, see-through: green if planar, by yellow to red if non-planar by the bound."""
+    """Return (N, 4) float32 RGBA, translucent: green for 0, yellow between, red for 1."""
     red = np.clip(2 * share, 0, 1)
     green = np.clip(2 - 2 * share, 0, 1)
     return np.stack([red, 0.8 * green, 0.1 + 0 * share, 0.6 + 0 * share], axis=1).astype(np.float32)
 
 
 def at_once(session: Session, scan: Scan, recipe: rcp.Recipe) -> Sketch | None:
-    """The sketch of a partition in the session's cache, without polygons; None if it must be computed first."""
+    """Return the sketch of a cached partition, without polygons; None if the partition is not cached."""
     outcome = session.known(scan, recipe.without_mesh()) if session.is_prepared(scan) else None
     if outcome is None:
         return None
@@ -118,7 +118,7 @@ def at_once(session: Session, scan: Scan, recipe: rcp.Recipe) -> Sketch | None:
 
 
 def borders_of(scan: Scan, border: np.ndarray, face_region: np.ndarray, regions: np.ndarray) -> np.ndarray:
-    """(2 B, 3) float32 the end points of the border edges of some regions."""
+    """Return (2 B, 3) float32 the end points of the border edges of chosen regions."""
     ends = border[np.isin(face_region[scan.face_edges[0][border]], regions).any(axis=1)]
     return borders(scan, ends)
 
@@ -132,11 +132,11 @@ def draw(
     watch: Watch,
     regularise: rcp.Regularise | None = None,
 ) -> Sketch:
-    """The sketch of regions, and of the polygons that the recipe would give. Raises Stopped.
+    """Return the sketch of regions, and of the polygons that the recipe would make. Raises Stopped.
 
-    meshing: how polygons are made; None: there are none. regularise: how planes are snapped before.
+    meshing: the Mesh step; None: without polygons. regularise: the step that snaps planes before Mesh.
     """
-    prepared = session.prepare(scan, watch, 0.0, 0.1)  # its scan is the one whose edges are kept
+    prepared = session.prepare(scan, watch, 0.0, 0.1)  # the edges of its scan are cached
     origin = prepared.mesh.origin
     lines = borders(prepared.scan, view.border_pairs(face_region, prepared.face_pairs), origin)
     locked = triangles_of(scan, face_region, session.locked_regions(scan, recipe, watch), origin)
@@ -170,7 +170,7 @@ def draw(
 
 
 def _direction_colors(session: Session, scan: Scan, made) -> np.ndarray:
-    """(R, 4) those of the regions of an outcome; a plane that polygons do not keep to counts as free."""
+    """Return (R, 4) the colours by direction of an outcome's regions. A plane that Mesh released counts as free."""
     partition, held = made.partition, made.partition.region_held
     count = partition.region_count
     is_held = (held == 1) | (held == 2) if len(held) else np.zeros(count, bool)
@@ -181,7 +181,7 @@ def _direction_colors(session: Session, scan: Scan, made) -> np.ndarray:
 
 
 def triangles_of(scan: Scan, face_region: np.ndarray, regions: np.ndarray, origin) -> np.ndarray:
-    """(3 T, 3) float32 the triangles of some regions, relative to a place."""
+    """Return (3 T, 3) float32 the triangles of chosen regions, relative to `origin`."""
     if not len(regions):
         return _points()
     chosen = np.isin(face_region[scan.triangle_face], regions)
@@ -189,6 +189,6 @@ def triangles_of(scan: Scan, face_region: np.ndarray, regions: np.ndarray, origi
 
 
 def edges_of(chosen: list, loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
-    """(K, 2) the edges of some polygons."""
+    """Return (K, 2) the edges of chosen polygons."""
     totals = np.diff(loop_start, append=len(loops))
     return polygon_edges(loops, loop_start)[np.repeat(np.isin(np.arange(len(totals)), chosen), totals)]

@@ -1,4 +1,4 @@
-"""Small regions and the neighbours that they become part of. Numpy only."""
+"""Chooses the neighbour that each small region is merged with. Numpy only."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 def merges(
     label: np.ndarray, pairs: np.ndarray, area: np.ndarray, normal: np.ndarray, locked: np.ndarray, share: float
 ) -> list[tuple[int, int]]:
-    """[(region that stays, region that becomes part of it)], the smallest first; both as numbers of before.
+    """Return [(region to keep, region to merge into it)], the smallest first, with the numbers before all merges.
 
     label (F,) the region of each face, -1 for none; pairs (P, 2) faces that share an edge; area (R,) and normal (R, 3),
-    the sum of the areas times the normals, of each region; locked: numbers of regions that stay as they are.
-    A region below `share` of the mean area becomes part of the neighbour whose plane is most like its own.
+    the sum of the areas times the normals, of each region; locked: numbers of regions that must not change.
+    A region below `share` of the mean area is merged into the neighbour with the most similar plane.
     """
     count = len(area)
     ends = label[pairs]
@@ -24,7 +24,7 @@ def merges(
     is_there = area > 0
     small = np.flatnonzero(is_there & (area < share * area[is_there].mean())) if is_there.any() else np.empty(0, int)
     unit = normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
-    home = list(range(count))  # the region that each has become part of
+    home = list(range(count))  # the region that each is merged into
 
     def root(region: int) -> int:
         while home[region] != region:
@@ -33,7 +33,7 @@ def merges(
 
     found = []
     for region in sorted(small.tolist(), key=lambda each: (area[each], each)):
-        if root(region) != region:  # it has taken or joined others already
+        if root(region) != region:  # merged already
             continue
         others = {root(other) for other in beside[region]} - {region}
         if others:

@@ -1,4 +1,4 @@
-"""Smoothing of region borders, for the Paint tool with Shift. numpy only."""
+"""Smooths region borders, for the Paint tool with Shift. numpy only."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ def smoothed(
     rounds: int,
     poll: Callable[[], None] = lambda: None,
 ) -> np.ndarray:
-    """Labels of which each goes to the region that it is surrounded by most, as spread over its neighbourhood.
+    """Return labels after diffusion: each face has the region with the largest share in its neighbourhood.
 
-    Regions are spread over faces that share an edge, a ring a round, and each face takes the one of which most arrived
-    (Merriman, Bence, Osher 1992: borders move by their curvature). What a face has is kept among equals.
+    The indicator functions of the regions diffuse over faces that share an edge, by one ring in each round. Then each
+    face gets the region with the largest value, so borders move by their curvature (Merriman, Bence, Osher 1992). In a
+    tie a face keeps its region.
 
-    label: (F,) region, -1 for none. pairs: (E, 2) faces that share an edge. inside: (F,) bool, what may change.
-    fixed: (R,) bool, regions that neither give nor take. poll: called every round; what it raises ends the work.
-    Cost: O(E) a round, and the faces near times the regions there.
+    label: (F,) region, -1 for none. pairs: (E, 2) faces that share an edge. inside: (F,) bool, faces that may change.
+    fixed: (R,) bool, regions that must not change. poll: called every round; an exception ends the work.
+    Cost: O(E) for each round, times the number of regions nearby.
     """
     near = inside.copy()
     for _ in range(rounds):  # the range of the diffusion
@@ -56,10 +57,10 @@ def smoothed(
 
 
 def shortened(label: np.ndarray, pairs: np.ndarray, length: np.ndarray, inside: np.ndarray, fixed: np.ndarray):
-    """Labels of which no face alone could go to the region beside it and make the borders shorter.
+    """Return labels in which no single face can move to an adjacent region and shorten the borders.
 
-    A tooth of one triangle goes, as two sides of it are longer than the third. As `smoothed`, with the length of the
-    edge of each pair. Cost: of the faces inside, and of those that go.
+    This removes a tooth of one triangle, since two of its sides are longer than the third. length: (E,) of the edge of
+    each pair. Other parameters: see `smoothed`. Cost: linear in the faces inside and the moves.
     """
     made = label.copy()
     touched = inside[pairs].any(axis=1)
@@ -84,7 +85,7 @@ def shortened(label: np.ndarray, pairs: np.ndarray, length: np.ndarray, inside: 
 
 
 def reachable(wanted: np.ndarray, home: np.ndarray, pairs: np.ndarray) -> np.ndarray:
-    """(F,) bool: those of the wanted faces that a way over wanted ones leads to from home. Both (F,) bool."""
+    """Return (F,) bool: the wanted faces that are connected to `home` over wanted faces. Both (F,) bool."""
     pairs = pairs[(wanted | home)[pairs].all(axis=1) & wanted[pairs].any(axis=1)]
     reached = home.copy()
     while True:

@@ -1,4 +1,4 @@
-"""Reuse of large arrays: new memory costs more, at times far more, than to fill it. numpy only."""
+"""Reuses large arrays, since new memory can cost far more time than filling it. numpy only."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ _BLOCK = 1 << 15
 
 
 def blocks(count: int) -> Iterator[slice]:
-    """Slices of `count` values, small enough for the processor's cache."""
+    """Return slices of `count` values that fit into the processor's cache."""
     return (slice(begin, min(begin + _BLOCK, count)) for begin in range(0, count, _BLOCK))
 
 
 def taken(values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """values[at], of which numpy would first copy `at` in numbers of 64 bits."""
+    """Return values[at] without numpy's copy of `at` as 64-bit integers."""
     found = np.empty(len(at), values.dtype)
     for block in blocks(len(at)):
         np.take(values, at[block], out=found[block], mode="wrap")
@@ -27,16 +27,16 @@ def taken(values: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 class Spare:
-    """A pool of unused arrays, one of a type; usable from any thread."""
+    """A pool with one unused array of each type. Thread-safe."""
 
     def __init__(self) -> None:
         self._arrays: dict[np.dtype[Any], np.ndarray] = {}
 
     def take(self, shape: tuple[int, ...], dtype: DTypeLike) -> np.ndarray:
-        """An array with anything in it."""
+        """Return an array with arbitrary values."""
         array = self._arrays.pop(np.dtype(dtype), None)
         return array if array is not None and array.shape == shape else np.empty(shape, dtype)
 
     def give(self, array: np.ndarray) -> None:
-        """Nobody else may use the array from now on."""
+        """Returns an array to the pool. The caller must not use it afterwards."""
         self._arrays[array.dtype] = array

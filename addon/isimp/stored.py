@@ -1,4 +1,4 @@
-"""Safe reading of the data stored with a scan: a recipe, or the reason why there is none.
+"""Reads the data stored with a scan: a recipe, or the reason why it can't be read.
 
 A file may be damaged, or written by a later version or another program. Standard library only.
 """
@@ -13,11 +13,11 @@ from typing import Any
 from . import recipe as rcp
 from .language import own, said
 
-MOST_STEPS = 20_000  #: of a recipe
-_LONGEST_REASON = 300  # letters; the panel makes lines of them
-_LARGEST = 1 << 63  # no count comes near it
+MOST_STEPS = 20_000  #: largest number of steps of a recipe
+_LONGEST_REASON = 300  # letters; the panel wraps them
+_LARGEST = 1 << 63  # counts must be below it
 
-NodeOf = Callable[[int], "tuple[int, str, str] | None"]  #: a node by its id; None if there is no such node
+NodeOf = Callable[[int], "tuple[int, str, str] | None"]  #: returns a node by its id; None if there is no such node
 
 UNKNOWN = own("The steps of these regions are unknown")
 
@@ -27,20 +27,20 @@ class Stored:
     """The stored data of the regions on a scan."""
 
     recipe: rcp.Recipe | None  #: empty if there are no regions, None if the steps that led to them can't be read
-    numbers: dict[str, Any] = field(default_factory=dict)  #: of the last step
+    numbers: dict[str, Any] = field(default_factory=dict)  #: numbers of the last step
     problem: str = ""  #: why the steps can't be read, as a line without a full stop
 
 
 def node_from(values: Mapping[str, Any]) -> tuple[int, str, str] | None:
-    """(parent, step, numbers) of a node as it lies in the file; None if that is no node."""
+    """Return (parent, step, numbers) of a stored node; None if the values are not a node."""
     node = values.get("parent", 0), values.get("step", ""), values.get("numbers", "")
     return node if (type(node[0]), type(node[1]), type(node[2])) == (int, str, str) else None
 
 
 def read(state: int, node_of: NodeOf, recipe: rcp.Recipe | None = None) -> Stored:
-    """The recipe of a state and the numbers of its last step. recipe: if that is known already.
+    """Return the recipe of a state and the numbers of its last step. recipe: used instead of reading the steps.
 
-    Never raises. Cost: of the steps of the recipe.
+    Never raises. Cost: linear in the steps of the recipe.
     """
     if not state:
         return Stored(rcp.Recipe())
@@ -57,7 +57,7 @@ def read(state: int, node_of: NodeOf, recipe: rcp.Recipe | None = None) -> Store
 
 
 def _texts(state: int, node_of: NodeOf) -> tuple[list[str], str]:
-    """(texts of the steps that led to a state, why not)."""
+    """Return (texts of the steps of a state, ""), or ([], reason)."""
     texts: list[str] = []
     seen: set[int] = set()
     at = state
@@ -81,12 +81,12 @@ def _step(number: int, text: str) -> rcp.Step:
 
 
 def readable(states: Iterable[int], node_of: NodeOf) -> set[int]:
-    """Those of some states to which steps lead that can all be read. Cost: of all steps, once."""
+    """Return the states whose steps can all be read. Cost: linear in all steps."""
     good, states = {0: True}, set(states)
     for state in states:
         way, at = [], state
         while at not in good:
-            good[at] = False  # so that a circle ends here
+            good[at] = False  # ends the search in a circle of parents
             way.append(at)
             node = node_of(at)
             if node is None or not _is_step(node[1]):
@@ -106,7 +106,7 @@ def _is_step(text: str) -> bool:
 
 
 def numbers_from(text: str) -> dict[str, Any]:
-    """The numbers of a step as `json.dumps` wrote them, as far as they have the types that the panel needs."""
+    """Return the numbers of a step from JSON text. Values of a type that the panel can't show are dropped."""
     try:
         found = json.loads(text) if text else {}
     except (ValueError, RecursionError):
@@ -149,7 +149,7 @@ def _are_polygons(value: object) -> bool:
 
 
 def _are_round(value: object) -> bool:
-    """Round parts as `applying.round_known` gives them."""
+    """Return whether the value is a list of round parts, as `applying` makes it."""
 
     def fits(part: object) -> bool:
         if not isinstance(part, list) or len(part) != 5:
@@ -198,7 +198,7 @@ _FITS = {
     "round": _are_round,
     "reason": _is_text,
 }
-#: numbers that are useless without others, as they are shown together
+#: numbers that are dropped if one of these others is missing, since they are shown together
 _TOGETHER = {
     "components": ("border_loops", "closed", "triangles", "faces"),
     "polygons": ("corners", "vertices", "planarity_mean", "planarity_max", "closed", "manifold", "regions"),
@@ -213,6 +213,6 @@ _TOGETHER = {
 
 
 def line(text: str) -> str:
-    """A text that may hold anything as one line that can be shown and kept."""
+    """Return any text as one printable line of limited length."""
     shown = "".join(letter if letter.isprintable() else " " for letter in text[: 2 * _LONGEST_REASON])
     return shown if len(shown) <= _LONGEST_REASON else shown[: _LONGEST_REASON - 3] + "..."

@@ -1,7 +1,7 @@
-"""Long work on a thread of its own, with progress and cancel. Standard library only.
+"""Runs long work on its own thread, with progress and cancel. Standard library only.
 
-A `Watch` is the line between whoever waits and whoever works: progress and stage one way, the wish to stop the other
-way. It spans several calls of the engine, each with a Job of its own, since a Job's progress never falls.
+A `Watch` connects the waiting thread and the worker: the worker reports progress and stage, the waiting thread may
+cancel. A watch spans several calls of the engine, each with its own Job, since a Job's progress never falls.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from .language import own, said
 
 
 class Stopped(Exception):
-    """The work was stopped from outside. Nothing was changed."""
+    """The work was cancelled. Nothing was changed."""
 
 
 def shares(times: list[float]) -> list[float]:
-    """How far work is after each of its parts, which take about such times."""
+    """Return the progress after each part of some work, from the estimated times of the parts."""
     return [done / sum(times) for done in accumulate(times)]
 
 
@@ -37,7 +37,7 @@ class _Job(Protocol):
 
 
 class Watch:
-    """Progress, stage and cancel of some work, from any thread."""
+    """Progress, stage and cancel of some work. Thread-safe."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -59,7 +59,7 @@ class Watch:
 
     @property
     def progress(self) -> float:
-        """How much is done, in [0, 1]."""
+        """The completed share, in [0, 1]."""
         with self._lock:
             inner = self._job.progress if self._job is not None else 0.0
             return self._from + (self._to - self._from) * inner
@@ -75,7 +75,7 @@ class Watch:
 
     @contextmanager
     def share(self, begin: float, end: float) -> Iterator[None]:
-        """Until its end, parts take the progress from `begin` to `end` and no further."""
+        """Maps the progress of all parts inside the context to the range from `begin` to `end`."""
         self._share = (begin, end)
         try:
             yield
@@ -84,7 +84,7 @@ class Watch:
 
     @contextmanager
     def part(self, stage: str, begin: float, end: float, job: Any = None) -> Iterator[Any]:
-        """Names a stage that takes the progress from `begin` to `end`; `job` is the engine's, if it works."""
+        """Starts a stage with progress from `begin` to `end`. job: the engine's Job, if the engine does the work."""
         low, high = self._share
         begin, end = low + (high - low) * begin, low + (high - low) * end
         with self._lock:
@@ -120,11 +120,11 @@ class Task:
     def _run(self, work: Callable[[Watch], Any]) -> None:
         try:
             self.result = work(self.watch)
-        except Exception as error:  # noqa: BLE001  (whatever it is, it is shown by the thread that waits)
+        except Exception as error:  # noqa: BLE001  (the waiting thread shows any error)
             self.error = error
 
     def wait(self, seconds: float | None = None) -> Status:
-        """Waits until the work ends, at most `seconds`, and says how it stands."""
+        """Waits until the work ends, at most `seconds`, and returns the status."""
         self._thread.join(seconds)
         return self.status
 
@@ -137,14 +137,14 @@ class Task:
         return Status.FAILED if self.error is not None else Status.DONE
 
     def seconds_left(self) -> float | None:
-        """An estimate from the progress so far; None while there is too little to tell."""
+        """Return an estimate from the progress; None if the progress is too small for one."""
         progress, elapsed = self.watch.progress, self._clock() - self._begun
         if progress < 0.05 or elapsed < 0.5:
             return None
         return elapsed * (1.0 - progress) / progress
 
     def describe(self) -> str:
-        """One line for people: the stage, how much is done, how long it will take."""
+        """Return one line for the user: stage, completed share, remaining time."""
         left = self.seconds_left()
         stage = said(self.watch.stage.capitalize() or own("Working"))
         text = f"{stage} {self.watch.progress:.0%}"

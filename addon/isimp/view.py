@@ -1,4 +1,4 @@
-"""Regions as people see them: colours that tell neighbours apart and stay with their region. numpy only."""
+"""Assigns colours to regions: neighbours differ, and a region keeps its colour. numpy only."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import numpy as np
 
 from .spare import Spare, blocks, taken
 
-# Twelve colours spread as far apart as they go in Oklab, for full colour vision and for the three dichromacies at once
-# (least distance .1). Magenta is left free for problems.
+# Twelve colours with the largest least distance in Oklab (.1), for full colour vision and the three dichromacies at
+# once. Magenta is reserved for defects.
 _BASE = (  # sRGB
     *("b55422", "556dc6", "94627f", "1896bc", "a09602", "9f9afc"),
     *("31bebe", "f3817e", "e9b443", "a6d6af", "c4fafd", "ece36d"),
 )
-_SHADE = 0.35  # of the base colour's lightness, used if neighbours have all twelve
-NO_REGION = (0.21, 0.21, 0.21, 1.0)  # of faces in no region
+_SHADE = 0.35  # factor for darker shades, used if neighbours have all twelve colours
+NO_REGION = (0.21, 0.21, 0.21, 1.0)  # colour of faces outside regions
 
 
 def _linear(code: str) -> list[float]:
@@ -30,14 +30,14 @@ PALETTE[:BASE_COLORS, :3] = _LINEAR
 PALETTE[BASE_COLORS:, :3] = _LINEAR * _SHADE
 #: (2 B + 1, 4) float32: PALETTE and NO_REGION
 COLORS = np.vstack([PALETTE, np.array([NO_REGION], np.float32)])
-#: (2 B + 1,) uint32: the same with a byte each, in the order of memory
+#: (2 B + 1,) uint32: COLORS with one byte for each channel, in the order of memory
 PACKED = (255 * COLORS).round().astype(np.uint8).view(np.uint32).ravel()
 
 
 def connected(chosen: np.ndarray, pairs: np.ndarray, start: int) -> np.ndarray:
-    """Those of some faces that ways over shared edges lead to from one of them. chosen: in rising order.
+    """Return the chosen faces that are connected to `start` over shared edges. chosen: in rising order.
 
-    Trees grow together, each round all that touch, so that long ways take few rounds.
+    Each round of union-find joins all adjacent trees, so that long paths take few rounds.
     """
     inside = np.zeros(max(int(chosen[-1]), int(pairs.max(initial=0))) + 1, bool)
     inside[chosen] = True
@@ -55,7 +55,7 @@ def connected(chosen: np.ndarray, pairs: np.ndarray, start: int) -> np.ndarray:
 
 
 def region_pairs(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:
-    """(K, 2) int32 regions that share an edge, each pair once, the lower first. face_pairs: (E, 2) faces."""
+    """Return (K, 2) int32 regions that share an edge, each pair once, the lower first. face_pairs: (E, 2) faces."""
     a, b = face_region[face_pairs[:, 0]], face_region[face_pairs[:, 1]]
     border = np.flatnonzero(a != b)
     low, high = np.minimum(a[border], b[border]), np.maximum(a[border], b[border])
@@ -64,7 +64,7 @@ def region_pairs(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:
 
 
 def border_pairs(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:
-    """(K,) those of the pairs whose two faces are in different regions. face_pairs: (E, 2) faces."""
+    """Return (K,) the indices of pairs of faces in different regions. face_pairs: (E, 2) faces."""
     found = [np.empty(0, np.intp)]
     for block in blocks(len(face_pairs)):
         a, b = (face_region.take(faces) for faces in face_pairs[block].T)
@@ -73,10 +73,10 @@ def border_pairs(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:
 
 
 def assign_colors(count: int, pairs: np.ndarray, kept: np.ndarray | None = None) -> np.ndarray:
-    """A colour for each region, so that no two that share an edge have the same.
+    """Return a colour for each region, so that regions that share an edge differ.
 
-    count: regions. pairs: (K, 2) regions that share an edge. kept: (count,) the colour a region has already, -1 for
-    none; it keeps that unless a region of a lower number that became its neighbour has the same one.
+    count: number of regions. pairs: (K, 2) regions that share an edge. kept: (count,) the former colour of a region, -1
+    for none. A region keeps it unless a neighbour of a lower number has the same colour.
     Returns (count,) int32 indices into PALETTE. Cost: O(count + K) with a small factor, in Python.
     """
     around: list[set[int]] = [set() for _ in range(count)]
@@ -95,7 +95,7 @@ def assign_colors(count: int, pairs: np.ndarray, kept: np.ndarray | None = None)
 
 
 def _fill(color: list[int], around: list[set[int]]) -> bool:
-    """Gives a colour to those without one; False if one had to take that of a neighbour."""
+    """Assigns the missing colours. Returns False if a region has the colour of a neighbour."""
     used = [0] * len(PALETTE)
     for value in color:
         if value >= 0:
@@ -104,7 +104,7 @@ def _fill(color: list[int], around: list[set[int]]) -> bool:
     for region in _smallest_last(color, around):
         taken = {color[other] for other in around[region]}
         near = {color[far] for other in around[region] for far in around[other]}
-        # Free of neighbours, then a base colour, then free of neighbours' neighbours, then the one used least.
+        # Priorities: unused by neighbours, a base colour, unused by neighbours' neighbours, used least.
         best = min(range(len(PALETTE)), key=lambda c: (c in taken, c >= BASE_COLORS, c in near, used[c], c))
         clean = clean and best not in taken
         color[region] = best
@@ -113,7 +113,7 @@ def _fill(color: list[int], around: list[set[int]]) -> bool:
 
 
 def _smallest_last(color: list[int], around: list[set[int]]) -> list[int]:
-    """The regions without a colour, in the order in which greedy colouring needs few: six on a plane or sphere."""
+    """Return uncoloured regions in smallest-last order: greedy colouring needs at most six colours on a sphere."""
     open_regions = {region for region, value in enumerate(color) if value < 0}
     degree = {region: len(around[region] & open_regions) for region in open_regions}
     buckets: list[list[int]] = [[] for _ in range(max(degree.values(), default=0) + 1)]
@@ -126,7 +126,7 @@ def _smallest_last(color: list[int], around: list[set[int]]) -> list[int]:
             lowest += 1
         region = buckets[lowest].pop()
         if region not in open_regions or degree[region] != lowest:
-            continue  # an entry that is out of date: the region is in a lower bucket, or done
+            continue  # an outdated entry: the region is in a lower bucket, or removed
         open_regions.discard(region)
         removed.append(region)
         for other in around[region] & open_regions:
@@ -137,12 +137,12 @@ def _smallest_last(color: list[int], around: list[set[int]]) -> list[int]:
 
 
 def face_colors(face_region: np.ndarray, region_color: np.ndarray) -> np.ndarray:
-    """(F,) uint8 the row of COLORS of each face. region_color: (R,) indices into PALETTE."""
+    """Return (F,) uint8 the row of COLORS of each face. region_color: (R,) indices into PALETTE."""
     return taken(np.append(region_color, len(PALETTE)).astype(np.uint8), face_region)  # -1 is the last
 
 
 def corner_colors(table: np.ndarray, face_color: np.ndarray, corners: np.ndarray | int, spare: Spare) -> np.ndarray:
-    """The colour of each corner, one face after the other. table: COLORS or PACKED; corners: how many a face has."""
+    """Return the colour of each corner, face by face. table: COLORS or PACKED; corners: number of corners of a face."""
     count = int(corners.sum()) if isinstance(corners, np.ndarray) else corners * len(face_color)
     colors = spare.take((count, *table.shape[1:]), table.dtype)
     done = 0
