@@ -1,7 +1,7 @@
-"""A scan's arrays, kept between clicks: reading a million faces takes Blender 3.4 a fifth of a second.
+"""Reads a scan's arrays and keeps them between clicks: reading a million faces takes Blender 3.4 a fifth of a second.
 
-The arrays are kept until the mesh changes: Blender reports every change of geometry when it updates the scene, and the
-vertices are compared each time. Scripts change meshes without such a report, so in the background everything is read.
+The arrays are kept until the mesh changes. Blender reports each change of geometry when it updates the scene, and the
+vertices are compared each time. Scripts change meshes without a report, so the arrays are not kept in the background.
 """
 
 import math
@@ -13,18 +13,18 @@ import numpy as np
 from .drawing import late
 from .scene import marks, mesh_io, runtime, weights
 
-SPAN = 0.04  #: seconds at once that reading, or writing, may keep the window waiting
+SPAN = 0.04  #: seconds of one piece of reading or writing, during which the window does not respond
 
 
 class Known:
-    """A scan as it was read, and of what."""
+    """The scan read last, with data to detect changes of its mesh."""
 
     def __init__(self, obj, scan):
         self.mesh, self.scan = obj.data.name, scan
         self.counts, self.points, self.shape = _counts(obj.data), mesh_io.points(obj.data), mesh_io.shape_matrix(obj)
 
     def take_over(self, former) -> None:
-        """Keeps the arrays of before if they are equal: what was computed from them holds still."""
+        """Replaces the arrays by the former ones if they are equal, so that cached results stay valid."""
         names = ("vertices", "triangles", "triangle_face")
         pairs = ((getattr(former, name), getattr(self.scan, name)) for name in names)
         if former.face_count == self.scan.face_count and all(np.array_equal(*pair) for pair in pairs):
@@ -39,7 +39,7 @@ class Known:
         )
 
     def stands(self, obj) -> bool:
-        """Whether nothing tells of a change in Edit Mode. Comparing vertices there takes Blender most of a second."""
+        """Return whether name, counts and shape are unchanged in Edit Mode. Comparing vertices there is too slow."""
         edit = mesh_io.edit_mesh(obj.data)
         return (
             self.mesh == obj.data.name
@@ -53,9 +53,9 @@ def _counts(mesh):
 
 
 def read(context, obj, layers=frozenset(), again=False):
-    """As `mesh_io.read`, with the layers of the given names that the object has. Raises Unusable.
+    """Return the scan like `mesh_io.read`, with the named layers if the object has them. Raises Unusable.
 
-    again: nothing but news from Blender can have changed the mesh since it was read last.
+    again: uses the kept arrays without a comparison, since Blender reports every possible change.
     """
     known = runtime.get().scans.get(obj.name)
     scan = known.scan if again and known is not None else _read(context, obj)
@@ -68,28 +68,28 @@ def read(context, obj, layers=frozenset(), again=False):
 
 
 def ready(context, obj, layers, seconds: float = math.inf) -> bool:
-    """Reads for `seconds` the data that `read` of these layers needs; whether all of it is there."""
+    """Reads data for `read` of these layers for at most `seconds`. Returns whether all of it is read."""
     end = time.monotonic() + seconds
     if not any(name in obj.vertex_groups for name in layers):
         return True
     if not bpy.app.background:
-        _read(context, obj)  # in Edit Mode, updates the mesh read here; forgets another mesh
+        _read(context, obj)  # updates the mesh from Edit Mode, and drops the data of another mesh
     corners = known_corners(obj)
     groups = (_group(obj, name) for name in sorted(layers))
     return all(group.go_on(obj, end - time.monotonic(), corners) for group in groups if group is not None)
 
 
 def regions(obj, scan, recipe) -> np.ndarray:
-    """(faces,) int32 the regions of an object, whose arrays and recipe are given.
+    """Return (faces,) int32 the regions of an object, from a cached outcome if there is one.
 
-    In Edit Mode, reading them face by face takes a second a million faces: those of an outcome that is kept are taken.
+    In Edit Mode, reading them face by face takes a second for a million faces.
     """
     outcome = runtime.get().session.known(scan, recipe.without_mesh())
     return mesh_io.read_regions(obj) if outcome is None else outcome.face_region
 
 
 def known_corners(obj) -> np.ndarray | None:
-    """The vertex of each corner of a mesh of triangles, if its arrays were read and are kept; else None."""
+    """Return the vertex of each corner of a mesh of triangles, if its arrays are kept; else None."""
     known = runtime.get().scans.get(obj.name)
     if known is None or len(known.scan.triangles) != len(obj.data.polygons) or mesh_io.has_modifiers(obj):
         return None
@@ -97,7 +97,7 @@ def known_corners(obj) -> np.ndarray | None:
 
 
 def _group(obj, name: str):
-    """The reader of a vertex group, new or kept; None if the object has no such group."""
+    """Return the new or kept reader of a vertex group; None if the object has no such group."""
     if name not in obj.vertex_groups:
         return None
     groups = runtime.get().groups
@@ -118,7 +118,7 @@ def _read(context, obj):
         obj.update_from_editmode()
     if obj.name not in known or not known[obj.name].fits(obj):
         former = next((before.scan for before in known.values()), runtime.get().former)
-        known.clear()  # one is enough, and large
+        known.clear()  # keeps one scan only, as arrays are large
         runtime.get().groups.clear()
         known[obj.name] = Known(obj, mesh_io.read(context, obj, is_updated=True))
         if former is not None:

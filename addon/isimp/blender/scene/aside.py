@@ -1,31 +1,31 @@
-"""Layers that the add-on can't read: moved aside before it writes its own, so that they stay in the file."""
+"""Renames layers that the add-on can't read before it writes its own, so that they stay in the file."""
 
 import numpy as np
 
 from . import mesh_io, runtime
 
-KEPT = ".kept"  # suffix of the names of layers that were moved aside
+KEPT = ".kept"  # suffix of the names of renamed layers
 
 
 def foreign_layers(mesh) -> list:
-    """The names and kinds of layers that are called as the add-on's but are of another kind; in either mode."""
+    """Return names and kinds of layers with a name of the add-on's but another kind, in either mode."""
     found = (layer for layer in mesh.attributes if layer.name in mesh_io.KINDS and not mesh_io.is_own(layer))
     return [(layer.name, f"{layer.data_type} of {layer.domain}") for layer in found]
 
 
 def layers(mesh) -> list:
-    """The names of the layers that `set_aside` left; in either mode."""
+    """Return the names of the layers that `set_aside` renamed, in either mode."""
     begin = tuple(f"{name}{KEPT}" for name in mesh_io.KINDS)
     return [layer.name for layer in mesh.attributes if layer.name.startswith(begin)]
 
 
 def has_regions(mesh) -> bool:
-    """Whether there is a layer of regions, of whatever state; in either mode."""
+    """Return whether there is a layer of regions, of any state, in either mode."""
     return mesh_io.own_layer(mesh, mesh_io.REGION) is not None
 
 
 def suffix(mesh) -> str:
-    """The suffix for the layers that are moved aside next."""
+    """Return the unused suffix for the next renamed layers."""
     end, number = KEPT, 1
     while any(f"{name}{end}" in mesh.attributes for name in mesh_io.KINDS):
         number += 1
@@ -34,9 +34,9 @@ def suffix(mesh) -> str:
 
 
 def set_aside(obj, regions_too: bool) -> None:
-    """Renames layers that the add-on can't read, so that it can write its own and they stay in the file.
+    """Renames layers with a name of the add-on's but another kind, so that they stay in the file.
 
-    Those of its names but of other kinds; with `regions_too` the regions and their state as well.
+    regions_too: whether to rename the regions and their state as well.
     """
     mesh, ours = obj.data, {mesh_io.REGION, mesh_io.STATE} if regions_too else set()
     named = [layer for layer in mesh.attributes if layer.name in mesh_io.KINDS]
@@ -51,13 +51,13 @@ def set_aside(obj, regions_too: bool) -> None:
 
 
 def _state_layers(mesh) -> list:
-    """The names of the layers of states that were moved aside, the oldest first."""
+    """Return the names of the renamed layers of states, the oldest first."""
     names = [name for name in layers(mesh) if name.startswith(f"{mesh_io.STATE}{KEPT}")]
     return sorted(names, key=lambda name: (len(name), name))
 
 
 def last_state(obj) -> int:
-    """The state that was moved aside last; 0 where there is none. As `state_of`."""
+    """Return the state in the layer that was renamed last; 0 if there is none. Like `mesh_io.state_of`."""
     names = _state_layers(obj.data)
     if not names:
         return 0
@@ -71,7 +71,7 @@ def last_state(obj) -> int:
 
 
 def states(obj) -> set:
-    """All states beside the regions that were moved aside."""
+    """Return all states in renamed layers."""
     found = set()
     for name in _state_layers(obj.data):
         if mesh_io.is_edited(obj):

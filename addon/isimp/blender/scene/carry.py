@@ -1,4 +1,4 @@
-"""What a result keeps of its scan: vertex groups and armatures, colour attributes, further UV maps, shape keys."""
+"""Transfers data from a scan to its result: vertex groups, armatures, colour attributes, UV maps, shape keys."""
 
 import numpy as np
 
@@ -7,10 +7,10 @@ from .result import corner_order
 
 
 def bones(result, scan, arrays, outcome) -> None:
-    """Gives the result the scan's vertex groups with their weights, and its armatures as long as they are at rest.
+    """Copies the scan's vertex groups with their weights to the result, and its armatures if they are at rest.
 
-    arrays: those of the scan that the outcome was made from. Nothing is done where modifiers make other vertices than
-    those of the scan's own mesh. A posed figure gets no armature, since that would bend it twice.
+    arrays: the scan that the outcome was made from. Returns without a copy if modifiers change the number of vertices.
+    A posed figure gets no armature, since the armature would bend it twice.
     """
     if not len(scan.vertex_groups) or len(arrays.vertices) != len(scan.data.vertices):
         return
@@ -28,14 +28,14 @@ def bones(result, scan, arrays, outcome) -> None:
 
 
 def _is_at_rest(scan, arrays, keys: list) -> bool:
-    """Whether modifiers leave the vertices where the mesh and its shape keys put them. keys: as of `_keys`."""
+    """Return whether modifiers do not move vertices away from the mesh with its shape keys. keys: from `_keys`."""
     own = mesh_io.points(scan.data).reshape(-1, 3).astype(np.float64)
     own = (own + sum(value * offsets for _, value, offsets in keys)) @ mesh_io.shape_matrix(scan)
     return bool(np.abs(own - arrays.vertices).max() <= 1e-5 * np.ptp(own, axis=0).max())
 
 
 def _take_armatures(result, scan) -> None:
-    """Those that are switched on; none twice."""
+    """Copies the armature modifiers that are switched on, except armatures that the result has already."""
     there = {modifier.object for modifier in result.modifiers if modifier.type == "ARMATURE"}
     for modifier in scan.modifiers:
         if modifier.type != "ARMATURE" or not modifier.show_viewport or modifier.object in {None, *there}:
@@ -46,20 +46,20 @@ def _take_armatures(result, scan) -> None:
 
 
 def values_of_keys(result) -> dict:
-    """How far each shape key of a result is on."""
+    """Return {name: value} of the shape keys of a result."""
     keys = result.data.shape_keys
     return {} if keys is None else {key.name: key.value for key in keys.key_blocks}
 
 
 def layers(result, scan, arrays, outcome, turn, slid: dict) -> None:
-    """Gives the result the scan's colour attributes, its UV maps but for that of the texture, and its shape keys.
+    """Copies colour attributes, UV maps except the texture's, and shape keys from the scan to the result.
 
-    Each corner takes what the closest place of its own region has, in UV maps within one island. A vertex takes the
-    mean of its corners. Nothing is done where modifiers make another mesh than the scan's own, and posed figures get
-    no shape keys.
+    Each corner has the value of the closest point of its own region, in UV maps within one island. Each vertex has the
+    mean of its corners. Returns without a copy if modifiers change the topology of the scan. A posed figure gets no
+    shape keys.
 
-    arrays: those of the scan that the outcome was made from. turn: what `result.fill` returned. slid: values that the
-    result's shape keys had before.
+    arrays: the scan that the outcome was made from. turn: returned by `result.fill`. slid: values of the shape keys
+    that the result had before.
     """
     mesh = scan.data
     if (len(arrays.vertices), arrays.face_count) != (len(mesh.vertices), len(mesh.polygons)):
@@ -90,21 +90,21 @@ def layers(result, scan, arrays, outcome, turn, slid: dict) -> None:
 
 
 class _Carrier:
-    """Takes values at the corners of the scan's triangles to the corners of polygons."""
+    """Transfers values at the corners of the scan's triangles to the corners of polygons."""
 
     def __init__(self, arrays, outcome, uv=None):
-        """uv: (T, 3, 2) of a UV map; then places are those of the island that most of each region lies in."""
+        """uv: (T, 3, 2) a UV map to transfer: each region then uses only the island with most of its area."""
         self._triangle, self._weights = runtime.get().session.corner_sources(arrays, outcome, uv)
         self._loops = np.asarray(outcome.polygons.loops)
         self._count = np.maximum(np.bincount(self._loops, minlength=len(outcome.polygons.vertices)), 1)
 
     def __call__(self, values) -> np.ndarray:
-        """(T, 3, n) to (L, n) float32."""
+        """Return (L, n) float32 the values of the polygons' corners from values (T, 3, n)."""
         taken = np.einsum("lc,lcn->ln", self._weights, values[np.maximum(self._triangle, 0)])
         return np.where(self._triangle[:, None] >= 0, taken, 0).astype(np.float32)
 
     def mean(self, of_corner) -> np.ndarray:
-        """(L, n) to (W, n) float32: of the corners of each vertex."""
+        """Return (W, n) float32 the mean of each vertex's corners from values (L, n)."""
         sums = [np.bincount(self._loops, column, len(self._count)) for column in of_corner.T]
         return (np.stack(sums, axis=1) / self._count[:, None]).astype(np.float32)
 
@@ -116,7 +116,7 @@ def _read(data, name: str, width: int) -> np.ndarray:
 
 
 def _loops(mesh, arrays) -> np.ndarray:
-    """(T, 3) the mesh's corner at each corner of a triangle."""
+    """Return (T, 3) the mesh's corner at each corner of a triangle."""
     of_loop, count = np.empty(len(mesh.loops), np.int32), len(mesh.vertices)
     mesh.loops.foreach_get("vertex_index", of_loop)
     faces = np.repeat(np.arange(len(mesh.polygons), dtype=np.int64), mesh_io.corner_totals(mesh))
@@ -127,7 +127,7 @@ def _loops(mesh, arrays) -> np.ndarray:
 
 
 def _color_layer(mesh, like):
-    """The colour attribute of the same name and kind; an older one of another kind goes."""
+    """Return the colour attribute of the same name and kind. An older one of another kind is removed."""
     there = mesh.color_attributes.get(like.name)
     if there is not None and (there.data_type, there.domain) != (like.data_type, like.domain):
         mesh.color_attributes.remove(there)
@@ -136,7 +136,7 @@ def _color_layer(mesh, like):
 
 
 def _keys(scan) -> list:
-    """(shape key, how far it is on, offsets (V, 3)) of each one but the first, in the scan's mesh."""
+    """Return (shape key, value, offsets (V, 3)) of each shape key of the scan except the reference key."""
     keys = scan.data.shape_keys
     if keys is None or not keys.use_relative:
         return []
@@ -160,7 +160,7 @@ def _weights(scan, group) -> np.ndarray:
 
 
 def _put_keys(result, scan, keys: list, carrier, arrays, turn, slid: dict) -> None:
-    """Adds the shape keys. The polygons were made with those that are on, so the first one is without them."""
+    """Adds the shape keys. Their offsets are subtracted from the polygons to get the reference key."""
     moves = [carrier.mean(carrier(offsets[arrays.triangles])) @ turn for _, _, offsets in keys]
     now = mesh_io.points(result.data).reshape(-1, 3).astype(np.float64)
     first = now - sum(value * move for (_, value, _), move in zip(keys, moves, strict=True))

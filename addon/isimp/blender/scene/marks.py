@@ -1,4 +1,4 @@
-"""Barriers that Blender itself marks on a mesh: seams, sharp edges, materials, face sets."""
+"""Reads Blender's own marks on a mesh as barriers: seams, sharp edges, materials, face sets."""
 
 import numpy as np
 
@@ -6,13 +6,13 @@ from ... import recipe as rcp
 from ...language import said
 from . import mesh_io, weights
 
-_FACE_SET = ".sculpt_face_set"  # from Blender 3.6 on; before, nothing tells of them
+_FACE_SET = ".sculpt_face_set"  # exists since Blender 3.6
 
 
 def read(obj, wanted, vertex_count: int) -> dict:
-    """{layer: values} of the layers of `recipe.MARKS` among the wanted, as of the last update_from_editmode.
+    """Return {layer: values} of the wanted layers of `recipe.MARKS`, as of the last update_from_editmode.
 
-    vertex_count: of the scan that is read of the object. Raises Unusable if modifiers have changed it.
+    vertex_count: number of vertices of the scan. Raises Unusable if it differs from the mesh's, due to modifiers.
     """
     mesh, found = obj.data, {}
     for name, flag in (("seams", "use_seam"), ("sharp", "use_edge_sharp")):

@@ -1,16 +1,16 @@
-"""The size of a scan as the engine measures it, for settings that are shares of it."""
+"""Measures the size of a scan like the engine, for settings that are shares of it."""
 
 import numpy as np
 
 from . import mesh_io, runtime
 
-_MOST = 200_000  # triangles that are looked at
+_MOST = 200_000  # approximate number of sampled triangles
 
 
 def size(obj) -> float:
-    """The size that a detail is a share of: 3 standard deviations of the surface's points, scene units. Kept.
+    """Return 3 standard deviations of the surface's points, scene units: a detail is a share of it. The size is cached.
 
-    Of a large scan every n-th triangle is taken. 1 where the object has no area.
+    Every n-th triangle of a large scan is sampled. An object without area has size 1.
     """
     mesh, known = obj.data, runtime.get().sizes
     box = tuple(tuple(corner) for corner in (obj.bound_box[0], obj.bound_box[6]))
@@ -21,7 +21,7 @@ def size(obj) -> float:
 
 
 def _measured(obj) -> float:
-    if obj.mode != "OBJECT":  # the mesh is not up to date there
+    if obj.mode != "OBJECT":  # the mesh is not up to date in other modes
         return float(np.linalg.norm(obj.dimensions)) or 1.0
     try:
         points = mesh_io.points(obj.data).reshape(-1, 3).astype(np.float64) @ mesh_io.shape_matrix(obj)
@@ -33,7 +33,7 @@ def _measured(obj) -> float:
 
 
 def spread(corners: np.ndarray) -> float:
-    """3 standard deviations of the points of triangles, (T, 3, 3); 0 if they have no area."""
+    """Return 3 standard deviations of the points of triangles, (T, 3, 3); 0 if they have no area."""
     if not len(corners) or not np.isfinite(corners).all():
         return 0.0
     corners = corners - corners[0, 0]

@@ -1,4 +1,4 @@
-"""All reading and writing of Blender meshes: bulk arrays in object mode, BMesh layers in edit mode."""
+"""Reads and writes Blender meshes: bulk arrays in Object Mode, BMesh layers in Edit Mode."""
 
 from itertools import islice
 
@@ -12,8 +12,8 @@ from ...session import Scan
 from . import raw, runtime
 
 REGION, COLOR = "isimp_region", "isimp_color"
-DEFECT = "isimp_flaw"  # of the result's polygons: 1 for defective ones
-STATE = ".isimp_state"  # which recipe led to the regions; see store.py
+DEFECT = "isimp_flaw"  # on the result's polygons: 1 for defective ones
+STATE = ".isimp_state"  # id of the recipe that made the regions; see store.py
 KINDS = {REGION: ("INT", "FACE"), STATE: ("INT", "FACE"), COLOR: ("FLOAT_COLOR", "CORNER")}
 _ORIGIN = ".isimp_origin"
 _PIECE = 5000  # faces: writing all of them takes about a hundredth of a second
@@ -21,14 +21,14 @@ _UNKNOWN = -2  # no region has this number
 
 
 class Unusable(Exception):
-    """The object can't be used; the message says why and what to do."""
+    """The object can't be used. The message has the reason and a remedy."""
 
 
 def shape_matrix(obj) -> np.ndarray:
-    """(3, 3) the scale and shear of the object's transform, without rotation and location.
+    """Return (3, 3) the scale and shear of the object's transform, without rotation, mirroring and location.
 
-    Regions, lengths and areas are found on the shape as seen, and do not depend on where it stands. Mirroring is no
-    part of it either: the result gets the scan's transform, and so is mirrored with it.
+    Regions, lengths and areas belong to the visible shape, and do not depend on its place. The result has the scan's
+    transform, and so is mirrored with it.
     """
     matrix = np.array(obj.matrix_world, np.float64)[:3, :3]
     values, axes = np.linalg.eigh(matrix.T @ matrix)
@@ -43,23 +43,23 @@ def shape_matrix(obj) -> np.ndarray:
 
 
 def lost_detail(obj) -> afar.Loss | None:
-    """The loss of detail by float32 of an object far from its own zero, lengths as seen; None if negligible."""
+    """Return the float32 loss of an object far from its own origin, lengths with its scale; None if negligible."""
     box = np.array(obj.bound_box, np.float64)
     scale = np.linalg.norm(np.array(obj.matrix_world, np.float64)[:3, :3], axis=0)
     return afar.loss(box.min(axis=0), box.max(axis=0), scale)
 
 
 def place_matrix(obj) -> np.ndarray:
-    """(4, 4) from the space of a `Scan` of the object to the world."""
+    """Return (4, 4) from the space of a `Scan` of the object to the world."""
     place = np.array(obj.matrix_world, np.float64)
     place[:3, :3] = place[:3, :3] @ np.linalg.inv(shape_matrix(obj))
     return place
 
 
 def read(context, obj, is_updated: bool = False) -> Scan:
-    """The object as seen: evaluated, scaled, cut into triangles; faces are those of its own mesh. Raises Unusable.
+    """Return the visible object: evaluated, scaled, triangulated. Faces are of its own mesh. Raises Unusable.
 
-    is_updated: whether its mesh has what was done in Edit Mode, which takes half a second a million faces.
+    is_updated: whether the mesh has the changes of Edit Mode. The update takes half a second for a million faces.
     """
     shape = shape_matrix(obj)
     if is_edited(obj) and not is_updated:
@@ -75,19 +75,19 @@ def read(context, obj, is_updated: bool = False) -> Scan:
 
 
 def has_modifiers(obj) -> bool:
-    """Whether modifiers or shape keys change the mesh of an object."""
+    """Return whether modifiers or shape keys change the mesh of an object."""
     return obj.data.shape_keys is not None or any(modifier.show_viewport for modifier in obj.modifiers)
 
 
 def points(mesh) -> np.ndarray:
-    """(3 V,) float32 coordinates."""
+    """Return (3 V,) float32 coordinates."""
     vertices = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.vertices.foreach_get("co", vertices)
     return vertices
 
 
 def loop_triangles(mesh, what):
-    """(3 T,) int32 "vertices" or "loops" of the triangles that polygons are drawn as, and (T,) the polygon of each."""
+    """Return (3 T,) int32 "vertices" or "loops" of Blender's triangles, and (T,) the polygon of each triangle."""
     mesh.calc_loop_triangles()
     corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
     faces = np.empty(len(mesh.loop_triangles), np.int32)
@@ -100,7 +100,7 @@ def _arrays(mesh):
     vertices = points(mesh)
     if len(mesh.loops) == 3 * len(mesh.polygons):
         triangles = np.empty(len(mesh.loops), np.int32)
-        corners = mesh.attributes.get(".corner_vert")  # 20 times as fast as loops, where it exists
+        corners = mesh.attributes.get(".corner_vert")  # 20 times as fast as loops; not in all versions
         if corners is not None:
             corners.data.foreach_get("value", triangles)
         else:
@@ -112,9 +112,9 @@ def _arrays(mesh):
 
 
 def _evaluated_arrays(context, obj):
-    """As `_arrays` of the mesh with its modifiers and shape keys; faces traced back to those of the mesh itself.
+    """Return `_arrays` of the mesh with its modifiers and shape keys, with faces of the mesh itself.
 
-    A copy carries the trace, so that the scan is not touched and edit mode makes no difference.
+    An attribute on a copy traces the faces, so the scan does not change, and the mode does not matter.
     """
     copy = obj.copy()
     copy.data = obj.data.copy()
@@ -151,9 +151,9 @@ def _evaluated_arrays(context, obj):
 
 
 def edit_mesh(mesh):
-    """The BMesh of a mesh in edit mode.
+    """Return the BMesh of a mesh in Edit Mode.
 
-    It is kept: for each that Python lets go, Blender has to change every element, 60 ms of a million faces.
+    A reference is kept, since Blender changes every element when Python frees a BMesh: 60 ms for a million faces.
     """
     edit = bmesh.from_edit_mesh(mesh)
     runtime.get().edit = edit
@@ -161,12 +161,12 @@ def edit_mesh(mesh):
 
 
 def is_edited(obj) -> bool:
-    """Whether an object's mesh is in Edit Mode. While a file that was saved there is opened, it is so only in name."""
+    """Return whether an object's mesh is in Edit Mode. While a file is opened, `mode` may be EDIT without a BMesh."""
     return obj.mode == "EDIT" and obj.data.is_editmode
 
 
 def counts(obj) -> tuple[int, int]:
-    """How many vertices and faces an object's mesh has now, in either mode."""
+    """Return the numbers of vertices and faces of an object's mesh, in either mode."""
     if is_edited(obj):
         edit = edit_mesh(obj.data)
         return len(edit.verts), len(edit.faces)
@@ -174,12 +174,12 @@ def counts(obj) -> tuple[int, int]:
 
 
 def is_own(layer) -> bool:
-    """Whether a layer is of the name and the kind of one of the add-on's."""
+    """Return whether a layer has the name and the kind of a layer of the add-on."""
     return (layer.data_type, layer.domain) == KINDS.get(layer.name)
 
 
 def own_layer(mesh, name: str):
-    """A layer of the add-on's; None if there is none, or another one has its name."""
+    """Return a layer of the add-on; None if there is none of its name and kind."""
     layer = mesh.attributes.get(name)
     if layer is None or is_own(layer):
         return layer
@@ -187,7 +187,7 @@ def own_layer(mesh, name: str):
 
 
 def state_of(obj) -> int:
-    """The state kept beside the regions; 0 where there is none. Cost: none to speak of."""
+    """Return the state stored with the regions; 0 if there is none. Cost: O(1)."""
     if is_edited(obj):
         faces = edit_mesh(obj.data).faces
         layer = faces.layers.int.get(STATE)
@@ -197,7 +197,7 @@ def state_of(obj) -> int:
 
 
 def read_regions(obj) -> np.ndarray:
-    """(faces,) int32 as last written; all -1 where there are none. In edit mode as of the last update_from_editmode."""
+    """Return (faces,) int32 regions as last written; all -1 without a layer of regions."""
     if is_edited(obj):
         return _read_edit_regions(obj)
     regions = np.full(len(obj.data.polygons), -1, np.int32)
@@ -208,19 +208,19 @@ def read_regions(obj) -> np.ndarray:
 
 
 def region_of(obj, face: int) -> int:
-    """The region of one face in Object Mode, as last written; -1 where there is none."""
+    """Return the region of one face in Object Mode, as last written; -1 if it has none."""
     layer = own_layer(obj.data, REGION)
     return layer.data[face].value if layer is not None and face < len(layer.data) else -1
 
 
 def _possible(regions: np.ndarray) -> np.ndarray:
-    """Regions without numbers that none can have, which take work or memory without end where they are counted."""
+    """Return regions with impossible numbers replaced by -1. Large numbers would need huge arrays of counts."""
     regions[(regions < 0) | (regions >= len(regions))] = -1
     return regions
 
 
 def _read_edit_regions(obj) -> np.ndarray:
-    """As `read_regions`; not read again while nothing tells of a change."""
+    """Return `read_regions` of a mesh in Edit Mode. The result is cached until state or number of faces change."""
     seen, faces = runtime.get().seen, edit_mesh(obj.data).faces
     state, regions = seen.get(obj.name, (0, None))
     if state and state == state_of(obj) and len(regions) == len(faces):
@@ -229,13 +229,13 @@ def _read_edit_regions(obj) -> np.ndarray:
     if layer is None:
         return np.full(len(faces), -1, np.int32)
     regions = _possible(np.fromiter((face[layer] for face in faces), np.int32, len(faces)))
-    if not bpy.app.background:  # where nothing tells of changes
+    if not bpy.app.background:  # Blender reports no changes in the background
         runtime.get().seen = {obj.name: (state_of(obj), regions)}
     return regions.copy()
 
 
 def corner_totals(mesh) -> np.ndarray | int:
-    """How many corners each polygon has; one number where all are triangles."""
+    """Return the number of corners of each polygon; a single number if all are triangles."""
     if len(mesh.loops) == 3 * len(mesh.polygons):
         return 3
     totals = np.empty(len(mesh.polygons), np.int32)
@@ -246,10 +246,10 @@ def corner_totals(mesh) -> np.ndarray | int:
 def write_regions(
     obj, face_region: np.ndarray, face_color: np.ndarray, state: int, corner_color=None, tells: bool = True
 ) -> None:
-    """Puts regions, their colours and the state that led to them on the mesh. Nothing else of it is changed.
+    """Writes regions, their colours and their state on the mesh, and changes nothing else of it.
 
-    face_color: (faces,) into view.COLORS. corner_color: the colour of each corner, if that is there already; it is used
-    for others then. tells: whether the change is reported to Blender in Object Mode; see late.py.
+    face_color: (faces,) rows of view.COLORS. corner_color: colours of the corners, computed if None; the array is
+    reused afterwards. `tells`: whether to report the change to Blender in Object Mode; see late.py.
     """
     if is_edited(obj):
         if not _is_written(obj, face_region, state):
@@ -265,7 +265,7 @@ def write_regions(
 
 
 def write_state(obj, state: int) -> None:
-    """Puts another state beside the regions, which stay."""
+    """Writes another state; the regions do not change."""
     if is_edited(obj):
         edit = edit_mesh(obj.data)
         stamp = edit.faces.layers.int.get(STATE) or edit.faces.layers.int.new(STATE)
@@ -279,7 +279,7 @@ def write_state(obj, state: int) -> None:
 
 
 def clear_regions(obj) -> None:
-    """Takes regions, their colours and the state from the mesh, and shows again the colours that were shown before."""
+    """Removes regions, their colours and their state from the mesh, and restores the active colour attribute."""
     if is_edited(obj):
         edit = edit_mesh(obj.data)
         for layers, name in (
@@ -306,7 +306,7 @@ def _write_layers(mesh, face_region, corner_color, state) -> None:
 
 
 def tell(mesh) -> None:
-    """Tells Blender that layers of a mesh have changed, and nothing else of it."""
+    """Reports to Blender that layers of a mesh have changed. The change is recorded as the add-on's own."""
     runtime.get().own_writes.add(mesh.name)
     mesh.update()
 
@@ -325,15 +325,15 @@ def _layer(mesh, name, kind, domain):
 
 
 def _is_written(obj, face_region, state) -> bool:
-    """Whether just these regions were written in edit mode last, and nothing was done since."""
+    """Return whether these regions were the last ones written in Edit Mode and the state is unchanged since."""
     known, region, _ = runtime.get().written.get(obj.name, (0, None, None))
     return known == state == state_of(obj) and region is face_region
 
 
 def writing(obj, face_region, face_color, state):
-    """As `write_regions` in edit mode, face by face, as there is no bulk access: in pieces, yielding the share done.
+    """Does `write_regions` in Edit Mode face by face, since there is no bulk access. Yields the completed share.
 
-    Only faces that have another region or colour are touched. Nothing else may change the mesh between two pieces.
+    Only faces with another region or colour are written. Nothing else may change the mesh between two pieces.
     """
     edit = edit_mesh(obj.data)
     before, was, old_color = runtime.get().written.pop(obj.name, (0, None, None))
@@ -352,7 +352,7 @@ def writing(obj, face_region, face_color, state):
         values = (*values, view.COLORS[face_color[piece]].tolist())
         for face, seen, another, label, value in zip(islice(faces, _PIECE), *values, strict=True):
             face[stamp] = state
-            if another or face[region] != seen:  # other faces, or in another order
+            if another or face[region] != seen:  # differs if faces were added or reordered
                 _paint(face, region, label, color, value)
         yield min(1.0, piece.stop / len(face_region))
     runtime.get().written = {obj.name: (state, face_region, face_color)}
@@ -368,7 +368,7 @@ def _paint(face, region, label, color, value) -> None:
 
 
 def _make_edit_layers(edit):
-    """Makes the layers that are missing; yields how many, after each. References to other layers are invalid then."""
+    """Adds missing layers; yields their number after each. A new layer invalidates references to others."""
     made = 0
     for layers, names in ((edit.faces.layers.int, (REGION, STATE)), (edit.loops.layers.float_color, (COLOR,))):
         for name in names:
@@ -379,7 +379,7 @@ def _make_edit_layers(edit):
 
 
 def show_color(mesh) -> None:
-    """Makes the regions' colours the ones shown, and remembers which were before. Renders keep the user's own."""
+    """Makes the regions' colours the active ones, and stores the former ones. Renders keep the user's colours."""
     colors = mesh.color_attributes
     active, ours, rendered = colors.active_color, colors.get(COLOR), _rendered(mesh)
     if ours is None:
@@ -387,13 +387,13 @@ def show_color(mesh) -> None:
     if active is not None and active.name != COLOR:
         raw.make_way(mesh)
         mesh.isimp.user_color = active.name
-    if active != ours:  # Blender copies all of the mesh again whenever it is set
+    if active != ours:  # each assignment makes Blender upload the mesh again
         colors.active_color = ours
     _render(mesh, rendered if rendered != COLOR else raw.text(mesh, "user_color"))
 
 
 def give_color_back(mesh) -> None:
-    """Shows again the colours that were shown before the regions' were."""
+    """Restores the colours that were active before the regions' colours."""
     name, rendered = raw.text(mesh, "user_color"), _rendered(mesh)
     layer = mesh.color_attributes.get(name) if name else None
     if layer is not None:
@@ -402,20 +402,20 @@ def give_color_back(mesh) -> None:
 
 
 def _rendered(mesh) -> str:
-    """The name of the colours that renders and exporters take; empty where there are none."""
+    """Return the name of the colours for renders and exporters; empty if there are none."""
     colors = mesh.color_attributes
     return colors[colors.render_color_index].name if 0 <= colors.render_color_index < len(colors) else ""
 
 
 def _render(mesh, name: str) -> None:
-    """Makes colours those that renders take, if there are any of that name."""
+    """Makes colours the ones for renders, if there are any of that name."""
     place = mesh.color_attributes.find(name) if name else -1
     if place >= 0 and _rendered(mesh) != name:
         mesh.color_attributes.render_color_index = place
 
 
 def read_layer(mesh, name: str) -> np.ndarray:
-    """(polygons,) int32 of a face layer; zeros where there is none. In object mode."""
+    """Return (polygons,) int32 values of a face layer in Object Mode; zeros if there is none."""
     values, layer = np.zeros(len(mesh.polygons), np.int32), mesh.attributes.get(name)
     if layer is not None and (layer.data_type, layer.domain) == ("INT", "FACE"):
         layer.data.foreach_get("value", values)
@@ -425,7 +425,7 @@ def read_layer(mesh, name: str) -> np.ndarray:
 def fill_polygons(mesh, vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray, layers: dict) -> None:
     """Replaces all geometry of a mesh by polygons. vertices (W, 3), loops (L,), loop_start (Q,).
 
-    layers: {name: (Q,) int} what is kept of each polygon.
+    layers: {name: (Q,) int} face layers to write.
     """
     mesh.clear_geometry()
     mesh.vertices.add(len(vertices))

@@ -1,15 +1,15 @@
-"""Where a scan is on the map: what an exact import subtracted from its coordinates, as custom properties."""
+"""Stores a scan's place on the map as custom properties: the offset that an exact import subtracted."""
 
 import numpy as np
 
 from ... import handover
 from . import mesh_io
 
-ORIGIN, EPSG = "isimp_origin", "isimp_epsg"  #: three doubles; a number of EPSG
+ORIGIN, EPSG = "isimp_origin", "isimp_epsg"  #: three doubles; the EPSG number
 
 
 def keep(obj, origin, epsg: int = 0) -> None:
-    """Notes the place on a scan; nothing where it is zero."""
+    """Stores the origin on a scan if it is not zero, and the EPSG number if it is known."""
     if np.any(origin):
         obj[ORIGIN] = [float(x) for x in origin]
     if epsg:
@@ -17,7 +17,7 @@ def keep(obj, origin, epsg: int = 0) -> None:
 
 
 def origin(obj) -> np.ndarray:
-    """(3,) what to add to world coordinates; zero where nothing, or nothing usable, is noted."""
+    """Return (3,) the offset to add to world coordinates; zero if no usable one is stored."""
     try:
         found = np.array(list(obj[ORIGIN]), np.float64)
     except (KeyError, TypeError, ValueError):
@@ -31,14 +31,14 @@ def epsg(obj) -> int:
 
 
 def to_world(scan) -> np.ndarray:
-    """(4, 4) from the space of a `Scan` of the object to map coordinates."""
+    """Return (4, 4) from the space of a `Scan` of the object to map coordinates."""
     place = mesh_io.place_matrix(scan).copy()
     place[:3, 3] += origin(scan)
     return place
 
 
 def model_of(context, scan, result) -> handover.Model:
-    """Returns the visible result in map coordinates."""
+    """Return the visible result in map coordinates."""
     seen = result.evaluated_get(context.evaluated_depsgraph_get())
     mesh = seen.to_mesh()
     try:

@@ -1,6 +1,6 @@
-"""The regions that were clicked last: in Object Mode the buttons act on them, since a selection is not seen there.
+"""Stores the regions clicked last. In Object Mode buttons act on them, since selected faces are not visible there.
 
-A click chooses one, a shift-click one more. Each is kept as a face of it, since edits change the numbers of regions.
+A click chooses one region, a shift-click adds one. Each is stored as a face, since edits renumber the regions.
 """
 
 import numpy as np
@@ -13,12 +13,12 @@ NONE = own("No region is chosen: alt-click one with the Region tool (T), or sele
 
 
 def note(scan, face: int) -> None:
-    """A face of the scan was clicked; -1: the click was beside it."""
+    """Stores a clicked face of the scan; -1: the click missed the scan."""
     runtime.get().pointed = (scan.name, (face,)) if face >= 0 else None
 
 
 def collect(scan, face: int) -> None:
-    """Chooses the region of a face beside those chosen before, or no longer."""
+    """Adds the region of a face to the chosen regions, or removes it."""
     regions = mesh_io.read_regions(scan)
     kept = [other for other in faces(scan) if regions[other] != regions[face]]
     added = [face] if len(kept) == len(faces(scan)) else []
@@ -26,24 +26,24 @@ def collect(scan, face: int) -> None:
 
 
 def faces(scan) -> tuple:
-    """A face of each region that is chosen, the one chosen last at the end."""
+    """Return a face of each chosen region, the last chosen one at the end."""
     name, found = runtime.get().pointed or ("", ())
     return tuple(face for face in found if face < len(scan.data.polygons)) if name == scan.name else ()
 
 
 def face(scan) -> int:
-    """The face of a scan that was clicked last; -1 if there is none."""
+    """Return the face of a scan that was clicked last; -1 if there is none."""
     return next(reversed(faces(scan)), -1)
 
 
 def region(scan) -> int:
-    """The region that it is in now; -1 if there is none. Cost: none to speak of."""
+    """Return the region of the face clicked last; -1 if there is none. Cost: O(1)."""
     found = face(scan)
     return mesh_io.region_of(scan, found) if found >= 0 else -1
 
 
 def outline(scan) -> np.ndarray:
-    """(2 B, 3) float32: the border edges of the chosen regions; empty if the search would be slow."""
+    """Return (2 B, 3) float32 the border edges of the chosen regions; empty if they are not cached."""
     current, found = runtime.get(), faces(scan)
     key = (scan.name, mesh_io.state_of(scan), found)
     if current.marked[0] != key:

@@ -1,18 +1,18 @@
-"""The add-on's own properties of a datablock as they lie in the file, whatever is in their place.
+"""Reads the add-on's properties of a datablock as stored in the file, without Blender's conversion of types.
 
-Where a value is of another type than its property, Blender drops it as soon as the property is read, and with it what a
-later version may have meant. So they are read as they lie here, and moved aside before they are written.
+If a stored value has another type than its property, Blender drops the value when the property is read, and with it
+data of a later version. So this module reads stored values, and moves foreign ones before properties are written.
 """
 
 from idprop.types import IDPropertyGroup
 
 _NAME = "isimp"
-KEPT = f"{_NAME}.kept"  #: custom properties with foreign values that were in the place of the add-on's own
+KEPT = f"{_NAME}.kept"  #: custom properties with moved foreign values
 _TEXTS = frozenset({"user_color", "key", "scan_key", "scan_name", "made", "named", "placed", "unrendered"})
 
 
 def _home(block):
-    """The group that holds properties registered by add-ons: since 5.0 apart from the custom properties."""
+    """Return the group with properties registered by add-ons. Since 5.0 it is separate from custom properties."""
     return block.bl_system_properties_get() if hasattr(block, "bl_system_properties_get") else block
 
 
@@ -22,16 +22,16 @@ def _found(block):
 
 
 def text(block, name: str) -> str:
-    """A property that is text; empty where there is none."""
+    """Return a text property; empty if there is none."""
     group = _found(block)
     value = group.get(name, "") if isinstance(group, IDPropertyGroup) else ""
     return value if isinstance(value, str) else ""
 
 
 def nodes(mesh) -> list | None:
-    """The steps' groups of values, in order; None if something else is in their place.
+    """Return the steps' groups of values, in order; None if another value is in their place.
 
-    They are good until a node is added or removed, and no longer.
+    The groups are invalid after a node is added or removed.
     """
     group = _found(mesh)
     found = [] if group is None else group.get("nodes", []) if isinstance(group, IDPropertyGroup) else None
@@ -43,7 +43,7 @@ def _are_nodes(value) -> bool:
 
 
 def make_way(block) -> None:
-    """Moves foreign values out of the place of the add-on's properties, so that these can be written."""
+    """Moves foreign values out of the add-on's properties, so that these can be written."""
     group = _found(block)
     if group is None:
         return
@@ -69,6 +69,6 @@ def _numbered(number: int) -> str:
 
 
 def kept(block) -> list:
-    """The names of the custom properties with values that were moved aside."""
-    names = block.keys()  # a datablock itself is no dictionary
+    """Return the names of the custom properties with moved values."""
+    names = block.keys()  # a datablock itself is not iterable
     return [name for name in names if name == KEPT or name.startswith(f"{KEPT}.")]

@@ -1,4 +1,4 @@
-"""The object that Mesh makes beside a scan: where it lies, and whether its user has edited it since."""
+"""Creates and fills the result object of Mesh, places it, and detects edits of it by the user."""
 
 import hashlib
 import json
@@ -16,7 +16,7 @@ _DELTA = ("delta_location", "delta_rotation_euler", "delta_rotation_quaternion",
 
 
 def digest(obj) -> str:
-    """A hash of all that a user can edit of a result's mesh. Cost: of its size, which is small."""
+    """Return a hash of all data that a user can edit in a result's mesh. Cost: linear in its size, which is small."""
     if mesh_io.is_edited(obj):
         obj.update_from_editmode()
     mesh, found = obj.data, hashlib.blake2b(digest_size=16)
@@ -45,12 +45,12 @@ def digest(obj) -> str:
 
 
 def is_edited(obj) -> bool:
-    """Whether a result is no longer as Mesh made it; also if that is not known."""
+    """Return whether a result differs from the output of Mesh, or its digest is unknown."""
     return raw.text(obj, "made") != digest(obj)
 
 
 def why_kept(obj) -> str:
-    """What its user has done with a result, which Mesh then leaves alone; empty if nothing."""
+    """Return why Mesh must not overwrite a result; empty if it may."""
     named = raw.text(obj, "named")  # empty in files of earlier versions
     if is_edited(obj):
         return own("edited by hand")
@@ -64,7 +64,7 @@ def why_kept(obj) -> str:
 
 
 def why_kept_here(context, scan) -> str:
-    """As `why_kept` of the active object, if that is a result of the scan; one in Edit Mode is edited by hand."""
+    """Return `why_kept` of the active object if it is a result. A result in Edit Mode counts as edited."""
     active = context.view_layer.objects.active
     if active is None or active == scan:
         return ""
@@ -72,12 +72,12 @@ def why_kept_here(context, scan) -> str:
 
 
 def sign(obj) -> None:
-    """Notes that a result is now as Mesh made it."""
+    """Stores digest and name of a result that Mesh has just made."""
     obj.isimp.made, obj.isimp.named = digest(obj), obj.name
 
 
 def to_fill(context, scan) -> tuple:
-    """(the object to fill with polygons, [(result that is kept from now on, why)])."""
+    """Return (the object to fill with polygons, [(result to keep, reason)]). Kept results are marked."""
     result, kept = None, []
     for made in targets.results_of(context.scene, scan):
         why = why_kept(made) if result is None else COPIED
@@ -101,11 +101,11 @@ def _new(scan, context):
 
 
 def fill(result, scan, outcome) -> np.ndarray:
-    """Puts the polygons where the scan is, with the scan's parent and transform if those alone tell its place.
+    """Replaces the result's polygons and places it at the scan, with the scan's parent and transform if possible.
 
-    Those of a scan far from its own zero are put relative to the outcome's origin, and the result's location has the
-    rest. Blender rounds a location to float32; the rounding error of a far one goes to the vertices.
-    Returns the matrix, (3, 3), that takes directions (n, 3) in the scan's mesh to those in the result's.
+    Vertices of a scan far from its own origin are relative to the outcome's origin, and the result's location has the
+    offset. Blender rounds a location to float32; the rounding error is added to the vertices.
+    Returns the (3, 3) matrix that maps directions (n, 3) in the scan's mesh to the result's mesh.
     """
     polygons = outcome.polygons
     loops, start = np.array(polygons.loops), np.array(polygons.loop_start)
@@ -124,14 +124,14 @@ def fill(result, scan, outcome) -> np.ndarray:
     for found in outcome.numbers["flaws"].values():
         defective[found] = 1
     layers = {mesh_io.REGION: np.asarray(polygons.polygon_region), mesh_io.DEFECT: defective}
-    if result.data.shape_keys is not None:  # else Blender keeps them, with vertices that there are no more
+    if result.data.shape_keys is not None:  # Blender would keep the keys of the removed vertices
         result.shape_key_clear()
     mesh_io.fill_polygons(result.data, vertices, loops, start, layers)
     return turn
 
 
 def corner_order(result, outcome):
-    """Which corner of the outcome's polygons each corner of the result is; None if the result has others."""
+    """Return the corner of the outcome's polygons for each corner of the result; None if the polygons differ."""
     wanted, start = np.array(outcome.polygons.loops), np.array(outcome.polygons.loop_start)
     loops = np.empty(len(result.data.loops), np.int32)
     result.data.loops.foreach_get("vertex_index", loops)
@@ -143,7 +143,7 @@ def corner_order(result, outcome):
 
 
 def take_materials(result, scan, outcome) -> None:
-    """Gives each polygon the material that most faces of its region have on the scan."""
+    """Sets the material of each polygon to the most frequent one of its region's faces."""
     materials = [slot.material for slot in scan.material_slots]
     if not any(materials):
         return
@@ -161,10 +161,10 @@ def take_materials(result, scan, outcome) -> None:
 
 
 def _moved(result):
-    """How a user has moved a result since Mesh put it in its place; None if not at all."""
+    """Return the matrix by which the user has moved a result; None if it was not moved."""
     try:
         placed = Matrix(json.loads(raw.text(result, "placed")))
-    except (ValueError, TypeError):  # none, or of another version
+    except (ValueError, TypeError):  # not stored, or written by another version
         return None
     if placed == result.matrix_basis or abs(placed.determinant()) < 1e-30:
         return None
@@ -172,7 +172,7 @@ def _moved(result):
 
 
 def _is_told_by_transform(scan) -> bool:
-    """Whether the scan's parent and its own transform alone lead to its place: no constraint, no parent of a bone."""
+    """Return whether parent and transform alone determine the scan's place: no constraint, no bone as parent."""
     matrix = scan.matrix_basis
     if scan.parent is not None:
         if scan.parent_type != "OBJECT":
@@ -183,9 +183,9 @@ def _is_told_by_transform(scan) -> bool:
 
 
 def _place_alike(result, scan, shift) -> np.ndarray:
-    """Gives the result the scan's parent and transform, moved by `shift`. Returns the rounding error of the location.
+    """Copies the scan's parent and transform to the result, moved by `shift`. Returns the location's rounding error.
 
-    Both in the space of the scan's mesh.
+    Shift and error are in the space of the scan's mesh.
     """
     result.parent, result.matrix_parent_inverse = scan.parent, scan.matrix_parent_inverse
     result.rotation_mode = scan.rotation_mode
@@ -200,7 +200,7 @@ def _place_alike(result, scan, shift) -> np.ndarray:
 
 
 def _place_in_world(result, scan, vertices, shift, loops, start):
-    """Puts the result where the scan is seen. (vertices, loops), in the world's axes if the scan is sheared."""
+    """Places the result at the scan in the world. Returns (vertices, loops, turn), in world axes for a sheared scan."""
     place = np.array(scan.matrix_world, np.float64)
     matrix = place[:3, :3].copy()
     place[:3, 3] += matrix @ shift
@@ -218,7 +218,7 @@ def _place_in_world(result, scan, vertices, shift, loops, start):
 
 
 def turned(loops: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """Every polygon the other way round."""
+    """Return the loops with the direction of each polygon reversed."""
     totals = np.diff(start, append=len(loops))
     within = np.arange(len(loops)) - np.repeat(start, totals)
     return loops[np.repeat(start + totals - 1, totals) - within]

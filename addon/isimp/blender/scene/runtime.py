@@ -1,4 +1,4 @@
-"""The state of the add-on while it is switched on: made by `start`, dropped by `stop`."""
+"""The state of the add-on while it is enabled: created by `start`, dropped by `stop`."""
 
 import time
 from collections import OrderedDict
@@ -9,18 +9,18 @@ from ...spare import Spare
 
 
 class Live:
-    """Changed settings in the panel, and their preview until they are written; see live.py."""
+    """Changed settings of the panel, and their preview until they are written; see live.py."""
 
     def __init__(self):
-        self.touched = 0.0  #: when a setting was changed last
+        self.touched = 0.0  #: time of the last change of a setting
         self.work = None  #: the Work that computes the result
         self.shown = None  #: a Preview that has no undo step yet; see preview.py
         self.tried = None  #: a Preview of a tool's result, while the mouse is held
         self.held = False  #: whether the preview must stay: the mouse is held, or it is being written
-        self.wake = None  #: called when a setting was changed; None where there are no timers
-        self.pending = False  #: whether a setting was changed that is no step to undo yet
-        self.scan = ""  #: whose settings the panel shows
-        self.settings = {}  #: object's name -> steps with the settings chosen for it, before it has regions
+        self.wake = None  #: called after a change of a setting; None in the background, which has no timers
+        self.pending = False  #: whether a changed setting has no undo step yet
+        self.scan = ""  #: name of the scan whose settings the panel shows
+        self.settings = {}  #: object's name -> steps with its settings, chosen before it has regions
         self._quiet = False
 
     def touch(self) -> None:
@@ -29,13 +29,13 @@ class Live:
             self.wake()
 
     def shown_of(self, scan):
-        """The Preview of a scan, if there is one that shows anything."""
+        """Return the Preview of a scan; None if there is none, or its work failed."""
         shown = self.shown if self.tried is None else self.tried
         return shown if shown is not None and shown.name == scan.name and shown.work.task.error is None else None
 
     @contextmanager
     def quiet(self):
-        """Settings changed meanwhile are changed by the add-on, not by its user."""
+        """Ignores changes of settings inside the context: the add-on makes them, not the user."""
         before, self._quiet = self._quiet, True
         try:
             yield
@@ -47,38 +47,38 @@ class Runtime:
     def __init__(self):
         self.session = Session()
         self.spare = Spare()
-        self.running = None  #: the modal operator's Work while there is one
+        self.running = None  #: the Work of the running modal operator
         self.nodes = {}  #: nodes that undo may have removed from the mesh; see store.py
-        self.recipes = {}  #: (mesh's name, state) -> Recipe as it was read, None if it can't be
-        self.stored = {}  #: (mesh's name, state) -> stored.Stored, until something can have changed it
-        self.most_nodes = {}  #: mesh's name -> how many nodes it may have before some are forgotten; see store.py
+        self.recipes = {}  #: (mesh's name, state) -> Recipe, None if it can't be read
+        self.stored = {}  #: (mesh's name, state) -> stored.Stored, until it may have changed
+        self.most_nodes = {}  #: mesh's name -> number of nodes above which unused ones are dropped; see store.py
         self.live = Live()
         self.sizes = {}  #: object's name -> (shape, size); see measure.py
         self.scans = {}  #: object's name -> the arrays read last; see reading.py
-        self.former = None  #: the arrays that `scans` had before, as the next ones may be equal
-        self.groups = {}  #: (object's name, vertex group's) -> weights.Group, as far as it is read
+        self.former = None  #: the previous arrays of `scans`, reused if the next ones are equal
+        self.groups = {}  #: (object's name, vertex group's) -> weights.Group, possibly read in part
         self.late = None  #: late.Written: the last written colours in Object Mode, and the colours that Blender shows
         self.written = {}  #: object's name -> (state, regions, colours) as last written on it in Edit Mode
-        self.seen = {}  #: object's name -> (state, regions) as read in Edit Mode since anything was changed
+        self.seen = {}  #: object's name -> (state, regions) read in Edit Mode, dropped on changes
         self.edit = None  #: the BMesh in Edit Mode, kept; see mesh_io.edit_mesh
         self.own_writes = set()  #: names of meshes whose next change is the add-on's own
         self.drawings = OrderedDict()  #: overlays of scans; see overlay.py
-        self.shaders = {}  #: own ones, by name
-        self.pictures = None  #: of the presets, as Blender's previews
+        self.shaders = {}  #: the add-on's shaders by name
+        self.pictures = None  #: pictures of the presets, as Blender's previews
         self.keys = []  #: (key map, item) of the add-on's own shortcuts
         self.start = None  #: the draw handler of the quick start
-        self.handles = ()  #: of the draw handlers
-        self.report = ("", {})  #: (object's name, numbers of the polygons that were drawn over it last)
+        self.handles = ()  #: the draw handlers of the overlay
+        self.report = ("", {})  #: (object's name, numbers of the polygons drawn over it last)
         self.sketching = None  #: (key, Task) of the next overlay
-        self.comparison = None  #: what is compared in the viewports; see comparison.py
+        self.comparison = None  #: the Comparison in the viewports; see comparison.py
         self.status = ""  #: a tool's text in the status bar
         self.hover = None  #: the highlight under the mouse; see tools/under.py
-        self.pointed = None  #: (object's name, faces) that were clicked last; see pointed.py
-        self.marked = ((), ())  #: (object's name, state, faces) and the lines round the regions of these faces
-        self.openings = None  #: ((object's name, state), openings) of the scan pointed at; see tools/opening.py
-        self.ground = None  #: the scan pointed at
-        self.surface = None  #: (Scan, pick.Surface) of the scan pointed at
-        self.digging = None  #: (Scan, Task) that makes it
+        self.pointed = None  #: (object's name, faces clicked last); see pointed.py
+        self.marked = ((), ())  #: (object's name, state, faces) and the border lines of the regions of these faces
+        self.openings = None  #: ((object's name, state), openings) of the scan under the mouse; see tools/opening.py
+        self.ground = None  #: the under.Ground of the scan under the mouse
+        self.surface = None  #: (Scan, pick.Surface) of the scan under the mouse
+        self.digging = None  #: (Scan, Task that makes its surface)
 
     def stop_sketching(self) -> None:
         """Stops the computation of an overlay; the next redraw requests it again."""
@@ -93,7 +93,7 @@ _current = None
 
 
 def start() -> None:
-    global _current  # noqa: PLW0603  (the one piece of state the add-on has outside the file)
+    global _current  # noqa: PLW0603  (the only state of the add-on outside the file)
     _current = Runtime()
 
 

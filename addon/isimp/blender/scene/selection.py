@@ -1,4 +1,4 @@
-"""Selection of polygons in Object and Edit Mode: read and set at once or in pieces."""
+"""Reads and sets the selection of polygons in Object and Edit Mode, at once or in pieces."""
 
 import bmesh
 import bpy
@@ -10,7 +10,7 @@ _PIECE = 5000  # faces: selecting all of them takes about a hundredth of a secon
 
 
 def selected_faces(obj) -> np.ndarray:
-    """Indices of the faces that are selected, in either mode."""
+    """Return the indices of the selected faces, in either mode."""
     if mesh_io.is_edited(obj):
         obj.update_from_editmode()
     selected = np.empty(len(obj.data.polygons), bool)
@@ -19,16 +19,16 @@ def selected_faces(obj) -> np.ndarray:
 
 
 def select_polygons(obj, chosen: np.ndarray, corners: np.ndarray | None = None) -> None:
-    """Selects polygons and their corners, and no others, in either mode.
+    """Selects polygons and their corners, and deselects all others, in either mode.
 
-    chosen: (polygons,) bool. corners: the vertex of each corner, if that is known.
+    chosen: (polygons,) bool. corners: the vertex of each corner, read if None.
     """
     for _ in selecting(obj, chosen, corners):
         pass
 
 
 def selecting(obj, chosen: np.ndarray, corners: np.ndarray | None = None):
-    """As `select_polygons`, in Edit Mode in pieces: yields before each. Nothing else may change the mesh meanwhile."""
+    """Does `select_polygons` in pieces in Edit Mode; yields before each. Nothing else may change the mesh between."""
     mesh = obj.data
     if mesh_io.is_edited(obj):
         edit = mesh_io.edit_mesh(mesh)
@@ -59,7 +59,7 @@ def selecting(obj, chosen: np.ndarray, corners: np.ndarray | None = None):
     ):
         flags = np.zeros(len(items), bool)
         flags[which] = True
-        # Made again: 5.0 may keep one value for all, and crashes where an array is written over that.
+        # The attribute is replaced: 5.0 may store a single value, and crashes if an array is written over it.
         if (old := mesh.attributes.get(name)) is not None:
             mesh.attributes.remove(old)
         mesh.attributes.new(name, "BOOLEAN", domain).data.foreach_set("value", flags)

@@ -1,14 +1,14 @@
-"""Recipe <-> mesh, so that undo, save, load, duplicate and append can't part them.
+"""Stores recipes on meshes, so that undo, save, load, duplicate and append can't separate them.
 
 Every step is a node: its parent, its settings, its numbers. A node's id is a hash of its parent and its settings, so
-the id of the last step stands for the whole recipe: the *state*. The state is kept in a face layer of the mesh, beside
-the regions it led to; nodes are kept in a property of the mesh and never changed, only added.
+the id of the last step identifies the whole recipe: the *state*. A face layer of the mesh stores the state next to the
+regions. A property of the mesh stores the nodes. Nodes are added and never changed, except for their numbers.
 
-Undo in edit mode restores the layers but no properties. As the state is in a layer, it is always that of the regions
-seen; as nodes are only added, the property still knows it. Undo past the start of edit mode and redo can leave the
-property behind; the copy in memory bridges that.
+Undo in Edit Mode restores layers but not properties. As the state is in a layer, it always belongs to the visible
+regions. As nodes are only added, the property has their steps too. Undo past the start of Edit Mode and redo can leave
+an older property; a copy in memory has the missing nodes.
 
-Of nodes that this version can't read, none is ever changed or dropped: a later version may read them. Layers with such
+Nodes that this version can't read are never changed or dropped, since a later version may read them. Layers with such
 a state are renamed before others are written (see aside.set_aside).
 """
 
@@ -44,34 +44,34 @@ class IsimpMesh(bpy.types.PropertyGroup):
 class IsimpObject(bpy.types.PropertyGroup):
     """Which scan a result is of"""
 
-    # By name and key, as a pointer would keep a deleted scan in the file.
+    # The scan is stored by name and key, since a pointer would keep a deleted scan in the file.
 
     key: StringProperty()
     scan_key: StringProperty()
     scan_name: StringProperty()
-    made: StringProperty()  # of a result: its digest as Mesh made it; see result.py
-    named: StringProperty()  # and the name that it had then
-    placed: StringProperty()  # and the transform that Mesh gave it, as JSON
-    unrendered: StringProperty()  # not empty: hidden in renders by the add-on, and not by its user
+    made: StringProperty()  # digest of a result after Mesh; see result.py
+    named: StringProperty()  # name of a result after Mesh
+    placed: StringProperty()  # transform of a result after Mesh, as JSON
+    unrendered: StringProperty()  # not empty: hidden in renders by the add-on, not by the user
 
 
 def load(obj):
-    """The recipe that led to the regions on the object: empty if it has none, None if it can't be read."""
+    """Return the recipe of the regions on the object: empty if it has none, None if it can't be read."""
     return read(obj).recipe
 
 
 def numbers(obj) -> dict:
-    """The numbers of the last step, as far as they can be read."""
+    """Return the readable numbers of the last step."""
     return read(obj).numbers
 
 
 def read(obj) -> stored.Stored:
-    """The stored data of the regions on the object. It never raises and is quick, whatever is in the file."""
+    """Return the stored data of the regions on the object. It never raises, also for a damaged file."""
     return _read(obj.data, mesh_io.state_of(obj))
 
 
 def kept(obj):
-    """The recipe of the regions that were moved aside last, if this version can read it and it is another one."""
+    """Return the recipe of the layers that were renamed last, if it is readable and differs from the present one."""
     state = aside.last_state(obj)
     recipe = _read(obj.data, state).recipe if state else None
     return recipe if recipe is not None and recipe != load(obj) else None
@@ -88,12 +88,12 @@ def _read(mesh, state: int) -> stored.Stored:
 
 
 def forget() -> None:
-    """Reads again after undo, which can restore other numbers of the same state."""
+    """Drops the cache of stored data. Undo can restore other numbers of the same state."""
     runtime.get().stored.clear()
 
 
 def forget_file() -> None:
-    """Drops everything about a file when another one is opened."""
+    """Drops all data of a file before another one is opened."""
     forget()
     runtime.get().recipes.clear()
     runtime.get().nodes.clear()
@@ -102,34 +102,34 @@ def forget_file() -> None:
 
 
 class _Nodes:
-    """The nodes of a mesh by their ids. Good until one is added or removed."""
+    """The nodes of a mesh by their ids. Invalid after a node is added or removed."""
 
     def __init__(self, mesh):
         found = raw.nodes(mesh)
         self.are_lost = found is None
         self._found = found or []
         self.ids = [_id(node.get("name")) for node in self._found]
-        self.places = {at: place for place, at in reversed(list(enumerate(self.ids)))}  # of several the first
+        self.places = {at: place for place, at in reversed(list(enumerate(self.ids)))}  # first place of each id
 
     def node(self, state: int):
-        """(parent, step, numbers), or None if there is no such node, or it is malformed."""
+        """Return (parent, step, numbers); None if there is no such node, or it is malformed."""
         place = self.places.get(state)
         return runtime.get().nodes.get(state) if place is None else stored.node_from(self._found[place])
 
     def suits(self, state: int, parent: int, step: str) -> bool:
-        """Whether an id is, or can be, that of a step."""
+        """Return whether an id belongs to this step, or is free for it."""
         node = self.node(state)
         return node[:2] == (parent, step) if node is not None else state not in self.places
 
 
 def _id(name) -> int:
-    """The id in the name of a node; 0, which no node has, if there is none."""
+    """Return the id in the name of a node; 0, which no node has, if the name has none."""
     is_id = isinstance(name, str) and name.isascii() and name.isdecimal() and len(name) < 12
     return int(name) if is_id and str(int(name)) == name else 0
 
 
 def save(obj, recipe, step_numbers: dict) -> int:
-    """Keeps the recipe on the object's mesh. Returns its state, for the layer beside the regions."""
+    """Stores the recipe on the object's mesh. Returns its state, for the layer next to the regions."""
     mesh, memory, text = obj.data, runtime.get().nodes, json.dumps(step_numbers)
     raw.make_way(mesh)
     state, fresh = 0, []
@@ -149,21 +149,21 @@ def save(obj, recipe, step_numbers: dict) -> int:
     runtime.get().recipes[mesh.name_full, state] = recipe
     if len(mesh.isimp.nodes) > runtime.get().most_nodes.get(mesh.name_full, MOST_NODES):
         _forget_others(obj, state)
-        # Those that have to stay may be many, and are not to be looked through every time.
+        # Many nodes may have to stay, so the next search waits until their number has doubled.
         runtime.get().most_nodes[mesh.name_full] = max(MOST_NODES, 2 * len(mesh.isimp.nodes))
     return state
 
 
 def _state(found: _Nodes, parent: int, step: str) -> int:
-    """The id of a step that follows another."""
+    """Return the id of a step that follows another."""
     state = zlib.crc32(f"{parent} {step}".encode()) & 0x7FFFFFFF
     while not state or not found.suits(state, parent, step):
-        state = (state + 1) & 0x7FFFFFFF  # taken by another step
+        state = (state + 1) & 0x7FFFFFFF  # another step has this id
     return state
 
 
 def _forget_others(obj, state: int) -> None:
-    """Drops the nodes that do not lead to the state, except unreadable ones and those that lead to them."""
+    """Drops nodes that are not ancestors of the state, of a renamed layer's state or of an unreadable node."""
     mesh, found = obj.data, _Nodes(obj.data)
     good = stored.readable(found.ids, found.node)
     heads = {state, *aside.states(obj), *(at for at in found.ids if at not in good)}

@@ -1,4 +1,4 @@
-"""The object that a button works on, or the reason why it cannot, for all operators and the panel."""
+"""Finds the scan for all operators and the panel, or the reason why there is no usable one."""
 
 import bpy
 
@@ -7,7 +7,7 @@ from ...language import own, said
 from . import aside, mesh_io, raw, runtime, store
 
 NO_RESULT = own("There is no result yet: press Mesh first")
-KEPT = "kept"  #: `isimp.made` of a result that was edited and that Mesh leaves alone; a digest on other results
+KEPT = "kept"  #: value of `isimp.made` on a result that Mesh must not overwrite, in place of a digest
 _OTHER = {
     "CURVE": own("a curve"),
     "EMPTY": own("an empty"),
@@ -26,7 +26,7 @@ _MAKES_MESH = {"CURVE", "SURFACE", "META", "FONT"}
 
 
 def scan_of(obj):
-    """The scan a result was made from, if it is still there; else None. A scan of a result of its own is no result."""
+    """Return the scan of a result; None if it was deleted, or the object is a scan itself."""
     wanted = raw.text(obj, "scan_key") if obj is not None else ""
     if not wanted or raw.text(obj, "key"):
         return None
@@ -37,12 +37,12 @@ def scan_of(obj):
 
 
 def result_of(scene, scan):
-    """The result made from a scan, if it is still in the scene; else None."""
+    """Return the result of a scan in the scene; None if there is none."""
     return next(iter(results_of(scene, scan)), None)
 
 
 def results_of(scene, scan) -> list:
-    """The results made from a scan: first the result of Mesh, then the user's copies of it.
+    """Return the results of a scan: first the result of Mesh, then the user's copies of it.
 
     Excludes objects that share the scan's mesh, and results that were edited by hand and kept.
     """
@@ -56,25 +56,25 @@ def results_of(scene, scan) -> list:
 
 
 def is_copy(result) -> bool:
-    """Whether a result is the copy of another one, as its name tells."""
+    """Return whether a result is a copy of another one, judged by its name."""
     named = raw.text(result, "named")
     return named not in ("", result.name) and named in bpy.data.objects
 
 
 def find(context):
-    """(scan, "") or (None, why not). The scan is the active object, or the one the active result was made from."""
+    """Return (scan, "") or (None, reason). The scan is the active object, or the scan of the active result."""
     problem = _not_now()
     return (None, problem) if problem else seen(context)
 
 
 def selected(context) -> list:
-    """The selected scans that can be used, those of selected results among them, each once."""
+    """Return the usable scans among selected objects and the scans of selected results, each once."""
     scans = [scan_of(obj) or obj for obj in context.selected_objects if obj.type == "MESH"]
     return list(dict.fromkeys(scan for scan in scans if not _unusable(scan)))
 
 
 def allows(operator, context, needs=lambda scan: "") -> bool:
-    """The poll of an operator that works on a scan; if it can't run, its tooltip gives the reason.
+    """Poll of an operator that works on a scan. If it can't run, its tooltip has the reason.
 
     needs: function of the scan that returns why the operator can't run on it, or an empty text.
     """
@@ -86,7 +86,7 @@ def allows(operator, context, needs=lambda scan: "") -> bool:
 
 
 def allows_with_result(operator, context) -> bool:
-    """The same for an operator that works on a scan and its result, in Object Mode."""
+    """Poll of an operator that works on a scan and its result in Object Mode."""
     _, _, problem = find_result(context)
     if not problem and context.mode != "OBJECT":
         problem = own("Leave Edit Mode first (Tab)")
@@ -96,7 +96,7 @@ def allows_with_result(operator, context) -> bool:
 
 
 def find_result(context):
-    """(scan, result, "") or (None, None, why not)."""
+    """Return (scan, result, "") or (None, None, reason)."""
     scan, problem = find(context)
     result = None if problem else result_of(context.scene, scan)
     if not problem and result is None:
@@ -105,7 +105,7 @@ def find_result(context):
 
 
 def seen(context):
-    """As `find`, but while something is under way too: to look at, and not to change."""
+    """Return like `find`, also while other work is running. The caller must not change the scan."""
     active = context.view_layer.objects.active
     scan = scan_of(active) or active
     problem = _no_engine() or _unusable(scan)
@@ -160,7 +160,7 @@ def has_regions(scan) -> bool:
 
 
 def needs_steps(scan) -> str:
-    """Why the recipe of a scan cannot be edited; empty if it can."""
+    """Return why the recipe of a scan cannot be edited; empty if it can."""
     stored = store.read(scan)
     if stored.recipe is None:
         return said("{problem}: press Partition to start again", problem=stored.problem)
@@ -168,7 +168,7 @@ def needs_steps(scan) -> str:
 
 
 def notes(scan) -> list:
-    """Messages about unreadable data on a scan, and where they are kept."""
+    """Return messages about a scan: unreadable data and where they are kept, objects that share its mesh."""
     problem, end = store.read(scan).problem, aside.suffix(scan.data)
     lines = []
     if problem:
@@ -186,7 +186,7 @@ def notes(scan) -> list:
 
 
 def needs_regions(scan) -> str:
-    """Why the regions of a scan cannot be edited; empty if they can."""
+    """Return why the regions of a scan cannot be edited; empty if they can."""
     missing = needs_steps(scan)
     if missing:
         return missing

@@ -1,4 +1,4 @@
-"""Weights painted on a scan, one number a face: vertex groups, and attributes of faces or vertices."""
+"""Reads weights painted on a scan, one number for each face: vertex groups, attributes of faces or vertices."""
 
 import math
 import time
@@ -13,14 +13,14 @@ _PIECE = 5000  # vertices: a few thousandths of a second
 
 
 def names(obj) -> list:
-    """The vertex groups and attributes that can weigh."""
+    """Return the names of the vertex groups and attributes that can be weights."""
     groups = [group.name for group in obj.vertex_groups]
     layers = (layer.name for layer in obj.data.attributes if _fits(layer))
     return groups + [name for name in layers if not _is_own(name) and name not in groups]
 
 
 def face_names(obj) -> list:
-    """The attributes of faces that regions can keep to."""
+    """Return the names of the face attributes that can be barriers."""
     layers = obj.data.attributes
     return [layer.name for layer in layers if _fits(layer) and layer.domain == "FACE" and not _is_own(layer.name)]
 
@@ -34,9 +34,9 @@ def _fits(layer) -> bool:
 
 
 def read(obj, wanted, groups: dict) -> dict:
-    """{name: (faces,) float32} of those of the wanted names that the object has, as of the last update_from_editmode.
+    """Return {name: (faces,) float32} of the wanted layers that the object has, as of the last update_from_editmode.
 
-    groups: {name: Group} of those that are vertex groups.
+    groups: {name: Group} of the wanted vertex groups.
     """
     found = {}
     for name in sorted(wanted):
@@ -56,21 +56,21 @@ def read(obj, wanted, groups: dict) -> dict:
 
 
 class Group:
-    """The weights of a vertex group, read in pieces, as Blender hands them out one by one.
+    """The weights of a vertex group, read in pieces, since Blender has no bulk access to them.
 
-    That takes a fifth of a second for 400,000 vertices; geometry nodes that make an attribute of the group take as
-    long, as Blender copies and evaluates the mesh for them, and do it at once.
+    Reading takes a fifth of a second for 400,000 vertices. Geometry nodes that convert the group to an attribute take
+    as long, since Blender copies and evaluates the mesh, and can't be split into pieces.
     """
 
     def __init__(self, obj, name: str):
         self.mesh, self.name = obj.data.name, name
-        self.values = None  #: (faces,) float32 once all is read
+        self.values = None  #: (faces,) float32 after all pieces are read
         self._weight, self._done = np.zeros(len(obj.data.vertices), np.float32), 0
 
     def go_on(self, obj, seconds: float = math.inf, corners=None) -> bool:
-        """Reads on for so long, a piece at least; whether all is read. Nothing of Blender's is kept meanwhile.
+        """Reads for `seconds`, at least one piece. Returns whether all is read. No reference to Blender data is kept.
 
-        corners: (L,) the vertices of all faces' corners, if they are known already.
+        corners: (L,) the vertices of all faces' corners, read if None.
         """
         end = time.monotonic() + seconds
         if len(self._weight) != len(obj.data.vertices):
@@ -90,7 +90,7 @@ class Group:
 
 
 def _of_faces(mesh, values: np.ndarray, corners=None) -> np.ndarray:
-    """(faces,) float32 the mean of each face's corners."""
+    """Return (faces,) float32 the mean of each face's corners."""
     if corners is None:
         corners = np.empty(len(mesh.loops), np.int32)
         mesh.loops.foreach_get("vertex_index", corners)
@@ -100,7 +100,7 @@ def _of_faces(mesh, values: np.ndarray, corners=None) -> np.ndarray:
 
 
 def edit_layer(mesh, name: str):
-    """(faces,) float32 of a layer in edit mode, or None."""
+    """Return (faces,) float32 values of a layer in Edit Mode; None if there is none."""
     edit = mesh_io.edit_mesh(mesh)
     for kind in ("float", "int"):
         layer = getattr(edit.faces.layers, kind).get(name)

@@ -1,4 +1,4 @@
-"""What materials show, as arrays: the images and numbers at the inputs of their Principled BSDF."""
+"""Reads materials as arrays: the images and numbers at the inputs of their Principled BSDF."""
 
 import bpy
 import numpy as np
@@ -15,14 +15,14 @@ _BAKE = own("Bake it to an image first: Render Properties > Bake, type Diffuse, 
 
 
 def nodes_of(material):
-    """The node tree a material is shown by, None if by its plain settings."""
-    if bpy.app.version < (5, 0, 0) and not material.use_nodes:  # from then on each has nodes
+    """Return the node tree of a material; None if it uses plain settings."""
+    if bpy.app.version < (5, 0, 0) and not material.use_nodes:  # since 5.0 each material has nodes
         return None
     return material.node_tree
 
 
 def shader_of(material):
-    """The Principled BSDF that a material is shown by, or None."""
+    """Return the Principled BSDF at the output of a material, or None."""
     tree = None if material is None else nodes_of(material)
     output = None if tree is None else tree.get_output_node("ALL")
     if output is None or not output.inputs["Surface"].is_linked:
@@ -32,21 +32,21 @@ def shader_of(material):
 
 
 def emission_of(shader):
-    """The input of the emission's colour, which has another name in Blender 4."""
+    """Return the input of the emission's colour. Its name depends on the version of Blender."""
     return shader.inputs.get("Emission Color") or shader.inputs["Emission"]
 
 
 def image_name(material) -> str:
-    """The name of the image at a material's Base Color; empty if there is none."""
+    """Return the name of the image at a material's Base Color; empty if there is none."""
     shader = shader_of(material)
     image = None if shader is None else _linked_image(shader.inputs["Base Color"])
     return "" if image is None else image.name
 
 
 def color(material):
-    """(H, W, 4) uint8 of the image at a material's Base Color, row 0 at the top; its colour as one pixel without.
+    """Return (H, W, 4) uint8 of the image at a material's Base Color, row 0 at the top.
 
-    Of an image with UDIM tiles a dict of such arrays by their numbers. Raises Unusable.
+    A plain colour is one pixel. An image with UDIM tiles is a dict of arrays by tile number. Raises Unusable.
     """
     if material is None or nodes_of(material) is None:
         return pixel(_GREY if material is None else material.diffuse_color)
@@ -67,13 +67,13 @@ def _advice(text: str, material) -> str:
 
 
 class Layers:
-    """What materials have beside their colour: images or numbers, by layer and material."""
+    """Images or numbers of materials other than their colour, by layer and material."""
 
     def __init__(self, materials):
-        """Raises Unusable where an image can't be read."""
-        self.images = {}  #: by layer one of each material: (H, W, channels) from 0 to 1, a number, or None
-        self.strength = 1.0  #: of the brightest emission
-        self.notes = []  #: what comes from no image and is left out
+        """Raises Unusable if an image can't be read."""
+        self.images = {}  #: by layer a list by material: (H, W, channels) from 0 to 1, a number, or None
+        self.strength = 1.0  #: strength of the brightest emission
+        self.notes = []  #: messages about inputs that are left out, since they come from no image
         shaders = [(shader, m.name) if (shader := shader_of(m)) is not None else None for m in materials]
         for layer, place in _NUMBERS.items():
             self._put(layer, [None if pair is None else self._number(pair, place) for pair in shaders])
@@ -92,7 +92,7 @@ class Layers:
             self.images[layer] = images
 
     def _left_out(self, pair, place: str) -> None:
-        place = bpy.app.translations.pgettext_iface(place)  # as Blender calls it
+        place = bpy.app.translations.pgettext_iface(place)  # Blender's translation
         text = said(
             "'{input}' of the material '{name}' comes from no image, and is left out.", input=place, name=pair[1]
         )
@@ -109,11 +109,11 @@ class Layers:
             image = image if channel is not None else None
         if image is None:
             return self._left_out(pair, place)
-        weights = np.array([0.2126, 0.7152, 0.0722])  # a colour becomes a number by its luminance
+        weights = np.array([0.2126, 0.7152, 0.0722])  # the luminance of a colour
         return each(linear_pixels(image), lambda v: v @ weights if channel is None else v[:, :, channel])
 
     def _emission(self, pair):
-        """(linear colours (H, W, 3), strength), or None."""
+        """Return (linear colours (H, W, 3), strength), or None."""
         socket, strength = emission_of(pair[0]), pair[0].inputs["Emission Strength"]
         if strength.is_linked:
             return self._left_out(pair, "Emission Strength")
@@ -143,7 +143,7 @@ class Layers:
 
 
 def _strengthened(normals: np.ndarray, strength: float) -> np.ndarray:
-    """As the node does."""
+    """Return normals scaled by a strength, like the Normal Map node."""
     if strength == 1:
         return normals
     normals[:, :, :2] *= strength
@@ -152,30 +152,30 @@ def _strengthened(normals: np.ndarray, strength: float) -> np.ndarray:
 
 
 def each(image, change):
-    """An image, or each of its tiles, changed."""
+    """Return `change` of an image, or of each of its tiles."""
     return engine.texturing.udim.each(image, change)
 
 
 def _linked_image(socket):
-    """The image whose colours an input gets, or None."""
+    """Return the image linked to an input, or None."""
     node = socket.links[0].from_node if socket.is_linked else None
     return node.image if node is not None and node.type == "TEX_IMAGE" else None
 
 
 def pixel(linear) -> np.ndarray:
-    """One pixel of a linear colour, as images store it."""
+    """Return (1, 1, 4) uint8 with a linear colour in sRGB."""
     stored = engine.texturing.layers.to_srgb(np.clip(np.array(linear[:3], np.float64), 0, 1))
     return np.append(np.round(255 * stored), 255).astype(np.uint8).reshape(1, 1, 4)
 
 
 def linear_pixels(image):
-    """(H, W, 3) from 0 to 1 as shaders see them: numbers as they are, colours without sRGB's curve. Also of tiles."""
+    """Return (H, W, 3) from 0 to 1, with sRGB images converted to linear values. UDIM tiles give a dict."""
     to_linear = engine.texturing.layers.to_linear if image.colorspace_settings.name == "sRGB" else lambda values: values
     return each(pixels(image), lambda values: to_linear(values[:, :, :3] / 255))
 
 
 def pixels(image):
-    """(H, W, 4) uint8 as stored, row 0 at the top; a dict of them for UDIM tiles. Raises Unusable."""
+    """Return (H, W, 4) uint8 as stored, row 0 at the top; a dict of arrays for UDIM tiles. Raises Unusable."""
     if image.source == "TILED":
         return tiles.read(image, pixels)
     width, height = image.size

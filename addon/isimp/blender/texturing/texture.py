@@ -1,4 +1,4 @@
-"""The texture of a scan: read from its materials, and put on its result as one material."""
+"""Reads the texture of a scan from its materials, and writes the baked texture on the result."""
 
 import json
 
@@ -14,9 +14,9 @@ from ..scene import mesh_io, runtime
 from ..scene.result import corner_order
 from . import materials, tiles
 
-OWN = "isimp_texture"  #: marks the material and the images that were made here
+OWN = "isimp_texture"  #: marks materials and images of the add-on
 _GLTF, _OCCLUSION = "glTF Material Output", "Occlusion"
-#: What kinds of images go to which inputs
+#: the input of the shader for each kind of image
 _PLACES = {
     "color": "Base Color",
     "normal": "Normal",
@@ -25,20 +25,20 @@ _PLACES = {
     "emission": "Emission",
 }
 _ROWS = (*_PLACES, "occlusion", "height")
-_STEP = "isimp_texture_step"  #: of a result: the step of the recipe that its texture was made by
-_OF = "isimp_of"  #: of a material that was made here: which of the scan's it is for
-_RANGE = "isimp_range"  #: of an image of heights: what black to white is, in scene units
+_STEP = "isimp_texture_step"  #: on a result: the recipe's step of its texture
+_OF = "isimp_of"  #: on a material of the add-on: the name of the scan's material that it replaces
+_RANGE = "isimp_range"  #: on an image of heights: the range from black to white, scene units
 
 
 def is_textured(obj) -> bool:
-    """Whether a material of an object has an image at its Base Color, and there is a UV map for it."""
+    """Return whether an object has a UV map and a material with an image at its Base Color."""
     if not len(obj.data.uv_layers):
         return False
     return any(materials.image_name(slot.material) for slot in obj.material_slots)
 
 
 class Baking:
-    """The texture of a scan on its way to the result: read by the main thread, made by any, put by the main thread."""
+    """Bakes the texture of a scan for its result. The main thread reads and writes; any thread computes."""
 
     def __init__(self, scan, step):
         """Reads the scan's materials. Raises Unusable."""
@@ -47,13 +47,13 @@ class Baking:
         self._made = None
 
     def make(self, arrays, outcome, watch=None) -> None:
-        """arrays: those of the scan that the outcome was made from. Raises ValueError or Stopped."""
-        if outcome.polygons is None:  # `put` says so
+        """Bakes the images. arrays: the scan that the outcome was made from. Raises ValueError or Stopped."""
+        if outcome.polygons is None:  # `put` raises the error
             return
         self._made = runtime.get().session.texture(arrays, outcome, self._shown, self._step, watch)
 
     def put(self, result, outcome) -> dict:
-        """Puts what was made on the result; returns the engine's report. Raises Unusable, and then nothing changes."""
+        """Writes the texture on the result; returns the engine's report. Raises Unusable before any change."""
         order = _corners(result, outcome)
         write(result, self._made.uv[order], self._made, self._uv_map)
         result[_STEP] = json.dumps(self._step.to_dict())
@@ -61,16 +61,16 @@ class Baking:
 
 
 def last_step(result) -> Texture | None:
-    """How the texture of a result was made, which an edit of the regions takes out of the recipe; None if not known."""
+    """Return the Texture step stored on a result, as edits of regions remove it from the recipe; None if unknown."""
     try:
         step = step_from_dict(json.loads(result[_STEP]))
-    except (TypeError, KeyError, ValueError):  # no result, none of this version, or changed by hand
+    except (TypeError, KeyError, ValueError):  # no result, not stored, or not readable
         return None
     return step if isinstance(step, Texture) else None
 
 
 def image_width(result) -> int:
-    """The width in pixels of the widest image that was made here for a result; 0 without one."""
+    """Return the width in pixels of the widest image of the add-on on a result; 0 without one."""
     kept = [material for material in result.data.materials if material is not None and material.get(OWN)]
     trees = [tree for tree in map(materials.nodes_of, kept) if tree is not None]
     images = [node.image for tree in trees for node in tree.nodes if node.type == "TEX_IMAGE" and node.image]
@@ -78,7 +78,7 @@ def image_width(result) -> int:
 
 
 def _corners(result, outcome) -> np.ndarray:
-    """Which corner of the outcome's polygons each corner of the result is. Raises Unusable if it was edited."""
+    """Return the corner of the outcome's polygons for each corner of the result. Raises Unusable if they differ."""
     if outcome.polygons is None:
         raise mesh_io.Unusable(said(messages.REGIONS_CHANGED))
     order = corner_order(result, outcome)
@@ -90,11 +90,14 @@ def _corners(result, outcome) -> np.ndarray:
 
 
 def read(obj) -> tuple[Shown, list[str]]:
-    """What each triangle shows, in the order of `mesh_io.read`, and a line for each input left out. Raises Unusable."""
+    """Return the texture by triangle, in the order of `mesh_io.read`, and a line for each input left out.
+
+    Raises Unusable.
+    """
     if not mesh_io.is_edited(obj):
         return _read(obj, obj.data)
     obj.update_from_editmode()
-    copy = obj.data.copy()  # in Edit Mode the layers of a mesh itself are empty
+    copy = obj.data.copy()  # in Edit Mode the layers of the mesh itself are empty
     try:
         return _read(obj, copy)
     finally:
@@ -102,7 +105,7 @@ def read(obj) -> tuple[Shown, list[str]]:
 
 
 def _read(obj, mesh) -> tuple[Shown, list[str]]:
-    """As `read`, by the object's mesh or a copy of it."""
+    """Return `read` from the object's mesh or a copy of it."""
     if mesh_io.has_modifiers(obj):
         raise mesh_io.Unusable(
             said("'{name}' has modifiers: apply them first, since they may move its UVs.", name=obj.name)
@@ -130,9 +133,9 @@ def _read(obj, mesh) -> tuple[Shown, list[str]]:
 
 
 def write(result, uv: np.ndarray, made, name: str) -> None:
-    """Gives the result a UV map, images that are packed into the file, and a material. uv: (loops, 2).
+    """Writes a UV map, images that are packed into the file, and a material on the result. uv: (loops, 2).
 
-    There are several materials where those of the scan are kept apart.
+    If materials are kept apart, there is one for each material of the scan.
     """
     mesh = result.data
     sheets = engine.texturing.writing.sheets(made, result.name)
@@ -156,7 +159,7 @@ def write(result, uv: np.ndarray, made, name: str) -> None:
 
 
 def _images_of(group: list, name: str, title: str, factors: dict) -> dict:
-    """The images of one material, by kind."""
+    """Return the new images of one material, by kind."""
     images = {}
     kinds = ["color", *([] if group[0].normal is None else ["normal"]), *group[0].layers]
     for kind in kinds:
@@ -176,10 +179,10 @@ def _images_of(group: list, name: str, title: str, factors: dict) -> dict:
 
 
 def _own_material(mesh, title: str, name: str) -> int:
-    """The number of the material that was made here for one of the scan's, or for all (title ""); a new one if none."""
+    """Return the index of the add-on's material for one of the scan's, or for all (title ""). Adds it if missing."""
     for i, material in enumerate(mesh.materials):
         if material is not None and material.get(OWN) and material.get(_OF, "") == title:
-            if material.users - material.use_fake_user > 1:  # a copy of the result shows the images of before
+            if material.users - material.use_fake_user > 1:  # a copy of the result keeps the former images
                 mesh.materials[i] = material.copy()
             return i
     mesh.materials.append(_new_material(f"{name} {title}" if title else name))
@@ -188,7 +191,7 @@ def _own_material(mesh, title: str, name: str) -> int:
 
 
 def _drop_materials(mesh, wanted) -> None:
-    """Takes off the materials that were made here and are for none of those wanted any more."""
+    """Removes materials of the add-on whose title is not wanted, with their unused images."""
     for i in reversed(range(len(mesh.materials))):
         material = mesh.materials[i]
         if material is None or not material.get(OWN) or material.get(_OF, "") in wanted:
@@ -206,7 +209,7 @@ def _new_material(name: str):
     material = bpy.data.materials.new(name)
     if bpy.app.version < (5, 0, 0):
         material.use_nodes = True
-    material[OWN] = "new"  # else the kinds of images, and with = those of numbers, that it was given
+    material[OWN] = "new"  # later the kinds of its images, and of its factors with a leading "="
     tree = material.node_tree
     tree.nodes.clear()
     output, shader = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeBsdfPrincipled")
@@ -216,11 +219,11 @@ def _new_material(name: str):
 
 
 def _set_images(material, uv_map: str, images: dict, factors: dict) -> None:
-    """Puts new images in the place of the last ones, which go; what the user did to the nodes stays.
+    """Replaces the images of a material in its nodes and removes the former images. The user's changes stay.
 
-    Images of a kind that the material had not before get nodes, where the user has nothing at that input.
+    Images of a kind that is new to the material get nodes, unless the user has linked that input.
     """
-    given = material[OWN].split() if isinstance(material[OWN], str) else ["color", "normal"]  # those of iSimp 0.1
+    given = material[OWN].split() if isinstance(material[OWN], str) else ["color", "normal"]  # kinds of iSimp 0.1
     tree, shader = materials.nodes_of(material), materials.shader_of(material)
     for node in () if tree is None else [node for node in tree.nodes if node.type == "TEX_IMAGE"]:
         old = node.image
@@ -229,7 +232,7 @@ def _set_images(material, uv_map: str, images: dict, factors: dict) -> None:
             node.image = images[kind]
             if kind == "height":
                 _scale_height(node, old)
-        elif kind is not None:  # a layer that there is no more
+        elif kind is not None:  # a kind that is not baked now
             for shift in _displacements(node):
                 if not shift.outputs["Displacement"].is_linked:
                     tree.nodes.remove(shift)
@@ -250,12 +253,12 @@ def _set_images(material, uv_map: str, images: dict, factors: dict) -> None:
             socket.default_value = factors[kind]
     material[OWN] = " ".join([*images, *(f"={kind}" for kind in factors)])
     for image in images.values():
-        if image.users == 0:  # the user's nodes have no place for it
+        if image.users == 0:  # the user's nodes do not use it
             bpy.data.images.remove(image)
 
 
 def _plug(tree, shader, uv_map: str, kind: str, image) -> None:
-    """Gives an image a node, and links it to what it is for if that is free."""
+    """Adds a node for an image and links it to its input, unless the input is linked already."""
     height = -300 * _ROWS.index(kind)
     if kind in _PLACES and _input(shader, kind).is_linked:
         return
@@ -277,7 +280,7 @@ def _plug(tree, shader, uv_map: str, kind: str, image) -> None:
 
 
 def _scale_height(node, old) -> None:
-    """Gives the Displacement nodes behind an image of heights its range, times what the user made of the last one."""
+    """Sets the Displacement nodes behind an image of heights to its range, times the user's factor."""
     before = old.get(_RANGE, 0.0)
     for shift in _displacements(node):
         scale = shift.inputs["Scale"]
@@ -289,7 +292,7 @@ def _displacements(node) -> list:
 
 
 def _put_occlusion(tree, node, place) -> None:
-    """Plugs an image into the group of nodes where Blender's exporter of glTF looks for the occlusion."""
+    """Links an image to the group of nodes from which Blender's glTF exporter reads the occlusion."""
     group = bpy.data.node_groups.get(_GLTF) or bpy.data.node_groups.new(_GLTF, "ShaderNodeTree")
     names = [item.name for item in (group.interface.items_tree if hasattr(group, "interface") else group.inputs)]
     if _OCCLUSION not in names:
@@ -313,7 +316,7 @@ def _image_node(tree, image, place):
 
 
 def _new_tiles(name: str, stored: dict, kind: str):
-    """An image of UDIM tiles."""
+    """Return a new packed image of UDIM tiles."""
     image = tiles.make(name, stored, lambda title, one: _loose_image(title, one, kind))
     image[OWN] = kind
     _name_file(image)
@@ -329,7 +332,7 @@ def _new_image(name: str, stored: np.ndarray, kind: str):
 
 
 def _loose_image(name: str, stored: np.ndarray, kind: str):
-    """An image that is not packed yet."""
+    """Return a new image that is not packed."""
     height, width = stored.shape[:2]
     deep = stored.dtype == np.uint16
     image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=deep)
@@ -343,12 +346,12 @@ def _loose_image(name: str, stored: np.ndarray, kind: str):
 
 
 def _name_file(image) -> None:
-    """Gives a packed image a file name of its own, by which exporters tell images apart. USD wants the image's name."""
+    """Sets the file name of a packed image to its unique name. Exporters, such as USD, distinguish images by it."""
     name = image.name.replace("/", "_").replace("\\", "_")
     suffix = "exr" if image.is_float else "png"
     if image.source != "TILED":
         image.filepath_raw = f"//{name}.{suffix}"
         return
     image.filepath_raw = f"//{name}.<UDIM>.{suffix}"
-    for packed in image.packed_files:  # USD writes each tile under its own name
+    for packed in image.packed_files:  # USD writes each tile by its own name
         packed.filepath = f"//{name}.{packed.tile_number}.{suffix}"

@@ -1,4 +1,4 @@
-"""Images with UDIM tiles: Blender gives the pixels of the first tile only, so the others go through files."""
+"""Reads and makes images with UDIM tiles by files, since Blender has access to the pixels of the first tile only."""
 
 import tempfile
 from pathlib import Path
@@ -10,7 +10,7 @@ from ..scene import mesh_io
 
 
 def read(image, pixels) -> dict:
-    """What `pixels` reads of each tile of an image, by the tile's number. Raises Unusable."""
+    """Return the result of `pixels` for each tile of an image, by tile number. Raises Unusable."""
     if image.is_dirty:
         raise mesh_io.Unusable(
             said("The image '{name}' has tiles that are not saved: save or pack it first.", name=image.name)
@@ -32,7 +32,7 @@ def read(image, pixels) -> dict:
 
 
 def _file_of(image, number: int, folder: Path):
-    """The file of a tile; a packed one is written to the folder."""
+    """Return the file of a tile; a packed tile is written to the folder."""
     for packed in image.packed_files:
         if packed.tile_number == number:
             path = folder / f"{number}{Path(packed.filepath).suffix}"
@@ -44,7 +44,7 @@ def _file_of(image, number: int, folder: Path):
 
 
 def make(name: str, tiles: dict, single):
-    """A packed image of tiles. tiles: what `single(name, stored)` makes an image of, by the tile's number."""
+    """Return a packed image of tiles. tiles: arrays by tile number; `single(name, array)` makes an image of one."""
     with tempfile.TemporaryDirectory() as folder:
         for number, stored in tiles.items():
             one = single(name, stored)
