@@ -1,9 +1,9 @@
-"""New colours of few faces, drawn over the scan until Blender shows them itself.
+"""Draws changed colours of few faces over the scan, so that Blender need not upload the mesh at once.
 
 If a mesh is reported as changed, Blender copies all of it to the graphics card: a quarter of a second for a million
-faces. A click changes few of them. The new layers are written at once, so undo, files and renders have them. The change
-is reported to Blender together with the next polygons, or after a moment of rest. Later versions of Blender detect each
-write, so nothing is delayed there.
+faces. A click changes few faces. The new layers are written at once, so undo, files and renders have them. The change
+is reported to Blender together with the next polygons, or after a pause. Later versions of Blender detect each write,
+so nothing is delayed there.
 """
 
 import time
@@ -16,9 +16,9 @@ from ...spare import Spare
 from ..scene import mesh_io, runtime
 from . import shaders
 
-#: Whether Blender leaves a written layer undetected: 3.4 does, 4.5 does not, other versions were not tried
+#: Whether Blender does not detect a written layer. True for 3.4, false for 4.5; other versions were not tried.
 IS_QUIET = bpy.app.version < (3, 5, 0) and not bpy.app.background
-_MOST = 0.25  # of the faces: a patch of more is no quicker than Blender
+_MOST = 0.25  # largest share of the faces in a patch; a larger patch is no faster than Blender
 _REST = 0.6  # seconds
 
 
@@ -26,14 +26,14 @@ class Written:
     """The last written colours of a mesh, and the colours that Blender shows."""
 
     def __init__(self, obj, state: int, color: np.ndarray):
-        """color: (faces,) rows of view.COLORS, on the mesh and shown."""
+        """color: (faces,) rows of view.COLORS, written on the mesh and shown."""
         self.name, self.mesh, self.state = obj.name, obj.data.name, state
         self.color = self.shown = color
         self.patch, self.touched = None, 0.0
 
 
 class Patch:
-    """The triangles of the faces whose colours Blender does not show yet."""
+    """Triangles of the faces whose new colours are not reported to Blender yet."""
 
     def __init__(self, scan, before: np.ndarray, faces: np.ndarray, color: np.ndarray):
         inside = np.zeros(scan.face_count, bool)
@@ -50,7 +50,7 @@ class Patch:
 
 
 def shown(obj) -> np.ndarray | None:
-    """(faces,) the colours that Blender shows of an object in Object Mode; None if they are unknown."""
+    """Return (faces,) the colours that Blender shows of an object in Object Mode; None if unknown."""
     known = runtime.get().late
     if not IS_QUIET or known is None or obj.mode != "OBJECT":
         return None
@@ -59,7 +59,7 @@ def shown(obj) -> np.ndarray | None:
 
 
 def patch_of(scan, before: np.ndarray | None, after: np.ndarray) -> Patch | None:
-    """The patch from colours that are shown to others; None if the former are not known, or there are too many."""
+    """Return the patch between shown and new colours; None if `before` is unknown or too many faces differ."""
     if before is None or len(before) != len(after):
         return None
     faces = np.flatnonzero(before != after)
@@ -67,12 +67,12 @@ def patch_of(scan, before: np.ndarray | None, after: np.ndarray) -> Patch | None
 
 
 def fits(obj, patch: Patch | None) -> bool:
-    """Whether a patch is of the colours that Blender still shows of an object."""
+    """Return whether a patch starts from the colours that Blender shows of an object."""
     return patch is not None and patch.before is shown(obj)
 
 
 def note(obj, state: int, color: np.ndarray, patch: Patch | None) -> None:
-    """Records colours that were written on an object in Object Mode. A patch: the write was not reported to Blender."""
+    """Records colours written on an object in Object Mode. patch: the unreported faces; None after a report."""
     current = runtime.get()
     if patch is None:
         if current.late is not None and current.late.mesh != obj.data.name:
@@ -84,7 +84,7 @@ def note(obj, state: int, color: np.ndarray, patch: Patch | None) -> None:
 
 
 def draw(scan) -> None:
-    """Draws the patch of a scan, if it has one."""
+    """Draws the patch of a scan, if there is one."""
     known = runtime.get().late
     is_late = known is not None and known.patch is not None and known.name == scan.name
     if is_late and known.state == mesh_io.state_of(scan):
@@ -92,7 +92,7 @@ def draw(scan) -> None:
 
 
 def is_due() -> bool | None:
-    """Whether the last write is long enough ago to report it to Blender; None if there is no write to report."""
+    """Return whether the delay of the last write has passed; None if there is no write to report."""
     known = runtime.get().late
     return None if known is None or known.patch is None else time.monotonic() - known.touched > _REST
 
@@ -109,7 +109,7 @@ def settle() -> None:
 
 
 def forget(mesh_name: str | None = None) -> None:
-    """Forgets the colours that Blender shows of a mesh, or of all, after Blender detected a change."""
+    """Drops the known colours of a mesh, or of all meshes, after Blender detected a change."""
     known = runtime.get().late
     if known is not None and mesh_name in (None, known.mesh):
         runtime.get().late = None

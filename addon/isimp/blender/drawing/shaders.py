@@ -1,4 +1,4 @@
-"""The add-on's own programs for the graphics card: regions as lit by Blender, and hatching."""
+"""Shaders of the add-on: lit triangles, hatching, and halves of a viewport."""
 
 import gpu
 import numpy as np
@@ -13,7 +13,7 @@ void main() {
   gl_Position = ModelViewProjectionMatrix * vec4(pos, 1.0);
 }
 """
-# As by Blender's own studio light, as nearly as can be.
+# Approximates Blender's studio light.
 _LIGHT = """
 void main() {
   vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
@@ -26,7 +26,7 @@ void main() {
   gl_Position = ModelViewProjectionMatrix * vec4(pos, 1.0);
 }
 """
-# A dark stripe with a light one beside it is seen on every colour.
+# A dark and a light stripe next to each other are visible on every colour.
 _HATCH = """
 void main() {
   float at = mod(gl_FragCoord.x + gl_FragCoord.y, 14.0);
@@ -36,7 +36,7 @@ void main() {
   FragColor = at < 2.0 ? vec4(0.0, 0.0, 0.0, 0.7) : vec4(1.0, 1.0, 1.0, 0.45);
 }
 """
-# Only the left or only the right half of a viewport, by the place of the line between them and a sign.
+# Draws only one half of a viewport. half_seen: x of the dividing line, and -1 for the left half, 1 for the right.
 _HALF = """
   if ((gl_FragCoord.x - half_seen.x) * half_seen.y < 0.0) {
     discard;
@@ -62,12 +62,12 @@ void main() {
 """
 )
 _HALF_FLAT = "void main() {" + _HALF + "FragColor = color; }"
-#: The direction to the light that they are lit by, as seen from the viewport.
+#: Direction to the light, in the coordinates of the view.
 LIGHT = Vector((-0.25, 0.45, 0.85)).normalized()
 
 
 def draw(batch, shader) -> None:
-    """Has the graphics card draw."""
+    """Draws a batch. Tests replace this function to count draws."""
     batch.draw(shader)
 
 
@@ -80,7 +80,7 @@ def buffer(name, kind, count, fetch, values):
 
 
 class Corners:
-    """The corners of triangles, handed to the graphics card once, when they are drawn first."""
+    """Corners of triangles, uploaded to the graphics card at the first draw."""
 
     def __init__(self, points: np.ndarray):
         """points: (3 T, 3) float32."""
@@ -93,11 +93,11 @@ class Corners:
 
 
 class Lit:
-    """Triangles with a colour for each corner, lit as scans are."""
+    """Lit triangles with a colour for each corner."""
 
     def __init__(self, corners: Corners, color: np.ndarray):
         """color: (3 T,) from view.PACKED."""
-        self.corners, self.color = corners, color  #: the colours until they are handed to the graphics card
+        self.corners, self.color = corners, color  #: color: None after the upload to the graphics card
         self._batch = None
 
     def draw(self) -> None:
@@ -107,13 +107,13 @@ class Lit:
             self._batch.vertbuf_add(buffer("color", "U8", 4, "INT_TO_FLOAT_UNIT", values))
         shader = lit()
         shader.bind()
-        gpu.state.depth_mask_set(True)  # its own far side is not to be seen
+        gpu.state.depth_mask_set(True)  # hides the far side of the triangles
         draw(self._batch, shader)
         gpu.state.depth_mask_set(False)
 
 
 def lit():
-    """Corners with a colour each (pos, color), lit by the slope of their triangle."""
+    """Return the shader of lit triangles: (pos, color) for each corner."""
     known = runtime.get().shaders
     if "lit" not in known:
         info, between = gpu.types.GPUShaderCreateInfo(), gpu.types.GPUStageInterfaceInfo("isimp_lit")
@@ -129,7 +129,7 @@ def lit():
 
 
 def hatched():
-    """Triangles (pos) as stripes that stay as wide on the screen."""
+    """Return the shader of hatched triangles (pos), with stripes of constant width on the screen."""
     known = runtime.get().shaders
     if "hatched" not in known:
         info = gpu.types.GPUShaderCreateInfo()
@@ -140,15 +140,16 @@ def hatched():
 
 
 def half_lit():
-    """As `lit`, in one half of the viewport: half_seen is the line between them and -1 for the left, 1 for the right.
+    """Return the shader like `lit` for one half of the viewport.
 
-    light: the direction to the light in the space of the points, and -1 where that is mirrored, else 1.
+    half_seen: x of the dividing line, and -1 for the left half, 1 for the right. light: direction to the light in the
+    space of the points, and -1 if that space is mirrored, else 1.
     """
     return _half("half_lit", "color", "VEC4", _HALF_PLACE, _half_light("tint", 0.19, 0.36))
 
 
 def half_textured():
-    """The same with an image (pos, uv) in the place of colours."""
+    """Return the shader like `half_lit` with an image (pos, uv) in place of colours."""
     light = _half_light("texture(image, tint)", 0.35, 0.65)  # brighter: photographs are darker than the palette
     return _half("half_textured", "uv", "VEC2", _HALF_PLACE.replace("color", "uv"), light)
 
@@ -176,7 +177,7 @@ def _half(name: str, attribute: str, kind: str, place: str, color: str):
 
 
 def half_flat():
-    """Lines (pos) of one colour in one half of the viewport."""
+    """Return the shader of lines (pos) of one colour in one half of the viewport."""
     known = runtime.get().shaders
     if "half_flat" not in known:
         info = gpu.types.GPUShaderCreateInfo()

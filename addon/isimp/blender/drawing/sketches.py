@@ -1,4 +1,4 @@
-"""A sketch drawn by the graphics card: borders, outline and corners of polygons, colours, highlights of the tools."""
+"""Draws a sketch: borders, outline and corners of polygons, colours, highlights of the tools."""
 
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -13,14 +13,14 @@ from .. import preferences
 from . import shaders
 from .space import ON
 
-OVER = 0.03  #: as ON, for lines of polygons, over which the scan bulges
-_GROUPS = 8  # of lines of similar length
-_LEAST_DOT = 0.5  # strength below which corners are not drawn
+OVER = 0.03  #: like ON, for lines of polygons, since the scan bulges over them
+_GROUPS = 8  # number of groups of lines by length
+_LEAST_DOT = 0.5  # corners below this strength are not drawn
 
 
 @dataclass
 class Drawing:
-    """A sketch as batches of the graphics card, each made when it is drawn first."""
+    """A sketch and its batches, each made at its first draw."""
 
     sketch: sketch.Sketch
     batches: dict = field(default_factory=dict)
@@ -53,9 +53,9 @@ def _faded(color, share: float) -> tuple:
 
 
 def draw_outline(drawing, pixels: float, wish, most: float = 1.0) -> None:
-    """Lines and corners in groups of similar length: the shorter they are on the screen, the fainter and thinner.
+    """Draws lines and corners in groups of similar length. Shorter lines on the screen are fainter and thinner.
 
-    most: the strength of the longest.
+    most: strength of the longest lines.
     """
     made = drawing.sketch
     edges = np.linalg.norm(made.outline[::2] - made.outline[1::2], axis=1)
@@ -87,7 +87,7 @@ def _batch(drawing, name, kind, shader, **more):
 
 
 def lines(points, color, width) -> None:
-    """Draws pairs of points as lines; nothing is kept."""
+    """Draws pairs of points as lines, without keeping the batch."""
     if len(points):
         shader = line_shader(color, width)
         shaders.draw(batch_for_shader(shader, "LINES", {"pos": points}), shader)

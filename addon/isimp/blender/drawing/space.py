@@ -1,4 +1,4 @@
-"""The space of a scan while it is drawn: its place, a little nearer to the eye, and the state of the graphics card."""
+"""Sets matrices and graphics state for drawing over a scan: its transform, a little nearer to the eye."""
 
 from contextlib import contextmanager
 
@@ -7,13 +7,12 @@ from mathutils import Matrix, Vector
 
 from ..scene import mesh_io
 
-#: How much nearer to the eye than they are lines are drawn, as a share of the scan's size, so that the faces that they
-#: lie on do not hide them
+#: Offset of lines towards the eye, as a share of the scan's size, so that the faces below do not hide them
 ON = 0.003
 
 
 class Over:
-    """The scan's own space, a little nearer to the eye than it is; the state of the graphics card is given back."""
+    """Context of the scan's own space, offset towards the eye. The graphics state is restored at the end."""
 
     def __init__(self, view, scan):
         self.place = Matrix(mesh_io.place_matrix(scan).tolist())
@@ -23,12 +22,12 @@ class Over:
         self.is_perspective = view.is_perspective
 
     def pixels(self, context) -> float:
-        """How many pixels long one unit of the scan's space is, at the scan's middle."""
+        """Return the length in pixels of one unit of the scan's space at the scan's middle."""
         high = 0.5 * context.region.height * self.projection[1][1]
         return high / self.away if self.is_perspective else high
 
     def nearer(self, share: float) -> None:
-        """Draws the following nearer to the eye by this share of the scan's size."""
+        """Offsets following draws towards the eye by this share of the scan's size."""
         projection = self.projection.copy()
         depth = projection[2][3] / self.away**2 if self.is_perspective else projection[2][2]
         projection[2] = projection[2] - abs(depth) * share * self.size * projection[3]
@@ -36,7 +35,7 @@ class Over:
 
     @contextmanager
     def at(self, origin):
-        """Draws relative to a place in the scan's space."""
+        """Sets the origin of draws to a point in the scan's space."""
         gpu.matrix.push()
         gpu.matrix.translate(origin)
         try:

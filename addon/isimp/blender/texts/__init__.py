@@ -1,1 +1,1 @@
-"""Texts about numbers of a result."""
+"""Texts about the numbers of a result, for the panel and the viewport."""

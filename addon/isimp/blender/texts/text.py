@@ -1,4 +1,4 @@
-"""Texts of the panel: numbers, warnings, reports."""
+"""Makes the texts of the panel: numbers, warnings, reports."""
 
 import re
 import textwrap
@@ -11,18 +11,18 @@ from ...language import noun, own, said
 from ..scene import mesh_io
 
 _STAY = "\N{NO-BREAK SPACE}"
-_ROWS = 3  # of a report without warnings
+_ROWS = 3  # height of a report without warnings
 
 
 def wrapped(message: str, width: int) -> list:
-    """Lines of at most `width` letters; words joined by no-break spaces are split only if they are longer."""
+    """Return lines of at most `width` letters. Words joined by no-break spaces are split only if they are longer."""
     message = re.sub(r"(?<=\d) (?=(?:[a-zµ]{1,2}|[%'\"])(?: |$))", _STAY, message)  # a number keeps its unit
     parts = (part if len(part) <= width else part.replace(_STAY, " ") for part in message.split(" "))
     return textwrap.wrap(" ".join(parts), width)
 
 
 def fitted(told: str, measure, room: float) -> list:
-    """Lines of some words, none wider than `room` but for a single word. measure: how wide some words are."""
+    """Return lines no wider than `room`, except single words. measure: returns the width of a text."""
     lines: list = []
     for word in told.split(" "):
         longer = f"{lines[-1]} {word}" if lines else word
@@ -34,9 +34,9 @@ def fitted(told: str, measure, room: float) -> list:
 
 
 def beside(told: str, measure, wanted: float, right: float, left: float) -> tuple[list, float]:
-    """(lines, where they begin) of words that should begin at `wanted` and must lie between `left` and `right`.
+    """Return (lines, x) of a text that should begin at `wanted` and must lie between `left` and `right`.
 
-    measure: how wide some words are. Lines break between statements, at " · ", and only where one line has no room.
+    measure: returns the width of a text. A line that is too wide breaks between statements, at " · ".
     """
     lines, room = [], right - left
     for part in told.split(" · "):
@@ -48,7 +48,7 @@ def beside(told: str, measure, wanted: float, right: float, left: float) -> tupl
 
 
 def scan_lines(mesh, numbers: dict) -> tuple:
-    """(size, shape) of a scan, always two lines. Parts and holes are known after Partition."""
+    """Return (size, shape) of a scan, always two lines. Parts and holes are known after Partition."""
     triangles = len(mesh.loops) - 2 * len(mesh.polygons)
     if not describes(mesh, numbers):
         return _count(triangles, "triangle"), said("Not partitioned yet")
@@ -69,18 +69,18 @@ _DEFECTS = {
     "turned_edges": noun("zero-area face"),
     "stitched_vertices": noun("stitched vertex"),
     "smoothed_vertices": noun("smoothed vertex"),
-}  # vertices that no face uses are none
+}  # unused vertices are not a defect
 _OPENINGS = {"filled_holes": noun("hole"), "cut_handles": noun("tunnel")}
 
 
 def lost_detail(scan, unit) -> list:
-    """A warning if float32 is too coarse at the scan's place. unit: the scene's settings."""
+    """Return a list with a warning if float32 is too coarse at the scan's place. unit: the scene's settings."""
     lost = mesh_io.lost_detail(scan)
     return [] if lost is None else [afar.told(lost, unit.system, unit.scale_length)]
 
 
 def repair_lines(numbers: dict, system: str, scale: float) -> list:
-    """The repairs of the mesh that the regions were made of, as lines. The scan itself is unchanged."""
+    """Return lines about the repairs of the mesh before the partition. The scan itself is unchanged."""
     repairs, lines = numbers.get("repairs", {}), []
     closed = [_count(repairs[name], one) for name, one in _OPENINGS.items() if repairs.get(name)]
     if closed:
@@ -97,32 +97,32 @@ def repair_lines(numbers: dict, system: str, scale: float) -> list:
 
 
 def has_openings(numbers: dict) -> bool:
-    """Whether openings were closed, or kept open one by one."""
+    """Return whether openings were closed, or kept open by the user."""
     return any(numbers.get("repairs", {}).get(name) for name in _OPENINGS) or bool(numbers.get("kept_open"))
 
 
 def short_progress(told: str) -> str:
-    """How far some work is, without its stage: the sidebar has no room for that, and the status bar tells it."""
+    """Return the progress without the stage. The sidebar is too narrow for the stage; the status bar has it."""
     found = re.search(r"\d+%.*", told)
     return found[0] if found else told
 
 
 def left_out(numbers: dict) -> str:
-    """Which faces are in no region; empty if all are in one."""
+    """Return the line about faces outside regions; empty if there are none."""
     faces = numbers.get("left_out", 0)
     text = own("{faces} ignored (grey): tiny parts or damaged faces")
     return said(text, faces=_count(faces, "face")) if faces else ""
 
 
 def describes(mesh, numbers: dict) -> bool:
-    """Whether the numbers belong to the mesh in its present state, judged by its number of faces."""
+    """Return whether the numbers belong to the mesh in its present state, judged by its number of faces."""
     return "components" in numbers and numbers.get("faces") == len(mesh.polygons)
 
 
 def report_rows(
     numbers: dict, system: str, scale: float, previewed: dict | None, width: int, snaps: bool = False
 ) -> list:
-    """(row, icon, whether it is a warning) of the report in the panel, in rows of `width` letters.
+    """Return (row, icon, whether it is a warning) of the report in the panel, in rows of `width` letters.
 
     The first row has the number of polygons, present or expected, the next two the distance from the scan. Warnings
     follow. The number of rows without warnings is fixed, so that the buttons below do not move. `report_lines` has
@@ -142,7 +142,7 @@ def report_rows(
 
 
 def _short(numbers: dict, system: str, scale: float, previewed: dict | None, snaps: bool) -> list:
-    """The report in a few words: polygons, and how far they are from the scan."""
+    """Return the short report: the number of polygons, and their distance from the scan."""
     made = numbers if "polygons" in numbers else previewed or {}
     if "polygons" not in made:
         counts = numbers.get("expected", {})
@@ -166,7 +166,7 @@ def report_lines(
     previewed: dict | None = None,
     snaps: bool = False,
 ) -> list:
-    """(line, whether it is a warning) for the report of Mesh; before it, how many polygons it will make.
+    """Return (line, whether it is a warning) of the report of Mesh; before Mesh, the expected number of polygons.
 
     snaps: see `messages.expected`.
     """
@@ -209,7 +209,7 @@ def report_lines(
 
 
 def _flatness(numbers: dict, system: str, scale: float) -> str:
-    """How flat the polygons are: exactly up to a millionth of the diagonal."""
+    """Return the line about flatness. Polygons within a millionth of the diagonal count as exactly flat."""
     if numbers["planarity_max"] <= 1e-6 * numbers.get("diagonal", 0.0):
         return said("Exactly flat")
     flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
@@ -217,7 +217,7 @@ def _flatness(numbers: dict, system: str, scale: float) -> str:
 
 
 def planes_line(numbers: dict, system: str, scale: float) -> str:
-    """What has become of the planes of regions."""
+    """Return the line about snapped and held planes of regions."""
     if "planes" not in numbers:
         held = numbers.get("held", 0)
         text = own("{held} of {regions} keep their planes: press Regularise again") if held else own("As scanned")
@@ -237,20 +237,20 @@ def planes_line(numbers: dict, system: str, scale: float) -> str:
 
 
 def problems(numbers: dict) -> str:
-    """The text of the button that selects defective polygons; empty if there are none."""
+    """Return the text of the button that selects defective polygons; empty if there are none."""
     defective = {polygon for found in numbers.get("flaws", {}).values() for polygon in found}
     return said("Select {polygons}", polygons=_count(len(defective), "defective polygon")) if defective else ""
 
 
 def amount(numbers: dict, name: str, system: str, scale: float) -> str:
-    """A length of the numbers in the scene's units, or in percent of the diagonal where it has none."""
+    """Return a length of the numbers in the scene's units, or in percent of the diagonal if the scene has no units."""
     if system == "NONE" and numbers.get("diagonal"):
         return f"{100 * numbers[name] / numbers['diagonal']:.2g} %"
     return length(numbers[name], system, scale)
 
 
 def length(value: float, system: str, scale: float) -> str:
-    """A length with its unit. Blender's own texts have "um" and "mil", which are unusual for a length."""
+    """Return a length with its unit. Blender's own texts have the unusual units "um" and "mil"."""
     if system == "NONE":
         return f"{value:.3g}"
     if system == "METRIC" and 0 < abs(value * scale) < 1e-3:
@@ -261,7 +261,7 @@ def length(value: float, system: str, scale: float) -> str:
 
 
 def in_scene(value: float) -> str:
-    """A length in the units of the scene that is shown."""
+    """Return a length in the units of the current scene."""
     unit = bpy.context.scene.unit_settings
     return length(value, unit.system, unit.scale_length)
 
@@ -270,7 +270,7 @@ _PLANES = {"none": own("None found"), "oblique": own("Oblique plane")}
 
 
 def _mirrored(numbers: dict) -> str:
-    """Across which axis the regions mirror, and how much does: corners after Mesh, regions before."""
+    """Return the mirror axis, and the number of mirrored corners, or of mirrored regions before Mesh."""
     plane = said(_PLANES.get(numbers["symmetry"], numbers["symmetry"]))
     if "vertices" in numbers and "mirrored_corners" in numbers:
         some, all_ = numbers["mirrored_corners"], _count(numbers["vertices"], "corner")
@@ -282,7 +282,7 @@ def _mirrored(numbers: dict) -> str:
 
 
 def number_rows(numbers: dict, system: str, scale: float) -> list:
-    """(name, value) of the last step's numbers, the most important first."""
+    """Return (name, value) of the last step's numbers, the most important first."""
     rows = [(said("Regions"), f"{numbers['regions']:,}")] if "regions" in numbers else []
     if "polygons" in numbers:
         each = f"{numbers['corners'] / max(1, numbers['polygons']):.1f}"

@@ -1,4 +1,4 @@
-"""Words in the viewport, beside the mouse and in its corner: on a dark ground, as lines of any colour are below."""
+"""Draws texts in the viewport, next to the mouse and in a corner, on a dark ground."""
 
 import blf
 import bpy
@@ -9,13 +9,13 @@ from . import text
 
 _FONT = 0
 _GROUND = (0.05, 0.05, 0.05, 0.8)
-_BESIDE = 30  # pixels from the bottom
+_BESIDE = 30  # pixels from the bottom of the viewport
 _CORNER, _BELOW = 18, 76  # pixels from the left, and from the top: below the names of the view and the object
-_GIZMOS = 110  # pixels that the axes and buttons of the view take at its right
+_GIZMOS = 110  # width in pixels of the axes and buttons at the right of the view
 
 
 def draw_hover(context, hover) -> None:
-    """The text beside the mouse, outside the sidebar and the toolbar over the viewport."""
+    """Draws the text next to the mouse, outside the sidebar and the toolbar over the viewport."""
     scale = _begin(context)
     left, right = _free(context)
     away = 18 * scale
@@ -24,9 +24,9 @@ def draw_hover(context, hover) -> None:
 
 
 def draw_corner(context, told: str) -> None:
-    """Words in the upper left corner of the viewport, below Blender's own; the last operation has the lower one.
+    """Draws a text in the upper left corner of the viewport, below Blender's text.
 
-    They stay clear of the sidebar over the viewport, and of Blender's gizmos beside it.
+    The text does not cover the sidebar or Blender's gizmos. The panel of the last operation is in the lower corner.
     """
     scale, here = _begin(context), context.region
     left, right = _free(context)
@@ -37,7 +37,7 @@ def draw_corner(context, told: str) -> None:
 
 
 def draw_low(context, lines) -> None:
-    """Some lines in the middle of the viewport, at its bottom."""
+    """Draws lines in the middle of the viewport, at its bottom."""
     scale = _begin(context)
     left, right = _free(context)
     wide = max(map(_width, lines))
@@ -45,7 +45,7 @@ def draw_low(context, lines) -> None:
 
 
 def draw_beside(context, said, x: float) -> None:
-    """Draw two texts at the bottom of the viewport, left and right of a line at `x`, if there is room for them."""
+    """Draws two texts at the bottom of the viewport, left and right of a line at `x`, if there is room for them."""
     scale = _begin(context)
     left, right = _free(context)
     away = 16 * scale
@@ -61,7 +61,7 @@ def _begin(context) -> float:
 
 
 def _free(context) -> tuple:
-    """(left, right) end of the viewport that no sidebar or toolbar covers."""
+    """Return (left, right) end of the part of the viewport that no sidebar or toolbar covers."""
     here = context.region
     beside = [other for other in context.area.regions if other.type in {"UI", "TOOLS"} and other.width > 1]
     right = min([here.width, *(other.x - here.x for other in beside if other.alignment == "RIGHT")])
@@ -70,7 +70,7 @@ def _free(context) -> tuple:
 
 
 def _draw(lines, x: float, y: float, scale: float) -> None:
-    """Lines of text on their ground, the first at a height."""
+    """Draws lines of text on their ground, the first line at height `y`."""
     high, room = 18 * scale, 6 * scale
     wide = max(map(_width, lines))
     top, bottom = y + high - room / 2, y - high * (len(lines) - 1) - room

@@ -1,1 +1,1 @@
-"""What the 3D view shows over and beside a scan."""
+"""Drawing and shading of the 3D view: overlay, comparison, colours, quick start."""

@@ -1,4 +1,4 @@
-"""The nearest and the farthest distance that a view shows, where a scan is too large or too small for them."""
+"""Detects a view whose clipping distances hide a part of the scan, and widens them."""
 
 import bpy
 
@@ -7,14 +7,14 @@ from ..scene import targets
 from ..texts.text import in_scene
 
 _ROOM = 2.5  # depth of a view of the whole scan, in sizes of the scan
-_NEAR = 0.002  # of the size: the nearest that a view of it needs to show
+_NEAR = 0.002  # start of clipping, as a share of the scan's size
 
 
 _TEXTS = {"clip_end": own("Clips at {length}: show all"), "clip_start": own("Clips below {length}: show all")}
 
 
 def hides(space, scan) -> str:
-    """The limit of a 3D view that clips a whole scan: "clip_end" or "clip_start"; empty if none does."""
+    """Return the limit that clips the scan in a 3D view: "clip_end" or "clip_start"; empty if none does."""
     size = scan.dimensions.length
     if space is None or size <= 0:
         return ""
@@ -24,7 +24,7 @@ def hides(space, scan) -> str:
 
 
 def told(space, scan) -> str:
-    """The text of the button that widens the limit, with the limit in the scene's units."""
+    """Return the text of the button that widens the limit, with the limit in the scene's units."""
     limit = hides(space, scan)
     return said(_TEXTS[limit], length=in_scene(getattr(space, limit)))
 

@@ -1,7 +1,7 @@
-"""Before and after: in the viewports, the scan is drawn left of a line and its result right of it.
+"""Compares a scan with its result: the viewports show the scan left of a line and the result right of it.
 
-Both objects are hidden meanwhile. Their triangles are copied to the graphics card once; after that, a move of the line
-or of the view costs one redraw. Images are used as they are, so textures are compared too.
+Both objects are hidden during the comparison. Their triangles are copied to the graphics card once; after that, a move
+of the line or of the view costs one redraw. Images are drawn too, so textures can be compared.
 """
 
 from contextlib import suppress
@@ -25,12 +25,12 @@ from . import overlay
 LOOKS = ("PLAIN", "REGIONS", "TEXTURE")
 _GREY = 0.8
 _WHITE, _DARK = (1.0, 1.0, 1.0, 0.9), (0.02, 0.02, 0.02, 0.9)
-_HANDLE = 9  # pixels, of the grip at the middle of the line
+_HANDLE = 9  # half the size of the grip in the middle of the line, pixels
 
 
 @dataclass
 class Side:
-    """One of the two objects, as arrays until it is drawn, then as batches. Points are relative to `origin`."""
+    """One of the two objects: arrays, and batches made at the first draw. Points are relative to `origin`."""
 
     label: str
     place: np.ndarray  #: (4, 4) from the points' space to the world
@@ -45,7 +45,7 @@ class Side:
 
 
 class _Before:
-    """What is hidden, selected and active in a view layer."""
+    """The hidden, selected and active objects of a view layer before a comparison."""
 
     def __init__(self, context, objects):
         self._layer, there = context.view_layer, context.view_layer.objects
@@ -57,7 +57,7 @@ class _Before:
             obj.hide_set(True, view_layer=self._layer)
 
     def give_back(self) -> None:
-        with suppress(ReferenceError, RuntimeError):  # another file, or one of them was deleted meanwhile
+        with suppress(ReferenceError, RuntimeError):  # another file was opened, or an object was deleted
             for obj, hidden in self._hidden:
                 obj.hide_set(hidden, view_layer=self._layer)
             for obj in self._selected:
@@ -66,7 +66,7 @@ class _Before:
 
 
 class Comparison:
-    """What is compared, how it looks, and where the line is, as a share of a viewport's width."""
+    """The compared objects, their look, and the place of the line as a share of the viewport's width."""
 
     def __init__(self, context, scan, result):
         self.names = scan.name, result.name
@@ -93,7 +93,7 @@ class Comparison:
         return _region_colors(bpy.data.objects[self.names[0]].data)
 
     def stands(self) -> bool:
-        """Whether both objects are still in the file."""
+        """Return whether both objects exist."""
         return all(name in bpy.data.objects for name in self.names)
 
     def sides(self) -> list:
@@ -120,7 +120,7 @@ class Comparison:
         return made
 
     def _colors(self, obj, arrays) -> np.ndarray:
-        """(3 T, 4) uint8"""
+        """Return (3 T, 4) uint8 the colours of the corners."""
         grey = np.array([int(255 * _GREY)] * 3 + [255], np.uint8)
         if self.look != "REGIONS" or not len(self._color):
             return np.broadcast_to(grey, (3 * len(arrays.triangles), 4)).copy()
@@ -131,13 +131,13 @@ class Comparison:
 
 
 def looks_of(scan, result) -> tuple:
-    """The ways in which both can be drawn."""
+    """Return the available looks: TEXTURE only if both objects have one."""
     textured = texture.is_textured(scan) and not mesh_io.has_modifiers(scan) and texture.is_textured(result)
     return LOOKS if textured else LOOKS[:2]
 
 
 def _region_colors(mesh) -> np.ndarray:
-    """(R, 4) uint8 the colour of each region of a scan."""
+    """Return (R, 4) uint8 the colour of each region of a scan."""
     layer = mesh.color_attributes.get(mesh_io.COLOR)
     if layer is None or layer.domain != "CORNER" or layer.data_type != "FLOAT_COLOR":
         return np.empty((0, 4), np.uint8)
@@ -165,7 +165,7 @@ def _take_texture(side: Side, obj, layer, arrays) -> None:
 
 
 def _edges(mesh, arrays, origin) -> np.ndarray:
-    """(2 E, 3) the edges of a mesh, in the space of its arrays; empty if modifiers have changed them."""
+    """Return (2 E, 3) the edges of a mesh, in the space of its arrays; empty if modifiers change its vertices."""
     if len(mesh.vertices) != len(arrays.vertices):
         return np.empty((0, 3), np.float32)
     ends = np.empty(2 * len(mesh.edges), np.int32)
@@ -181,7 +181,7 @@ def start(context, scan, result) -> Comparison:
 
 
 def stop() -> None:
-    """Ends the comparison, if there is one, and gives back what was seen before."""
+    """Ends the comparison, if there is one, and restores visibility and selection."""
     made, runtime.get().comparison = runtime.get().comparison, None
     if made is not None:
         made.end()
@@ -216,14 +216,14 @@ def _draw() -> None:
 
 
 def _light(region_view, place) -> tuple:
-    """The direction to the light in the space of the points, and whether that is mirrored."""
+    """Return the direction to the light in the space of the points, and -1 if that space is mirrored, else 1."""
     turn = Matrix(place[:3, :3].tolist())
     inwards = (region_view.view_matrix.to_3x3() @ turn).transposed()
     return (*(inwards @ shaders.LIGHT), -1.0 if turn.determinant() < 0 else 1.0)
 
 
 def _surfaces(side: Side):
-    """The names and shaders of the batches of a side, which are made when they are drawn first."""
+    """Yields names and shaders of the batches of a side; makes the batches at the first draw."""
     if side.uv is None:
         if "plain" not in side.batches:
             side.batches["plain"] = batch = gpu.types.GPUBatch(
@@ -248,7 +248,7 @@ def _surfaces(side: Side):
 
 
 def _no_image():
-    """One grey pixel, for materials without an image."""
+    """Return a texture of one grey pixel, for materials without an image."""
     known = runtime.get().shaders
     if "no_image" not in known:
         pixel = gpu.types.Buffer("FLOAT", 4, [_GREY] * 3 + [1.0])
@@ -267,7 +267,7 @@ def _draw_lines(side: Side, edge: float, which: float) -> None:
 
 
 def _draw_line() -> None:
-    """The line, its grip, and what is at either side."""
+    """Draws the line, its grip, and the names of both sides."""
     context, made = bpy.context, _shown()
     if made is None:
         return

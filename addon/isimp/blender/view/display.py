@@ -1,4 +1,4 @@
-"""The viewports' shading while regions are shown: set, remembered, and given back."""
+"""Sets the colour type of the viewports while regions are shown, and restores the former one."""
 
 from contextlib import suppress
 
@@ -8,7 +8,7 @@ from idprop.types import IDPropertyGroup
 from ..scene import mesh_io, runtime, targets
 from ..texturing import texture
 
-_KEPT = "isimp_color_type"  # on the screen, so that a file saved meanwhile can restore it
+_KEPT = "isimp_color_type"  # property of the screen, so that a saved file can restore the colour type
 
 
 def _viewports(context):
@@ -21,18 +21,18 @@ def _viewports(context):
 
 
 def _is_ours(screen) -> bool:
-    """Whether the property on a screen is the add-on's, or free; a foreign one may have its name."""
+    """Return whether the property on a screen is the add-on's or missing, not a foreign one of its name."""
     return isinstance(screen.get(_KEPT, None), IDPropertyGroup | None)
 
 
 def _kept(screen) -> dict:
-    """The former colour type of each viewport of a screen; under its place and ".set", the type that the add-on set."""
+    """Return the former colour type of each viewport of a screen. Keys with ".set" have the type set by the add-on."""
     kept = screen.get(_KEPT)
     return kept.to_dict() if isinstance(kept, IDPropertyGroup) else {}
 
 
 def show(context, kind: str = "VERTEX") -> None:
-    """Lets Solid shading show the regions' colours in all viewports, or "TEXTURE": the images of materials."""
+    """Sets the colour type of Solid shading in all viewports. VERTEX: colours of regions. TEXTURE: images."""
     for screen, place, space in _viewports(context):
         if space.shading.color_type != kind:
             if _is_ours(screen):
@@ -43,7 +43,7 @@ def show(context, kind: str = "VERTEX") -> None:
 
 
 def _is_set(kept: dict, place: str, space) -> bool:
-    """Whether a viewport has the colour type that the add-on gave it, and not one that its user chose since."""
+    """Return whether a viewport has the colour type set by the add-on, not a later choice of the user."""
     return place in kept and space.shading.color_type == kept.get(f"{place}.set", "VERTEX")
 
 
@@ -55,11 +55,11 @@ def show_result(context, result) -> None:
 
 
 def give_back(context) -> None:
-    """Gives each viewport the colour type that it had before, unless its user chose another one meanwhile."""
+    """Restores the former colour type of each viewport, unless the user has chosen another one."""
     for screen, place, space in _viewports(context):
         kept = _kept(screen)
         if _is_set(kept, place, space):
-            with suppress(TypeError):  # no colour type of this version
+            with suppress(TypeError):  # this version has no such colour type
                 space.shading.color_type = kept[place]
     for window in context.window_manager.windows:
         if _KEPT in window.screen and _is_ours(window.screen):
@@ -67,15 +67,15 @@ def give_back(context) -> None:
 
 
 def is_shown(context) -> bool:
-    """Whether the regions' colours are seen in a viewport; other kinds of shading than Solid show none."""
+    """Return whether a viewport shows the regions' colours; only Solid shading does."""
     shadings = (space.shading for _, _, space in _viewports(context))
     return any(shading.type == "SOLID" and shading.color_type == "VERTEX" for shading in shadings)
 
 
 def follow_undo(context) -> None:
-    """After undo and redo: colours are shown while the active object is a visible scan with regions.
+    """Shows the colours if the active object is a visible scan with regions. Called after undo and redo.
 
-    Viewports are no part of what undo takes back, so they have to be brought in line with what it did.
+    Undo does not restore viewports, so their colour type must follow the restored objects.
     """
     obj = context.view_layer.objects.active
     if obj is None or obj.type != "MESH" or runtime.get() is None:

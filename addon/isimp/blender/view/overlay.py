@@ -1,7 +1,7 @@
 """The overlay of the scan in the viewports: region borders, outline of the polygons, highlights of the tools.
 
-What to draw is computed on a thread (see sketch.py) once for each state of a scan, and kept; drawing itself only hands
-arrays to the graphics card, and never changes anything of the file.
+A thread computes the sketch (see sketch.py) once for each state of a scan, and the sketch is cached. Draw handlers only
+upload arrays to the graphics card, and never change data of the file.
 """
 
 import bpy
@@ -19,22 +19,22 @@ from ..drawing.space import ON, Over
 from ..scene import mesh_io, pointed, runtime, store, targets
 from ..texts import text, words
 
-_KEPT = 8  # sketches
-_OLD = 0.4  # strength of the polygons of before, until the new ones are there
+_KEPT = 8  # cached sketches
+_OLD = 0.4  # strength of the former polygons until the new ones are ready
 _MARK = (1.0, 0.55, 0.05, 0.8)
 _TICK = 0.1
-_LATE, _UNDER = 0.0003, 0.0015  # as sketches.ON, for what lies under the lines
+_LATE, _UNDER = 0.0003, 0.0015  # like ON, for delayed colours and previews, which lie under the lines
 
 
 def scan_shown(context):
-    """The scan whose regions are seen, or None."""
+    """Return the active scan if its regions are visible, or None."""
     scan, problem = targets.seen(context)
     seen = not problem and context.view_layer.objects.active == scan and scan.visible_get()
     return scan if seen and mesh_io.state_of(scan) and not targets.needs_regions(scan) else None
 
 
 def hover_shown(context):
-    """The highlight under the mouse, or None: also if another object than its scan is shown."""
+    """Return the highlight under the mouse; None if there is none, or its scan is not shown."""
     hover = runtime.get().hover
     if hover is None or not context.space_data.overlay.show_overlays:
         return None
@@ -43,9 +43,9 @@ def hover_shown(context):
 
 
 def _key(context, scan):
-    """The key of a sketch: scan, state, shape and box, and how its polygons are made (None without polygons).
+    """Return the key of a sketch: scan, state, shape and box, and the steps that make polygons (None without).
 
-    The box tells of a scan that was moved in its data, or exchanged for another one, and got the same recipe.
+    The box detects that vertices were moved, or that another mesh has the same name and recipe.
     """
     panel, shown = context.window_manager.isimp, runtime.get().live.shown_of(scan)
     wants = panel.outline or panel.heat or panel.away or panel.directions or panel.summary
@@ -57,7 +57,7 @@ def _key(context, scan):
 
 
 def _drawing(context, scan):
-    """The drawing, as far as it is ready; requests what is missing."""
+    """Return the present drawing, possibly without polygons, or None; requests the missing part."""
     drawings, key = runtime.get().drawings, _key(context, scan)
     if key in drawings:
         drawings.move_to_end(key)
@@ -72,7 +72,7 @@ def _drawing(context, scan):
 
 
 def _at_once(scan):
-    """A sketch without polygons, where everything for it is in memory; else None."""
+    """Return a sketch without polygons if all its data are cached; else None."""
     known, recipe = runtime.get().scans.get(scan.name), store.load(scan)
     if known is None or recipe.layers():
         return None
@@ -80,7 +80,7 @@ def _at_once(scan):
 
 
 def _former(context, scan):
-    """The drawing with the polygons of before, while there are none of the regions seen; else None."""
+    """Return the drawing with former polygons while the visible regions have none; else None."""
     drawings, key = runtime.get().drawings, _key(context, scan)
     if key[3] is None or any(other[:3] == key[:3] and other[3] is not None for other in drawings):
         return None
@@ -89,7 +89,7 @@ def _former(context, scan):
 
 
 def _missing(context, scan):
-    """The key of the next sketch to make; None if all are ready. Borders come first, as they need no polygons."""
+    """Return the key of the next sketch to make; None if all are ready. Borders are made before polygons."""
     drawings, key = runtime.get().drawings, _key(context, scan)
     if key in drawings:
         return None
@@ -102,7 +102,7 @@ def _without_polygons(key):
 
 
 def _tick():
-    """Makes the sketch that is missing, unless others work."""
+    """Starts the missing sketch, or stores a finished one. A timer calls it. Other work has priority."""
     current, context = runtime.get(), bpy.context
     if current is None or not context.window_manager.isimp.overlay:
         return None
@@ -155,7 +155,7 @@ def _rest():
 
 
 def _seen(context, scan):
-    """Recipe, arrays and regions of a visible scan. Raises Unusable."""
+    """Return recipe, arrays and regions of a visible scan, or of its preview. Raises Unusable."""
     shown = runtime.get().live.shown_of(scan)
     if shown is not None:
         return shown.work.recipe, shown.work.scan, shown.work.task.result.face_region
@@ -166,7 +166,7 @@ def _seen(context, scan):
 
 def _keep(key, made) -> None:
     _store(key, made)
-    late.settle()  # so that the view is drawn once for both
+    late.settle()  # one redraw for both changes
     redraw()
 
 
@@ -200,7 +200,7 @@ def _tool_is_ours(context) -> bool:
 
 
 def _leave():
-    """Another tool was chosen: nothing is shown for ours any more."""
+    """Clears highlight and status bar after another tool was chosen."""
     if runtime.get() is not None and runtime.get().status:
         runtime.get().hover = None
         tell(bpy.context, "")
@@ -212,7 +212,7 @@ def _draw():
     if current is None:
         return
     if current.status and not _tool_is_ours(context) and not bpy.app.timers.is_registered(_leave):
-        bpy.app.timers.register(_leave, first_interval=0.0)  # nothing may be changed while drawing
+        bpy.app.timers.register(_leave, first_interval=0.0)  # draw handlers must not change data
     scan = scan_shown(context)
     if scan is None:
         return
@@ -234,7 +234,7 @@ def _draw():
 
 
 def _is_chosen_shown(context, scan) -> bool:
-    """Whether the regions that were clicked last are outlined: several always, one where the mouse is at no region."""
+    """Return whether to outline the clicked regions: several always, one only if no region is under the mouse."""
     count = len(pointed.faces(scan))
     return count > 1 or (count == 1 and context.mode == "OBJECT" and hover_shown(context) is None)
 
@@ -256,7 +256,7 @@ def _draw_lines_over(context, space, scan, shown) -> None:
 
 
 def reported(context, scan) -> tuple:
-    """(numbers of the polygons that are drawn over a scan, whether they are of its regions and not of those before)."""
+    """Return (numbers of the polygons drawn over a scan, whether they belong to its present regions)."""
     made, current = previewed(context, scan), runtime.get()
     if made:
         current.report = scan.name, made
@@ -266,19 +266,19 @@ def reported(context, scan) -> tuple:
 
 
 def previewed(context, scan) -> dict:
-    """The numbers of the polygons that are drawn over a scan, if they are of its regions; else none."""
+    """Return the numbers of the polygons drawn over a scan if they belong to its present regions; else {}."""
     if scan_shown(context) is None:
         return {}
     try:
         drawing = runtime.get().drawings.get(_key(context, scan))
-    except (ValueError, mesh_io.Unusable):  # settings or a transform that nothing can be made with
+    except (ValueError, mesh_io.Unusable):  # unusable settings or transform
         return {}
     made = drawing.sketch.numbers if drawing is not None else {}
     return made if made.get("regions_before") == store.numbers(scan).get("regions") else {}
 
 
 def _draw_summary(context) -> None:
-    """How many regions and polygons there are, in the corner of the view."""
+    """Draws the numbers of regions and polygons in the corner of the view."""
     if not (context.window_manager.isimp.summary and context.space_data.overlay.show_overlays):
         return
     scan, problem = targets.seen(context)
@@ -298,7 +298,7 @@ def _draw_summary(context) -> None:
 
 
 def _draw_text():
-    """The few words beside the mouse, and the brush's circle."""
+    """Draws the summary, the text next to the mouse, and the brush's circle."""
     context = bpy.context
     if runtime.get() is None:
         return

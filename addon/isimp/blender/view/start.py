@@ -1,4 +1,4 @@
-"""Quick start: three lines in the 3D view until the first Partition, or a click in the view."""
+"""The quick start: three lines of help in the 3D view until the first Partition, or a click in the view."""
 
 import bpy
 
@@ -17,7 +17,7 @@ LINES = (
 
 
 def is_shown(context) -> bool:
-    """Whether the lines are shown: the preference is on, and no region is seen yet."""
+    """Return whether to show the lines: the preference is on, and the scan has no regions."""
     if not preferences.get(context).quick_start or runtime.get().comparison is not None:
         return False
     scan, problem = targets.seen(context)
@@ -31,7 +31,7 @@ def _draw() -> None:
 
 
 def end(context) -> None:
-    """Switches the preference off, which is kept with Blender's other preferences."""
+    """Switches the preference off. Blender saves it with its other preferences."""
     wish = preferences.get(context)
     if wish.quick_start:
         wish.quick_start = False
@@ -50,7 +50,7 @@ class ISIMP_OT_quick_start_end(bpy.types.Operator):
         return runtime.get() is not None and is_shown(context)
 
     def invoke(self, context, event):
-        return self.execute(context) | {"PASS_THROUGH"}  # the click does what it would have done
+        return self.execute(context) | {"PASS_THROUGH"}  # Blender handles the click too
 
     def execute(self, context):
         end(context)

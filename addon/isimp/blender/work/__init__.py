@@ -1,1 +1,1 @@
-"""Steps on a worker thread: start, progress, preview and end."""
+"""Runs steps on a worker thread: start, progress, preview and end."""

@@ -1,9 +1,9 @@
-"""Settings whose result is visible while they are dragged, like those of a modifier.
+"""Re-runs the recipe while a setting is dragged, so that its effect is visible like that of a modifier.
 
-The settings live on the window manager, which undo leaves alone. When one is changed, a timer has the recipe with the
-new value replayed on a thread and draws the outcome over the scan (preview.py); once the settings have rested for a
-moment, one operator writes it on the scan and makes a step to undo of it. An undo in between does the same first, and
-so undoes just that. After undo and redo the settings follow the recipe.
+The settings are on the window manager, which undo does not change. After a change, a timer starts a thread that replays
+the recipe with the new value, and draws the outcome over the scan (preview.py). After a pause, one operator writes the
+outcome on the scan as an undo step. An undo before that makes the undo step first, so it reverts only the changed
+settings. After undo and redo the settings follow the recipe.
 """
 
 import logging
@@ -26,7 +26,7 @@ _TICK = 0.02
 
 
 def _find(context):
-    """The scan whose settings are shown, if they can be changed live; else None."""
+    """Return the scan whose settings are shown, if they can be changed live; else None."""
     live = runtime.get().live
     if not (context.window_manager.isimp.live and live.pending) or runtime.get().running is not None:
         return None
@@ -37,7 +37,7 @@ def _find(context):
 
 
 def _tick():
-    """Called by a timer while settings change."""
+    """Shows and writes changed settings step by step. A timer calls it while settings change."""
     if runtime.get() is None:
         return None
     live, context = runtime.get().live, bpy.context
@@ -52,15 +52,15 @@ def _tick():
             live.work.read_on(context, _TICK)
             return _TICK
         work, live.work = live.work, None
-        if not _take_up(context, work) or runtime.get().running is not None:  # a texture is on its way
+        if not _take_up(context, work) or runtime.get().running is not None:  # an operator bakes a texture
             return None
     try:
         kept, changed = store.load(scan), pending.recipe_of(context, scan)
-    except ValueError as error:  # settings that do not go together
+    except ValueError as error:  # settings that contradict each other
         log.info("%s", error)
         live.pending = False
         return None
-    if changed == kept and live.shown is not None:  # back where it was
+    if changed == kept and live.shown is not None:  # the setting has its former value again
         live.shown = None
         overlay.redraw()
     wanted = visible(context, scan, changed)
@@ -81,12 +81,12 @@ def _tick():
 
 
 def visible(context, scan, recipe):
-    """The recipe without its polygons where the scan is looked at, not they."""
+    """Return the recipe, without Mesh if the scan is the active object and not its result."""
     return recipe.without_mesh() if context.view_layer.objects.active == scan else recipe
 
 
 def _take_up(context, work) -> bool:
-    """Shows the result; False if there is none."""
+    """Shows the result. Returns False if there is none."""
     live, scan, error = runtime.get().live, work.target(), work.task.error
     if scan is None or (error is not None and not isinstance(error, StepFailed)):
         live.pending = False
@@ -101,7 +101,7 @@ def _take_up(context, work) -> bool:
 
 def settle() -> None:
     """Makes an undo step of the changes."""
-    window = bpy.context.window_manager.windows[0]  # a timer has none
+    window = bpy.context.window_manager.windows[0]  # the context of a timer has no window
     with bpy.context.temp_override(window=window):
         bpy.ops.isimp.settle("INVOKE_DEFAULT", True)
 
@@ -143,7 +143,7 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
         return self._settle(context)
 
     def _settle(self, context):
-        """Writes the preview on the scan; in Edit Mode it is written already. A result with a texture has none."""
+        """Writes the preview on the scan. In Edit Mode it is written already; textured results have no preview."""
         runtime.get().live.held = False
         if runtime.get().live.shown is None:
             return super()._settle(context)
@@ -166,7 +166,7 @@ def _before_undo(*_):
 
 @bpy.app.handlers.persistent
 def _drop_changes(*_):
-    """Before a file is loaded or a step is redone."""
+    """Drops changes without an undo step. Called before a file is loaded or a step is redone."""
     live = runtime.get().live
     if live.work is not None:
         live.work.abandon()
@@ -183,7 +183,7 @@ def _before_load(*_):
 
 @bpy.app.handlers.persistent
 def _after_undo(*_):
-    late.settle()  # an undo that did not change the mesh leaves it as Blender shows it
+    late.settle()  # reports delayed colours, as undo may not have changed the mesh
     late.forget()
     store.forget()
     reading.forget()
@@ -192,7 +192,7 @@ def _after_undo(*_):
 
 @bpy.app.handlers.persistent
 def _after_update(scene, depsgraph):
-    """Drop what was read of changed objects, and follow the active one."""
+    """Drops cached arrays of changed objects, and shows the settings of the active scan."""
     reading.forget_changed(depsgraph)
     active = bpy.context.view_layer.objects.active if bpy.context.view_layer else None
     scan = targets.scan_of(active) or active
@@ -219,7 +219,7 @@ def _wake() -> None:
 
 
 def register() -> None:
-    if not bpy.app.background:  # where timers never fire
+    if not bpy.app.background:  # timers do not run in the background
         runtime.get().live.wake = _wake
     for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).append(handler)

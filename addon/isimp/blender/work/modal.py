@@ -1,7 +1,7 @@
-"""Long work without a frozen window: once, for every operator that replays a recipe.
+"""Base of all operators that replay a recipe: long work on a thread, so that the window responds.
 
-`execute` does the whole job at once, for scripts and `blender -b`. `invoke` does it on a thread, with a timer that
-shows how far it is and applies the result once it is there; Esc leaves everything as it was.
+`execute` blocks until the end, for scripts and `blender -b`. `invoke` starts a thread and a timer, which shows the
+progress and applies the result. Esc cancels without a change.
 """
 
 import logging
@@ -27,19 +27,19 @@ from . import pending, show
 log = logging.getLogger("isimp")
 _AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
 _TICK = 0.05
-_BEFORE = 0.6  # of the progress: the steps, where a texture follows them
-#: Beginnings of events that are allowed while a mesh in Edit Mode is written, as it must not change meanwhile
+_BEFORE = 0.6  # share of the progress for the steps before a texture
+#: Prefixes of events that are allowed while a mesh in Edit Mode is written, since other events could change the mesh
 NAVIGATION = ("MOUSE", "MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW")
 
 
 class Work:
-    """A recipe under way on an object: read here, replayed on a thread, then taken up again by the operator."""
+    """A running recipe on an object: the main thread reads the scan, a thread replays, the operator writes."""
 
     def __init__(self, context, obj, recipe, again=False):
         """again: the scan has not changed since it was read last."""
         preferences.obey(context, runtime.get().session)
         self.name, self.recipe = obj.name, recipe
-        self.states = {mesh_io.state_of(obj)}  #: those that are no change from elsewhere
+        self.states = {mesh_io.state_of(obj)}  #: states of the scan that this work starts from or has written
         self._layers, self._is_read, self._problem = recipe.layers(), threading.Event(), None
         if reading.ready(context, obj, self._layers, 0.0):
             self.scan = reading.read(context, obj, self._layers, again)
@@ -49,14 +49,14 @@ class Work:
         self.corners = mesh_io.corner_totals(obj.data)
         self.face_color = self.corner_color = None
         self._shown_color = late.shown(obj)
-        self.patch = None  #: the faces that get other colours than Blender shows, if these are few; see late.py
+        self.patch = None  #: faces whose colours differ from Blender's, if they are few; see late.py
         self.task = None
-        self.baking = None  #: the texture that the recipe ends in, on its way: see texture.Baking
-        self.untextured = ""  #: why there is none
-        self.shown = None  #: the share of the outcome that is written, once writing has begun; see show.writing
+        self.baking = None  #: the texture.Baking of a recipe that ends in Texture
+        self.untextured = ""  #: why there is no texture
+        self.shown = None  #: written share of the outcome; None before writing begins; see show.writing
 
     def progress(self) -> tuple:
-        """(share, words) of how far it is."""
+        """Return (share, text) of the progress."""
         if self.shown is not None:
             return self.shown, said("Showing {share}", share=f"{self.shown:.0%}")
         return self.task.watch.progress, self.task.describe()
@@ -67,7 +67,7 @@ class Work:
         if self._is_read.is_set() or (obj is not None and not reading.ready(context, obj, self._layers, seconds)):
             return
         try:
-            if obj is not None:  # else the work goes on in vain
+            if obj is not None:  # else the result will be discarded
                 self.scan = reading.read(context, obj, self._layers, again=True)
         except mesh_io.Unusable as problem:
             self._problem = ValueError(str(problem))
@@ -84,7 +84,7 @@ class Work:
             self.untextured = str(problem)
 
     def run(self, watch=None):
-        """The outcome with its texture, and its colours as the mesh takes them; on any thread."""
+        """Return the outcome, and compute its texture and the colours of corners; on any thread."""
         watch = watch or Watch()
         with watch.share(0.0, 1.0 if self.baking is None else _BEFORE):
             outcome = self.replay(watch)
@@ -95,14 +95,14 @@ class Work:
         return outcome
 
     def _bake(self, outcome, watch) -> None:
-        """Without a texture the polygons are of use still."""
+        """Bakes the texture. An error is stored, since the polygons are useful without a texture."""
         try:
             self.baking.make(self.scan, outcome, watch)
         except ValueError as problem:
             self.baking, self.untextured = None, str(problem)
 
     def replay(self, watch):
-        """The outcome, once all is read."""
+        """Return the outcome. Waits until all data are read."""
         while not self._is_read.wait(_TICK):
             watch.poll()
         if self._problem is not None:
@@ -110,7 +110,7 @@ class Work:
         return runtime.get().session.replay(self.scan, self.recipe, watch)
 
     def paint(self, outcome) -> None:
-        """Makes the outcome's colours as the mesh takes them; on any thread."""
+        """Computes the colours of the corners for the mesh; on any thread."""
         self.face_color = outcome.face_color
         self.patch = late.patch_of(self.scan, self._shown_color, self.face_color)
         self.corner_color = view.corner_colors(view.COLORS, self.face_color, self.corners, runtime.get().spare)
@@ -119,13 +119,13 @@ class Work:
         self.task = Task(self.run)
 
     def abandon(self) -> None:
-        """Stops the thread and waits for it: it ends within a moment."""
+        """Stops the thread and waits for its end."""
         if self.task is not None:
             self.task.watch.cancel()
             self.task.wait()
 
     def target(self):
-        """The object, if it is still there and as it was when the work began; else None."""
+        """Return the object if it exists and has not changed since the work began; else None."""
         obj = bpy.data.objects.get(self.name)
         if obj is None or obj.type != "MESH" or obj.mode not in {"OBJECT", "EDIT"}:
             return None
@@ -136,7 +136,7 @@ class Work:
 class RecipeOperator:
     """Mixin of operators that change the recipe of a scan and show its outcome.
 
-    A subclass says what recipe it wants (`wanted`), how to show the outcome (`show`) and what to tell (`told`).
+    A subclass defines the new recipe (`wanted`), how to show the outcome (`show`) and the report (`told`).
     """
 
     bl_options = {"REGISTER", "UNDO"}
@@ -144,17 +144,17 @@ class RecipeOperator:
     #: Whether the recipe is kept if one of its steps fails: the step is marked, and the previous result stays visible
     keeps_failed = False
 
-    #: Whether messages name the step that failed, as its user looks at the list of steps
+    #: Whether messages name the failed step, because the user works with the list of steps
     names_steps = False
 
-    #: Whether all selected scans are done, one after the other
+    #: Whether the operator runs on all selected scans, one after the other
     does_all = False
 
-    _waiting = ()  #: names of the selected scans that are still to be done
-    _skipped = ()  #: names of those that this can't be done for
-    _done = ()  #: names of the objects that were shown for those that are done
+    _waiting = ()  #: names of the remaining selected scans
+    _skipped = ()  #: names of the selected scans without regions
+    _done = ()  #: names of the shown objects of finished scans
     _writing = None  #: the write in progress in Edit Mode: see show.writing
-    _before = None  #: the numbers of the regions before
+    _before = None  #: the numbers of the former regions
     _is_modal = False
 
     #: The most important settings, in the panel of the last operation (F9)
@@ -171,11 +171,11 @@ class RecipeOperator:
 
     @classmethod
     def problem(cls, context, scan) -> str:
-        """Why this operator cannot run; empty if it can."""
+        """Return why this operator cannot run; empty if it can."""
         return ""
 
     def warnings(self, context, scan, before: dict) -> list:
-        """Warnings about the scan for its user. before: the numbers of the regions before."""
+        """Return warnings about the scan. before: the numbers of the former regions."""
         return []
 
     def execute(self, context):
@@ -211,7 +211,7 @@ class RecipeOperator:
         return self.go_on(context)
 
     def _next(self, context, state):
-        """Goes on with the next scan after one has ended, or ends."""
+        """Continues with the next scan, or ends."""
         self._state = getattr(self, "_state", set()) | state
         task = self._work.task if self._work is not None else None
         stopped = task is not None and isinstance(task.error, Stopped)
@@ -220,7 +220,7 @@ class RecipeOperator:
         return self._conclude(context, self._state)
 
     def _gather(self, context) -> None:
-        """The scans to be done after the active one."""
+        """Collects the selected scans to run on after the active one."""
         first, _ = targets.find(context)
         others = targets.selected(context) if self.does_all and context.mode == "OBJECT" else []
         others = [obj for obj in others if obj != first and first is not None]
@@ -229,7 +229,7 @@ class RecipeOperator:
         self._done = []
 
     def _turn_to_next(self, context) -> bool:
-        """Makes the next waiting scan the active object; False if none is left."""
+        """Makes the next waiting scan the active object. Returns False if none is left."""
         while self._waiting:
             scan = bpy.data.objects.get(self._waiting.pop(0))
             if scan is not None and scan.name in context.view_layer.objects:
@@ -238,7 +238,7 @@ class RecipeOperator:
         return False
 
     def _conclude(self, context, state):
-        """Selects all that was made, if that is more than one."""
+        """Selects all shown objects if there are several, and ends."""
         shown = [bpy.data.objects[name] for name in self._done if name in context.view_layer.objects]
         if len(shown) > 1:
             for obj in shown:
@@ -249,7 +249,7 @@ class RecipeOperator:
         return {"FINISHED"} if "FINISHED" in state else {"CANCELLED"}
 
     def go_on(self, context):
-        """Takes the result of the work, or waits for it, without a frozen window."""
+        """Applies the result of short work, or starts a timer that waits for it."""
         end = time.monotonic() + _AT_ONCE
         self._work.read_on(context, 0.5 * _AT_ONCE)
         status = self._work.task.wait(max(0.0, end - time.monotonic()))
@@ -284,7 +284,7 @@ class RecipeOperator:
         return self._next(context, self._settle(context))
 
     def _written(self, seconds: float) -> bool:
-        """Continues writing face by face for `seconds`; whether it is complete."""
+        """Continues writing face by face for `seconds`. Returns whether it is complete."""
         work, end = self._work, time.monotonic() + seconds
         scan = work.target()
         if scan is None or work.task.error is not None:
@@ -292,17 +292,17 @@ class RecipeOperator:
         if self._writing is None:
             self._before = store.numbers(scan)
             self._writing = show.writing(scan, work, work.task.result)
-        with suppress(ReferenceError):  # Edit Mode was left meanwhile, by a script
+        with suppress(ReferenceError):  # a script has left Edit Mode
             for work.shown in self._writing:
                 if time.monotonic() > end:
                     return False
         return True
 
     def cancel(self, context):
-        """Blender calls this when the window or the file is closed meanwhile."""
+        """Stops the work. Blender calls this if the window or the file is closed."""
         self._work.abandon()
         with suppress(ReferenceError):
-            for _ in self._writing or ():  # half of it would be of neither state
+            for _ in self._writing or ():  # a half-written mesh would belong to no state
                 pass
         self._end_modal(context)
 
@@ -327,7 +327,7 @@ class RecipeOperator:
         return work
 
     def _settle(self, context):
-        """The thread has ended: takes its result or its error."""
+        """Applies the result or the error of the ended thread."""
         task = self._work.task
         if task.error is not None:
             return self._refuse(context, self._work, task.error)
@@ -366,7 +366,7 @@ class RecipeOperator:
         return {"FINISHED"}
 
     def _reason(self, work, error: StepFailed) -> str:
-        """Names the step only if its user has not just done it."""
+        """Return the reason. It names the step unless the user has just added it."""
         scan = work.target()
         before = store.load(scan) if scan is not None else None
         known = before.steps if before is not None else ()
@@ -404,7 +404,7 @@ class RecipeOperator:
 
 
 def _was_edited(before: dict, work, outcome) -> bool:
-    """Whether the scan changed after its regions were found, so that steps before the last one ran again."""
+    """Return whether the scan changed after its regions were found, so that steps before the last one ran again."""
     changed = before.get("scan", "") not in {"", outcome.numbers["scan"]}
     return changed and len(work.recipe.steps) > 1
 

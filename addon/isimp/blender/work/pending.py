@@ -1,4 +1,4 @@
-"""Settings changed in the panel that are no step to undo yet, as all that works on a recipe must respect them."""
+"""Applies changed settings of the panel that have no undo step yet. Code that changes a recipe must include them."""
 
 import bpy
 
@@ -6,11 +6,11 @@ from ..controls import settings
 from ..scene import runtime, store, targets
 from . import show
 
-LABEL = "Change Settings"  #: of the step to undo
+LABEL = "Change Settings"  #: name of the undo step
 
 
 def recipe_of(context, scan):
-    """The recipe of a scan, with changes in the panel that have not been applied yet."""
+    """Return the recipe of a scan with the panel's changes that have not been applied."""
     recipe = store.load(scan)
     live = runtime.get().live
     is_live = live.pending and context.window_manager.isimp.live and live.scan == scan.name
@@ -20,10 +20,10 @@ def recipe_of(context, scan):
 
 
 def interrupt(context) -> None:
-    """Stops the work. A preview without an undo step is written and gets one."""
+    """Stops running previews. A finished preview without an undo step is written and gets one."""
     runtime.get().stop_sketching()
     live = runtime.get().live
-    live.tried, live.held = None, False  # of a tool that did not come to its end
+    live.tried, live.held = None, False  # ends the preview of an interrupted tool
     if live.work is not None:
         live.work.abandon()
         live.work = None
@@ -42,7 +42,7 @@ def push(context) -> None:
 
 
 def write_shown(context) -> bool:
-    """Writes the preview on its scan; False if the scan is gone."""
+    """Writes the preview on its scan. Returns False if the scan was deleted or changed."""
     live = runtime.get().live
     work, live.shown = live.shown.work, None
     scan, error = work.target(), work.task.error
@@ -56,7 +56,7 @@ def write_shown(context) -> bool:
 
 
 def follow(context) -> None:
-    """Lets the settings follow the recipe of the active scan."""
+    """Shows the settings of the active scan's recipe in the panel, or its chosen settings if it has no regions."""
     live, before = runtime.get().live, runtime.get().live.scan
     scan, problem = targets.find(context)
     live.scan, live.pending = (scan.name if scan is not None else before), False
@@ -64,7 +64,7 @@ def follow(context) -> None:
     if recipe is not None and recipe.steps:
         settings.to_panel(context, recipe)
     elif scan is not None:
-        if before and before != scan.name and before in bpy.data.objects:  # else it was renamed
+        if before and before != scan.name and before in bpy.data.objects:  # false if the scan was renamed
             live.settings[before] = settings.shown(context)
             settings.show(context, live.settings.get(scan.name))
         settings.forget_foreign(context, scan)

@@ -1,8 +1,7 @@
-"""Regions shown before they are written on the scan, as a setting is dragged: drawn over it by the graphics card.
+"""Previews regions while a setting is dragged: they are drawn over the scan and not written on it.
 
-Writing the layers of a million faces, and all that Blender does when a mesh has changed, takes longer than a hand
-waits for; handing one colour a corner to the graphics card does not. It works in Edit Mode just as well, where layers
-can only be written face by face.
+Writing the layers of a million faces, and Blender's update of a changed mesh, are too slow for that. Uploading one
+colour for each corner is fast enough, in Edit Mode too, where layers can only be written face by face.
 """
 
 import numpy as np
@@ -17,13 +16,13 @@ from . import modal
 
 
 class Work(modal.Work):
-    """A recipe replayed to be seen, and written only if it settles."""
+    """A replayed recipe for a preview, which is written only after a pause."""
 
-    color = points = None  #: of the corners. Both None after a failed step; points None if the previous ones are valid
-    _painting = None  #: the Task that colours the corners as the mesh takes them
+    color = points = None  #: by corner; both None after a failed step, points None if the previous ones are valid
+    _painting = None  #: the Task that computes the colours to write on the mesh
 
     def __init__(self, context, obj, recipe, before=None, again=False):
-        """before: the Preview seen before, if there is one. again: as that of a Work."""
+        """before: the previous Preview, if there is one. again: see modal.Work."""
         super().__init__(context, obj, recipe, again)
         self.before = before
 
@@ -38,7 +37,7 @@ class Work(modal.Work):
         return outcome
 
     def is_ready(self) -> bool:
-        """Whether everything is ready to be written; requests what is missing."""
+        """Return whether all data to write are ready; starts the computation of missing colours."""
         if self.task.error is not None or self.corner_color is not None:
             return True
         if self._painting is None:
@@ -47,7 +46,7 @@ class Work(modal.Work):
 
 
 class Preview:
-    """The picture of a finished `Work`. The corners of a scan are handed to the graphics card only once."""
+    """The drawing of a finished `Work`. The corners of a scan are uploaded to the graphics card only once."""
 
     def __init__(self, work):
         self.work = work

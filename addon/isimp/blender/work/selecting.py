@@ -1,4 +1,4 @@
-"""Operators that select many faces: in pieces in Edit Mode, where each has to be selected by itself."""
+"""Base of operators that select many faces, in pieces in Edit Mode, which has no bulk access."""
 
 import time
 from contextlib import suppress
@@ -13,16 +13,16 @@ _TICK = 0.01
 
 
 class SelectOperator:
-    """Mixin. A subclass says what to select (`wanted`) and what to do at the end (`conclude`)."""
+    """Mixin. A subclass defines the faces to select (`wanted`) and the end (`conclude`)."""
 
     bl_options = {"REGISTER", "UNDO"}
 
     def wanted(self, context):
-        """(object, (faces,) bool) to be selected; None, with a report, where there is nothing to do."""
+        """Return (object, (faces,) bool) to select; None after a report if there is nothing to select."""
         raise NotImplementedError
 
     def conclude(self, context, obj) -> None:
-        """Called when all are selected."""
+        """Ends the operator after all faces are selected."""
 
     def execute(self, context):
         if not self._begin(context):
@@ -43,7 +43,7 @@ class SelectOperator:
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
-        if event.type != "TIMER":  # the mesh must not change half way
+        if event.type != "TIMER":  # the mesh must not change between two pieces
             return {"PASS_THROUGH" if event.type.startswith(modal.NAVIGATION) else "RUNNING_MODAL"}
         if not self._is_done():
             return {"RUNNING_MODAL"}
@@ -51,7 +51,7 @@ class SelectOperator:
         return self._end(context)
 
     def cancel(self, context):
-        """Blender calls this when the window or the file is closed meanwhile."""
+        """Removes the timer. Blender calls this if the window or the file is closed."""
         context.window_manager.event_timer_remove(self._timer)
 
     def _begin(self, context) -> bool:
@@ -63,9 +63,9 @@ class SelectOperator:
         return True
 
     def _is_done(self) -> bool:
-        """Goes on for a moment; whether all are selected."""
+        """Selects faces for at most `reading.SPAN` seconds. Returns whether all are selected."""
         end = time.monotonic() + reading.SPAN
-        with suppress(ReferenceError):  # Edit Mode was left meanwhile, by a script
+        with suppress(ReferenceError):  # a script has left Edit Mode
             for _ in self._steps:
                 if time.monotonic() > end:
                     return False

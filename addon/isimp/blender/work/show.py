@@ -1,4 +1,4 @@
-"""How an outcome comes to the screen: regions on the scan, or polygons as an object beside it."""
+"""Writes an outcome to the scene: regions on the scan, or polygons as a result object."""
 
 import uuid
 from dataclasses import replace
@@ -14,7 +14,7 @@ from ..view import display, overlay, start
 
 
 def _save(scan, work, numbers: dict) -> int:
-    """Stores the recipe and returns its state. Unreadable data are moved aside first, and stay in the file."""
+    """Stores the recipe and returns its state. Unreadable layers are renamed first, and stay in the file."""
     unknown = not mesh_io.state_of(scan) and aside.has_regions(scan.data)
     aside.set_aside(scan, regions_too=bool(store.read(scan).problem) or unknown)
     state = store.save(scan, work.recipe, numbers)
@@ -23,9 +23,9 @@ def _save(scan, work, numbers: dict) -> int:
 
 
 def show_texture(scan, work, outcome, made) -> dict:
-    """Puts the texture on an existing result, whose polygons do not change; returns the engine's report.
+    """Writes the texture on an existing result without changing its polygons; returns the engine's report.
 
-    Raises Unusable if the result was changed since Mesh; then nothing changes.
+    Raises Unusable, before any change, if the result was changed since Mesh.
     """
     was_edited = result.is_edited(made)
     report = work.baking.put(made, outcome)
@@ -46,11 +46,11 @@ def show_regions(context, scan, work, outcome) -> None:
 
 
 def show_polygons(context, scan, work, outcome):
-    """Makes or refreshes the result beside the scan, which is hidden, and brings it to the front.
+    """Creates or refills the result, brings it to the front and hides the scan.
 
-    Returns [(name, why)] of results that their user has edited or copied, and that are kept.
+    Returns [(name, reason)] of kept results, which the user has edited or copied.
     """
-    if context.mode != "OBJECT":  # the scan's, or that of its result
+    if context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     state = _save(scan, work, outcome.numbers)
     _write(scan, work, outcome, state)
@@ -63,14 +63,14 @@ def show_polygons(context, scan, work, outcome):
     turn = result.fill(made, scan, outcome)
     carry.bones(made, scan, work.scan, outcome)
     carry.layers(made, scan, work.scan, outcome, turn, slid)
-    if work.baking is None and not texture.is_textured(scan):  # else it becomes one material
+    if work.baking is None and not texture.is_textured(scan):  # a texture replaces the scan's materials
         result.take_materials(made, scan, outcome)
     if work.baking is not None:
         work.baking.put(made, outcome)
     result.sign(made)
     mesh_io.give_color_back(scan.data)
     for old, why in kept:
-        if why != result.COPIED or old.matrix_world == made.matrix_world:  # a copy may stand beside it
+        if why != result.COPIED or old.matrix_world == made.matrix_world:  # a copy at another place stays visible
             hide(context, old)
     bring_to_front(context, made, scan)
     display.show_result(context, made)
@@ -92,9 +92,9 @@ def _write(scan, work, outcome, state) -> None:
 
 
 def writing(scan, work, outcome):
-    """Writes face by face what `show_outcome` shows, in pieces, so that the window stays responsive.
+    """Writes regions in Edit Mode face by face, in pieces, so that the window stays responsive.
 
-    Yields what share is done. Nothing is left for later in Edit Mode; nothing is done in Object Mode.
+    Yields the completed share. In Object Mode, and for polygons, it does nothing: `show_outcome` writes them at once.
     """
     if scan.mode != "EDIT" or outcome.polygons is not None:
         return
@@ -103,18 +103,18 @@ def writing(scan, work, outcome):
 
 
 def show_outcome(context, scan, work, outcome):
-    """Shows the outcome of a recipe: polygons if it ends in Mesh, else regions. Returns what `show_polygons` does."""
+    """Shows the outcome of a recipe: polygons if it ends in Mesh, else regions. Returns like `show_polygons`."""
     return (show_regions if outcome.polygons is None else show_polygons)(context, scan, work, outcome)
 
 
 def show_failed(context, scan, work, error) -> None:
-    """Stores a recipe with a failed step, and the reason; the previous result stays visible."""
+    """Stores a recipe with a failed step and the reason. The previous result stays visible."""
     failed = {"failed": error.index, "reason": stored.line(messages.reason(error.reason, text.in_scene))}
     outcome = error.outcome
     if outcome is None or (mesh_io.state_of(scan) and not store.read(scan).problem):
         state = _save(scan, work, store.numbers(scan) | failed)
         mesh_io.write_state(scan, state)
-    else:  # nothing was seen before
+    else:  # there is no previous result
         show_regions(context, scan, work, replace(outcome, numbers=outcome.numbers | failed))
 
 
@@ -134,7 +134,7 @@ def bring_to_front(context, shown, hidden) -> None:
 
 
 def hide(context, obj) -> None:
-    """Hides an object in viewports and renders; `bring_to_front` shows it again where `hide` hid it."""
+    """Hides an object in viewports and renders. `bring_to_front` reverts both."""
     if not obj.hide_render:
         raw.make_way(obj)
         obj.hide_render, obj.isimp.unrendered = True, "yes"
