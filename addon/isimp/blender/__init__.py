@@ -1,4 +1,4 @@
-"""Everything that touches Blender. Without numpy this is a panel that names the remedy."""
+"""The part of the add-on that imports bpy. Without numpy, only a panel with the remedy is registered."""
 
 from . import without_numpy
 

@@ -1,4 +1,4 @@
-"""`blender --command isimp simplify scan.ply simple.obj`, from Blender 4.2 on: the command of the package."""
+"""Adds the command of the package to Blender 4.2 and later: `blender --command isimp simplify scan.ply simple.obj`."""
 
 import bpy
 
@@ -9,7 +9,7 @@ _handle = None
 
 
 def run(words) -> int:
-    """Runs the command with its words; returns its exit status."""
+    """Runs the command with its arguments. Returns the exit status."""
     if engine is None:
         print(said("The iSimp engine does not load: install the zip for this system"))
         return 1
@@ -17,12 +17,12 @@ def run(words) -> int:
 
     try:
         return int(import_module(f"{engine.__name__}.cli").main(words) or 0)
-    except SystemExit as end:  # of --help and wrong usage
+    except SystemExit as end:  # by --help and wrong usage
         return end.code if isinstance(end.code, int) else 1
 
 
 def register() -> None:
-    global _handle  # noqa: PLW0603  (Blender wants it back)
+    global _handle  # noqa: PLW0603  (Blender needs it to unregister the command)
     if hasattr(bpy.utils, "register_cli_command"):
         _handle = bpy.utils.register_cli_command("isimp", run)
 

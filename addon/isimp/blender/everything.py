@@ -1,4 +1,4 @@
-"""All classes of the add-on and all that it adds to Blender, in the order of registration."""
+"""Registers all classes, properties, menus and handlers of the add-on, in order."""
 
 import bpy
 

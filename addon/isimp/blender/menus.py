@@ -1,4 +1,4 @@
-"""Menus: Object > iSimp, whose entries the search (F3) finds too, and a pie menu for a key of one's own."""
+"""Menus: Object > iSimp, whose entries the search (F3) finds too, and pie menus for the user's own keys."""
 
 import bpy
 
@@ -93,7 +93,7 @@ class ISIMP_MT_chosen_pie(bpy.types.Menu):
         pie, panel = self.layout.menu_pie(), context.window_manager.isimp
         scan = context.view_layer.objects.active
         faces = pointed.faces(scan) if scan else ()
-        if not faces:  # a script may open the pie when nothing is chosen
+        if not faces:  # a script may open the pie while no region is chosen
             return
         buttons = []
         for name in ("upright", "parallel", "level", "coplanar"):

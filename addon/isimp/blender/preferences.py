@@ -90,7 +90,7 @@ def tool_keymaps(keys) -> list:
     return [keymap for keymap in tools if any(i.idname.startswith("isimp.") for i in keymap.keymap_items)]
 
 
-# Where there is one back end only, there is nothing to choose.
+# The back end is left out if there is only one.
 _DRAWN = (
     ("Colours", ("border_color", "outline_color", "problem_color", "line_width")),
     ("Help", ("quick_start",)),
@@ -100,7 +100,7 @@ _DRAWN = (
 
 
 class _Default:
-    """The preferences where the add-on was not switched on by the user, but by a script."""
+    """Default preferences, for an add-on that a script registered without enabling it in Blender."""
 
 
 for _name, _property in IsimpPreferences.__annotations__.items():
@@ -114,7 +114,7 @@ def get(context):
 
 
 def obey(context, working) -> None:
-    """Has a session work as the preferences say."""
+    """Sets threads and back end of a session by the preferences."""
     wish = get(context)
     working.threads = wish.threads
     working.backend = wish.backend if wish.backend in _BACKENDS else _BACKENDS[0]

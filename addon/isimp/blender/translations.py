@@ -1,4 +1,4 @@
-"""Translations of the interface: for each language a file with lines `English<tab>translation`."""
+"""Registers translations of the interface. Each language has a file with lines `English<tab>translation`."""
 
 from pathlib import Path
 
@@ -6,13 +6,13 @@ import bpy
 
 from .. import language
 
-CONTEXT = "iSimp"  #: of operators, menus and panels: their names are words that Blender translates otherwise
+CONTEXT = "iSimp"  #: context of operators, menus and panels: Blender has other translations of their names
 _FOLDER = Path(__file__).parents[1] / "translations"
-_LOCALES = {"de": ("de", "de_DE")}  #: what Blender calls a language, by version
+_LOCALES = {"de": ("de", "de_DE")}  #: names of a language in the versions of Blender
 
 
 def read(language: str) -> dict:
-    """{English: translation} of a language's file."""
+    """Return {English: translation} of a language's file."""
     lines = (_FOLDER / f"{language}.tsv").read_text(encoding="utf-8").splitlines()
     return dict(line.replace("\\n", "\n").split("\t") for line in lines if line)
 

@@ -1,6 +1,6 @@
-"""The add-on in a Blender whose Python has no numpy, as Debian's without the package python3-numpy: one panel.
+"""Registers a single panel if Blender's Python has no numpy, like Debian's without the package python3-numpy.
 
-All other modules import numpy, so this one imports none of them but the translations.
+This module must not import modules that import numpy: only the translations do not.
 """
 
 import importlib

@@ -1,4 +1,4 @@
-"""Presets of the add-on, and users' own, which Blender stores as files."""
+"""Presets of the add-on, and presets of the user, which Blender stores as files."""
 
 from pathlib import Path
 
@@ -15,10 +15,10 @@ from . import settings
 
 _FOLDER = "isimp"
 _TITLE, _DEFAULTS = "Presets", own("No preset (defaults)")
-# Titles of the menu that are no preset of the user's.
+# Titles of the menu that are not presets of the user.
 _OURS = {_TITLE, _DEFAULTS, *(preset.label for preset in presets.PRESETS)}
 _PICTURES = Path(__file__).parents[2] / "pictures"
-# Settings of one scan, not of a kind of scans: lengths in its units, a count, its weights.
+# Settings that belong to one scan, not to a kind of scans: lengths, a count, weights.
 _LEFT = frozenset({"proxies", "tolerance", "bound", "weights", "influence", "borders", "length"})
 
 
@@ -60,7 +60,7 @@ class ISIMP_MT_presets(bpy.types.Menu):
     def draw(self, context):
         for preset in presets.PRESETS:
             self.layout.operator("isimp.preset", text=preset.label).name = preset.name
-        if bpy.utils.preset_paths(_FOLDER):  # there are none before the user has made one
+        if bpy.utils.preset_paths(_FOLDER):  # exists once the user has stored a preset
             self.layout.separator()
             self.draw_preset(context)
 
@@ -84,7 +84,7 @@ class ISIMP_OT_preset_add(AddPresetBase, bpy.types.Operator):
 
 
 def title(context) -> str:
-    """The title of the menu: the add-on's preset with these settings, else the preset chosen last."""
+    """Return the title of the menu: the add-on's preset with these settings, else the preset chosen last."""
     chosen = ISIMP_MT_presets.bl_label
     for preset in presets.PRESETS:
         snaps = context.window_manager.isimp.regularise_first == (preset.regularise is not None)
@@ -100,7 +100,7 @@ def _is_shown(context, step) -> bool:
 
 
 def draw(context, layout, is_narrow: bool = False) -> None:
-    """Draws the cards of presets; the one with the present settings is lit once it was chosen."""
+    """Draws the cards of presets. The card with the present settings is highlighted; for defaults, if it was chosen."""
     grid = layout.grid_flow(row_major=True, columns=1 if is_narrow else 2, even_columns=True, align=True)
     chosen = title(context)
     for preset in filter(lambda each: each.card, presets.PRESETS):
@@ -111,7 +111,7 @@ def draw(context, layout, is_narrow: bool = False) -> None:
 
 
 def draw_own(context, layout) -> None:
-    """Draws the menu of presets and the buttons that store and delete those of the user."""
+    """Draws the menu of presets and the buttons that store and delete the user's presets."""
     row = layout.row(align=True)
     row.use_property_split = False
     shown = title(context)
@@ -122,7 +122,7 @@ def draw_own(context, layout) -> None:
 
 
 def _picture(name: str) -> int:
-    """The number of the picture of a preset, for Blender's buttons; 0 where there are no pictures."""
+    """Return the icon id of a preset's picture; 0 if no pictures are loaded."""
     found = runtime.get().pictures
     return found[name].icon_id if found is not None and name in found else 0
 

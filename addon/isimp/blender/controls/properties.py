@@ -1,4 +1,4 @@
-"""The settings of Partition and Mesh as Blender's properties, for operators and the panel; see settings.py."""
+"""Properties for the settings of steps, shared by operators and the panel; see settings.py."""
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
@@ -10,13 +10,13 @@ _PARTITION, _REGULARISE = rcp.Partition(), rcp.Regularise()
 
 
 def _weights(self, context, edit_text):
-    """Return the suggestions for the field of weights."""
+    """Return suggestions for the field of weights."""
     scan, problem = targets.find(context)
     return [] if problem else weights.names(scan)
 
 
 def _face_attributes(self, context, edit_text):
-    """The suggestions of the field for the attribute of barriers."""
+    """Return suggestions for the field of the attribute of barriers."""
     scan, problem = targets.find(context)
     return [] if problem else weights.face_names(scan)
 
@@ -27,7 +27,7 @@ _FACES_SEARCHED = {"search": _face_attributes} if _CAN_SEARCH else {}
 
 
 def of_option(option: Option, default, **more):
-    """The property of an engine's option, with its label, tooltip and range. more: other keywords."""
+    """Return the property of an option of the engine: label, tooltip, range. more: further keywords."""
     texts = {"name": option.label, "description": option.tip, "default": default}
     if option.kind == "str":
         return EnumProperty(items=option.items, **texts, **more)
@@ -46,7 +46,7 @@ def of_option(option: Option, default, **more):
 
 
 def _range(option: Option, default) -> dict:
-    """The ends of the range of a setting, and of its slider."""
+    """Return the limits of a setting and of its slider."""
     ends = {}
     if option.low is not None:
         ends["min"] = option.low
@@ -61,11 +61,11 @@ def _range(option: Option, default) -> dict:
     return {name: number(value) for name, value in ends.items()}
 
 
-_LEAST = 1e-6  # of lengths above 0
+_LEAST = 1e-6  # minimum of a setting that must be above its lower limit
 
 
 def with_options(step: rcp.Step, *tables: dict[str, Option], **more: dict):
-    """Adds the settings of a step that tables of options show to a class. more: keywords of some of them."""
+    """Return a decorator that adds a property for each labelled option. more: further keywords by option."""
     shown = {name: option for table in tables for name, option in table.items() if option.label}
 
     def add(cls: type) -> type:

@@ -1,6 +1,6 @@
-"""The settings of each step as Blender's properties: shared by operators and the panel, so that both agree.
+"""Property groups with the settings of each step, shared by operators and the panel.
 
-Those of the panel call `changed` when they are, which re-runs the recipe (see live.py).
+The panel's properties call `changed` on each change, which re-runs the recipe (see live.py).
 """
 
 import dataclasses
@@ -17,21 +17,21 @@ from .properties import AlignSettings, MeshSettings, PartitionSettings, Regulari
 
 
 def changed(self, context) -> None:
-    """A setting in the panel was changed, by hand or by `to_panel`."""
+    """Reports a changed setting of the panel to `live`. `to_panel` and other code suppress this by `live.quiet`."""
     current = runtime.get()
     if current is not None:
         current.live.touch()
 
 
 def _watched(settings: type) -> dict:
-    """The properties of a class of settings, each of which calls `changed`."""
+    """Return the properties of a class of settings with `changed` as their update function."""
     return {
         name: prop.function(**prop.keywords | {"update": changed}) for name, prop in settings.__annotations__.items()
     }
 
 
 def _plain(cls) -> type:
-    """Settings of a step that has none of its own here: one property for each field that one can hold."""
+    """Return a settings class for a step without one: a property for each field of a plain type."""
     kinds = {"int": IntProperty, "float": FloatProperty, "str": StringProperty, "bool": BoolProperty}
     made = {}
     for field in dataclasses.fields(cls):
@@ -42,7 +42,7 @@ def _plain(cls) -> type:
     return type(f"{cls.__name__}Settings", (), {"__annotations__": made})
 
 
-#: of settings that may be below 0, or not 0
+#: limits of settings whose minimum is not 0
 _LIMITS = {
     (rcp.PaintFaces, "onto"): {},
     (rcp.SmoothFaces, "rounds"): {"min": 1, "max": rcp.MOST_ROUNDS},
@@ -57,13 +57,13 @@ def _words(name: str) -> str:
 
 
 def _group(cls) -> type:
-    """The property group that holds the settings of a step in the panel."""
+    """Return the property group with the panel's settings of a step."""
     own = _SETTINGS.get(cls) or _OTHERS.get(cls) or _plain(cls)
     annotations = _watched(own) | units.SHOWN.get(cls, {})
     return type(f"Isimp{cls.__name__}", (bpy.types.PropertyGroup,), {"__annotations__": annotations})
 
 
-#: of those that a scan without regions has in the panel
+#: by class of step, for the steps whose settings the panel shows before a scan has regions
 _SETTINGS = {rcp.Partition: PartitionSettings, rcp.Mesh: MeshSettings, rcp.Regularise: RegulariseSettings}
 _OTHERS = {rcp.AlignPlanes: AlignSettings, rcp.Texture: TextureSettings}
 _GROUPS = {cls: _group(cls) for cls in rcp.KINDS}
@@ -71,11 +71,11 @@ _KNOWN = {cls: frozenset(group.__annotations__) for cls, group in _GROUPS.items(
 
 
 def draw(layout, cls, properties, name: str, **more) -> None:
-    """Draws a setting of a step in the unit that people think in: see units.py."""
+    """Draws a setting of a step, in the panel's unit if it has one; see units.py."""
     layout.prop(properties, units.INSTEAD.get((cls, name), name), **more)
 
 
-_COLOURS = ("away", "heat", "directions")  #: of polygons; the first that is on is seen
+_COLOURS = ("away", "heat", "directions")  #: colourings of polygons; the first one that is on is drawn
 
 
 def _colour(self) -> int:
@@ -176,7 +176,7 @@ class _Shown:
 
 
 def _panel() -> type:
-    """The group of all that the panel shows: the settings of each step, and how it is shown."""
+    """Return the property group of the panel: the settings of each step, and the display options."""
     steps = {kind: PointerProperty(type=_GROUPS[cls]) for cls, kind in rcp.KINDS.items()}
     return type("IsimpPanel", (bpy.types.PropertyGroup,), {"__annotations__": steps | _Shown.__annotations__})
 
@@ -185,17 +185,17 @@ IsimpPanel = _panel()
 
 
 def group(context, cls):
-    """The panel's settings of a step."""
+    """Return the panel's settings of a class of steps."""
     return getattr(context.window_manager.isimp, rcp.KINDS[cls])
 
 
 def names(cls) -> list:
-    """The settings of a step that have a property, in order."""
+    """Return the names of a step's fields that have a property, in order."""
     return [field.name for field in dataclasses.fields(cls) if field.name in _KNOWN[cls]]
 
 
 def held(prop, value):
-    """A value as a property can hold it: within its limits, and its default in place of an invalid value."""
+    """Return a value that the property can hold: clamped to its limits, the default for an invalid value."""
     if prop.type == "ENUM":
         return value if value in prop.enum_items else prop.default
     if prop.type not in {"INT", "FLOAT"}:
@@ -206,7 +206,7 @@ def held(prop, value):
 
 
 def _kinds(properties):
-    """The definitions of the properties of a group or of an operator."""
+    """Return the definitions of the properties of a group or an operator."""
     return getattr(properties, "properties", properties).bl_rna.properties
 
 
@@ -217,12 +217,12 @@ def _values(cls, properties) -> dict:
 
 
 def to_step(cls, properties):
-    """The step of a class with the values of properties of the same names."""
+    """Return a step of the class with the values of the properties of the same names."""
     return cls(**_values(cls, properties))
 
 
 def updated(step, properties):
-    """The step with the values of properties of the same names; a float that equals a property's float32 is kept."""
+    """Return the step with the values of the properties. A float that equals its property in float32 is kept."""
     new, kinds = _values(type(step), properties), _kinds(properties)
     changed = {name: value for name, value in new.items() if not _alike(value, held(kinds[name], getattr(step, name)))}
     return dataclasses.replace(step, **changed) if changed else step
@@ -235,7 +235,7 @@ def _alike(a, b) -> bool:
 
 
 def copy(cls, source, target) -> None:
-    """Copies the settings of a step from one holder (a step, too) to another."""
+    """Copies the settings of a step from one holder (a step or properties) to another."""
     kinds = _kinds(target)
     for name in names(cls):
         value = held(kinds[name], getattr(source, name))
@@ -244,14 +244,14 @@ def copy(cls, source, target) -> None:
 
 
 def give(cls, source, operator) -> None:
-    """Sets all settings of a step on a button's operator, as an unset one would keep its last value."""
+    """Sets all settings of a step on a button's operator. An unset property would keep its last value."""
     kinds = _kinds(operator)
     for name in names(cls):
         setattr(operator, name, held(kinds[name], getattr(source, name)))
 
 
 def shown_step(recipe, cls):
-    """(index, step) that the panel's settings of a class stand for: the open step, else the last one; or None."""
+    """Return (index, step) shown by the panel's settings of a class: the open step, else the last one, else None."""
     open_step = bpy.context.window_manager.isimp.open_step
     if 0 <= open_step < len(recipe.steps) and type(recipe.steps[open_step]) is cls:
         return open_step, recipe.steps[open_step]
@@ -260,7 +260,7 @@ def shown_step(recipe, cls):
 
 
 def to_panel(context, recipe) -> None:
-    """Shows the settings of a recipe's steps in the panel, without re-running anything."""
+    """Copies the settings of a recipe's steps to the panel without re-running them."""
     with runtime.get().live.quiet():
         for cls in _GROUPS:
             found = shown_step(recipe, cls)
@@ -269,19 +269,19 @@ def to_panel(context, recipe) -> None:
 
 
 def shown(context) -> tuple:
-    """The settings of Partition, Mesh and Regularise in the panel, as steps."""
+    """Return the panel's settings of Partition, Mesh and Regularise, as steps."""
     return tuple(to_step(cls, group(context, cls)) for cls in _SETTINGS)
 
 
 def show(context, steps) -> None:
-    """Shows settings in the panel, without re-running anything; None: those of a scan that was never looked at."""
+    """Copies settings to the panel without re-running steps. None: the defaults."""
     with runtime.get().live.quiet():
         for step in steps if steps is not None else (cls() for cls in _SETTINGS):
             copy(type(step), step, group(context, type(step)))
 
 
 def forget_foreign(context, scan) -> None:
-    """Empties the fields that name a layer which only another scan has."""
+    """Clears fields that name a layer which this scan does not have."""
     partition = group(context, rcp.Partition)
     with runtime.get().live.quiet():
         if partition.weights not in weights.names(scan):
@@ -291,7 +291,7 @@ def forget_foreign(context, scan) -> None:
 
 
 def from_panel(context, recipe):
-    """The recipe with the settings that the panel shows."""
+    """Return the recipe with the panel's settings."""
     is_open = context.window_manager.isimp.open_step
     for cls in _GROUPS:
         found = shown_step(recipe, cls)

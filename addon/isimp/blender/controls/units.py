@@ -1,6 +1,6 @@
-"""Settings in the units that people think in, for the panel: percent, degrees, and "automatic" in place of -1.
+"""Panel properties in convenient units: percent, angles, and a tick "automatic" in place of -1.
 
-Each is another face of a setting of a step. Setting the one sets the other.
+Each reads and writes a setting of a step.
 """
 
 from math import degrees, exp, log, radians
@@ -53,7 +53,7 @@ def _angle(settings, most: float):
 
 
 def _automatic_length(description: str, first: float):
-    """Whether a length is 0, which stands for the engine's choice. first: the length when it no longer is."""
+    """Return a tick for a length of 0, the engine's choice. first: the length after the tick is removed."""
 
     def write(self, value: bool) -> None:
         self.length = 0.0 if value else self.length or first
@@ -62,7 +62,7 @@ def _automatic_length(description: str, first: float):
 
 
 def _found_or_length(settings, name: str, label: str = "Automatic") -> dict:
-    """Two properties for a length that is below 0 where it is found: whether it is, and the length where it is not."""
+    """Return two properties of a length that is negative if the engine finds it: a tick and the length."""
     own = _of(settings, name)
 
     def find(self, value: bool) -> None:
@@ -97,13 +97,13 @@ _FINEST, _COARSEST = 0.0002, 0.05  # ends of the slider, shares of the scan's si
 
 
 def _size() -> float:
-    """The size of the scan that is looked at; 1 if there is none."""
+    """Return the size of the active scan; 1 if there is none."""
     scan, problem = targets.seen(bpy.context)
     return 1.0 if problem else measure.size(scan)
 
 
 def _share(self) -> float:
-    """The smallest feature as a share of the scan's size, whichever way it is given."""
+    """Return the smallest feature as a share of the scan's size, from the setting that is in use."""
     return getattr(self, self.count_by) / _size() if self.count_by in _LENGTHS else self.detail
 
 
@@ -123,7 +123,7 @@ def _set_coarseness(self, percent: float) -> None:
     _set_share(self, _FINEST * exp(percent / 100 * log(_COARSEST / _FINEST)))
 
 
-_WAYS = ("detail", "proxies")  #: of `way`; lengths belong to the first
+_WAYS = ("detail", "proxies")  #: values of `count_by` for `way`; lengths count as the first
 
 
 def _set_way(self, number: int) -> None:
@@ -220,7 +220,7 @@ SHOWN = {
     },
 }
 
-#: what the panel shows in place of a setting of a step
+#: the panel's property in place of a setting of a step
 INSTEAD = {
     (rcp.Partition, "detail"): "detail_percent",
     (rcp.Partition, "leave_out"): "leave_out_percent",

@@ -21,7 +21,7 @@ _AXES = PartitionSettings.__annotations__["symmetry"].keywords["items"]
 
 
 class _CleanUp(RecipeOperator):
-    """Mixin of both."""
+    """Mixin of the operators of this module."""
 
     @classmethod
     def problem(cls, context, scan):
@@ -80,7 +80,7 @@ class ISIMP_OT_merge_slivers(_CleanUp, bpy.types.Operator):
 
 
 def without_slivers(context, scan, recipe, share: float) -> tuple:
-    """(the recipe with small regions merged, how many are); see slivers.py."""
+    """Return (the recipe with small regions merged, their number); see slivers.py."""
     arrays = reading.read(context, scan, recipe.layers())
     label = reading.regions(scan, arrays, recipe)
     area, normal = engine.region_sides(

@@ -1,4 +1,4 @@
-"""The line between the scan and its result, moved with the mouse."""
+"""Operator that moves the line between the scan and its result with the mouse."""
 
 import bpy
 
@@ -61,11 +61,11 @@ class ISIMP_OT_compare(bpy.types.Operator):
         return {"PASS_THROUGH"} if free else {"RUNNING_MODAL"}
 
     def cancel(self, context):
-        """Blender calls this when the window or the file is closed meanwhile."""
+        """Ends the comparison. Blender calls this if the window or the file is closed."""
         self._end(context)
 
     def _is_inside(self, event) -> bool:
-        """Whether the mouse is over the viewport, and not over a sidebar or header that lies on it."""
+        """Return whether the mouse is over the viewport, and not over a sidebar or header that covers it."""
         over = [region for region in self._regions if region.width > 1 and _holds(region, event)]
         return [region.type for region in over] == ["WINDOW"]
 

@@ -18,10 +18,10 @@ class _Edit(AtFaces):
     """Mixin of edits at one face of each region that has a selected face."""
 
     def each(self, scan) -> list:
-        """One of the faces to edit for each region that they are in."""
+        """Return one of the faces to edit for each of their regions."""
         faces, regions = np.array(self.faces(scan)), mesh_io.read_regions(scan)
         if faces.max() >= len(regions):
-            return faces.tolist()  # the step says that there is no such face
+            return faces.tolist()  # the step fails with a message about the missing face
         return faces[np.sort(np.unique(regions[faces], return_index=True)[1])].tolist()
 
 
@@ -174,7 +174,7 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
 
     def strokes(self, scan) -> list:
         if not self.painted:
-            if self._pressed_on:  # a region that was clicked is one already
+            if self._pressed_on:  # the faces of a clicked region form a region already
                 raise mesh_io.Unusable(said(messages.NO_FACE))
             return [(-1, tuple(self.faces(scan)))]
         try:

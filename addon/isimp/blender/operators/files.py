@@ -1,4 +1,4 @@
-"""Scans in and models out: exact import, export of buildings, reports."""
+"""Operators for files: exact import of scans, export of buildings, solids and levels of detail, reports."""
 
 import re
 from contextlib import contextmanager
@@ -73,7 +73,7 @@ class ISIMP_OT_import_scan(ImportHelper, bpy.types.Operator):
 
 
 class _Model:
-    """Mixin of what needs a result."""
+    """Mixin of operators that need a result."""
 
     @classmethod
     def poll(cls, context):
@@ -116,7 +116,7 @@ class ISIMP_OT_export_building(_Model, bpy.types.Operator):
 
 
 def _replayed(context, scan, meshed):
-    """The prepared scan, and the outcome of its steps with a Mesh step at the end. meshed: function of the recipe."""
+    """Return the prepared mesh and the outcome of the steps. meshed: makes the recipe end in a Mesh step."""
     recipe = meshed(store.load(scan) or rcp.Recipe())
     arrays, session = reading.read(context, scan, recipe.layers()), runtime.get().session
     outcome = session.replay(arrays, recipe)
@@ -154,7 +154,7 @@ class ISIMP_OT_export_step(_Model, bpy.types.Operator):
             return recipe.without_mesh().then(replace(_last_mesh(recipe) or rcp.Mesh(), planar=True))
 
         try:
-            handover.require(path)  # before the work
+            handover.require(path)  # checks for the package before the computation
             mesh, outcome = _replayed(context, scan, planar)
             told = handover.export_step(path, mesh, outcome, places.to_world(scan), self.unit)
         except (ValueError, OSError, mesh_io.Unusable) as problem:
@@ -209,7 +209,7 @@ class ISIMP_OT_export_lods(bpy.types.Operator):
 
 
 def _levels(context, scan) -> list:
-    """The levels of detail of a scan from fine to coarse: the kept levels, then the result of Mesh."""
+    """Return the levels of detail of a scan from fine to coarse: the kept levels, then the result of Mesh."""
     named = [(re.fullmatch(rf"{re.escape(scan.name)}_LOD(\d+)", obj.name), obj) for obj in context.scene.objects]
     found = [obj for _, obj in sorted(((int(match[1]), obj) for match, obj in named if match), key=itemgetter(0))]
     result = targets.result_of(context.scene, scan)
@@ -218,7 +218,7 @@ def _levels(context, scan) -> list:
 
 @contextmanager
 def _alone(context, obj):
-    """The object visible, selected and active, and no other; afterwards all is as before."""
+    """Makes the object visible, and the only selected and active one. Restores visibility and selection at the end."""
     layer = context.view_layer
     active, chosen = layer.objects.active, [other for other in layer.objects if other.select_get()]
     hidden = obj.hide_get(), obj.hide_viewport

@@ -59,7 +59,7 @@ class ISIMP_OT_keep_lod(bpy.types.Operator):
         scan, result, _ = targets.find_result(context)
         taken = [re.fullmatch(rf"{re.escape(scan.name)}_LOD(\d+)", obj.name) for obj in bpy.data.objects]
         level = max((int(found[1]) for found in taken if found), default=-1) + 1
-        result.name = f"{scan.name}_LOD{level}"  # a result of another name is kept
+        result.name = f"{scan.name}_LOD{level}"  # Mesh does not overwrite a renamed result
         result.data.name = result.name
         show.bring_to_front(context, scan, result)
         regions = store.numbers(scan).get("regions", 0)
@@ -118,7 +118,7 @@ class ISIMP_OT_merge_flat(bpy.types.Operator):
 
 
 def _merged(context, source, angle: float):
-    """(the new object, number of faces before)."""
+    """Return (the new object, the number of faces of the source)."""
     mesh = source.data
     points = mesh_io.points(mesh).reshape(-1, 3).astype(np.float64)
     triangles, face = mesh_io.loop_triangles(mesh, "vertices")

@@ -1,4 +1,4 @@
-"""Openings that Partition closed, kept open one by one."""
+"""Operator that keeps single openings open which Partition closes."""
 
 import bpy
 from bpy.props import BoolProperty, FloatVectorProperty

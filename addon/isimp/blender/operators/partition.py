@@ -35,7 +35,7 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         way = {"detail": "detail_percent"}.get(self.count_by, self.count_by)
         return way, "adaptivity", "smooth"
 
-    _is_pressed = False  # by a button in Object Mode
+    _is_pressed = False  # whether a button in Object Mode started the operator
 
     @property
     def does_all(self):
@@ -65,16 +65,16 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         before = rcp.Recipe() if targets.needs_regions(scan) else store.load(scan)
         regularises = context.window_manager.isimp.regularise_first
         self._dropped = 0 if self.part else messages.hand_edits(before, regularises)
-        if (last := before.whole()[1]) is not None and not self.part:  # openings that the user kept open stay open
+        if (last := before.whole()[1]) is not None and not self.part:  # openings kept by the user stay open
             step = dataclasses.replace(step, keep_openings=last.keep_openings)
-        return before.then(step)  # keeps the steps before locked regions
+        return before.then(step)  # keeps the steps that locked regions depend on
 
     def invoke(self, context, event):
         self._is_pressed = context.mode == "OBJECT" and not bpy.app.background
         return super().invoke(context, event)
 
     def _faces(self, scan) -> np.ndarray:
-        """The selected faces; by a button in Object Mode, where these are not seen, the regions clicked last."""
+        """Return the selected faces; for a button in Object Mode the faces of the regions clicked last."""
         if not self._is_pressed:
             return selection.selected_faces(scan)
         regions, faces = mesh_io.read_regions(scan), list(pointed.faces(scan))
@@ -85,7 +85,7 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
     show = staticmethod(show_regions)
 
     def warnings(self, context, scan, before):
-        lines = [] if before else text.lost_detail(scan, context.scene.unit_settings)  # once is enough
+        lines = [] if before else text.lost_detail(scan, context.scene.unit_settings)  # on the first Partition only
         return [*lines, messages.dropped(self._dropped)] if self._dropped else lines
 
     def told(self, before, numbers):

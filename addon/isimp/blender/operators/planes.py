@@ -1,4 +1,4 @@
-"""Planes that belong together: found by Regularise, or set by hand at the selected faces."""
+"""Operators that align planes of regions: Regularise finds related planes, Align sets the selected ones."""
 
 import dataclasses
 
@@ -21,7 +21,7 @@ _WITH_LEAD = ("parallel", "perpendicular", "coplanar")
 
 
 class _Planes(_Edit):
-    """Mixin of both."""
+    """Mixin of the operators of this module."""
 
     show = staticmethod(show_regions)
 
@@ -81,11 +81,11 @@ class ISIMP_OT_align(_Planes, bpy.types.Operator):
         return recipe.then(upward.of_scan(upward.as_last(step, up, recipe), scan))
 
     def _led(self, scan, faces: list) -> list:
-        """The faces, with the face of the leading region first: the last clicked, the active or the largest region."""
+        """Return the faces, the leading region's first. It is the last clicked, the active or the largest region."""
         regions = mesh_io.read_regions(scan)
         if len(faces) < 2 or max(faces) >= len(regions):
             return faces
-        if self.chosen:  # the one clicked last leads, as the active face does
+        if self.chosen:  # the region clicked last leads
             return [faces[-1], *faces[:-1]]
         chosen, active = regions[faces], scan.data.polygons.active
         lead = regions[active] if 0 <= active < len(regions) and scan.data.polygons[active].select else -1

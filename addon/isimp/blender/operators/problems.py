@@ -76,7 +76,7 @@ class ISIMP_OT_report(bpy.types.Operator):
 
 
 def _report(context) -> list:
-    """All lines of the report of the scan, with its reasons."""
+    """Return all lines of the scan's report."""
     scan, problem = targets.seen(context)
     numbers = {} if problem else store.numbers(scan)
     if "regions" not in numbers:
@@ -86,7 +86,7 @@ def _report(context) -> list:
 
 
 def _chosen(mesh, kind: str) -> np.ndarray:
-    """(polygons,) bool"""
+    """Return (polygons,) bool: the polygons to select."""
     if kind == "DEFECTIVE":
         return mesh_io.read_layer(mesh, mesh_io.DEFECT) > 0
     region = mesh_io.read_layer(mesh, mesh_io.REGION)

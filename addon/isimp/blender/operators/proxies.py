@@ -13,11 +13,11 @@ from ..work.modal import RecipeOperator
 from ..work.show import show_regions
 
 _MOST_FACES = 100
-_MOST_REGIONS = 20  # that are edited where all faces are selected
+_MOST_REGIONS = 20  # most regions that an edit changes if all faces are selected
 
 
 class AtFaces(RecipeOperator):
-    """Mixin of edits at the selected faces, or at one given by number."""
+    """Mixin of edits at the selected faces, or at faces given by number."""
 
     face: IntProperty(
         name="Face",
@@ -33,7 +33,7 @@ class AtFaces(RecipeOperator):
         options={"SKIP_SAVE", "HIDDEN"},
     )
 
-    #: Whether the edit can take all faces of the scan
+    #: Whether the edit is useful on all faces of the scan
     may_be_all = False
 
     _pressed_on = ""  #: the name of the scan, if a button was pressed in Object Mode
@@ -54,12 +54,12 @@ class AtFaces(RecipeOperator):
         return super().invoke(context, event)
 
     def choose(self, faces) -> None:
-        """Acts on these faces, and not on the selected ones."""
+        """Sets the faces to edit, in place of the selected ones."""
         self.face = faces[-1] if len(faces) else -1
         self.chosen = ",".join(map(str, faces)) if len(faces) > 1 else ""
 
     def faces(self, scan) -> list:
-        """The faces to edit. Raises Unusable if there are none, or all where these can hardly be meant."""
+        """Return the faces to edit. Raises Unusable if there are none, or if all are selected by an importer."""
         if self.chosen:
             return self._parsed()
         if self._pressed_on and (self.face < 0 or self._pressed_on != scan.name):
@@ -69,7 +69,7 @@ class AtFaces(RecipeOperator):
         faces = selection.selected_faces(scan).tolist()
         if not faces:
             raise mesh_io.Unusable(said(messages.NO_FACE))
-        is_all = len(faces) == len(scan.data.polygons) and not self.may_be_all  # as importers leave them
+        is_all = len(faces) == len(scan.data.polygons) and not self.may_be_all  # importers select all faces
         if is_all and len(np.unique(mesh_io.read_regions(scan))) > _MOST_REGIONS:
             text = own("All {faces} are selected: select a few.")
             raise mesh_io.Unusable(said(text, faces=messages.count(len(faces), "face")))
@@ -83,7 +83,7 @@ class AtFaces(RecipeOperator):
             raise mesh_io.Unusable(said(text, text=self.chosen[:40])) from None
 
     def _reason(self, work, error):
-        """Names the region where its user has not just clicked it."""
+        """Return the reason, with the number of the region unless the user has just clicked it."""
         told, scan = super()._reason(work, error), work.target()
         found = re.search("face ([0-9]+)", error.reason)
         if found is None or scan is None or not (self.face < 0 or self.chosen or self._pressed_on):

@@ -1,4 +1,4 @@
-"""Recipes as JSON: export, import, copy, paste and replay."""
+"""Operators for recipes as JSON: export, import, copy, paste and replay."""
 
 from pathlib import Path
 
@@ -78,7 +78,7 @@ class _HasRecipe:
 
 
 def _without_kind(told: str) -> str:
-    """What an operator reported, without the word "Error" that Blender puts before it in its own language."""
+    """Return an operator's report without the prefix "Error", which Blender adds in the language of the interface."""
     words = bpy.app.translations
     for kind in {"Error", words.pgettext_iface("Error"), words.pgettext_tip("Error")}:
         told = told.removeprefix(f"{kind}: ")
@@ -98,7 +98,7 @@ class _TakesRecipe:
         except RuntimeError as error:
             self.report({"ERROR"}, _without_kind(str(error).strip()))
             return {"CANCELLED"}
-        except (TypeError, ValueError):  # Blender can't hand it over
+        except (TypeError, ValueError):  # Blender can't pass it as a property
             self.report({"ERROR"}, said("Not a recipe: it is not text."))
             return {"CANCELLED"}
         return {"CANCELLED"} if done == {"RUNNING_MODAL"} else done

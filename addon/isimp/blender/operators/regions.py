@@ -63,7 +63,7 @@ class ISIMP_OT_select_region(SelectOperator, bpy.types.Operator):
     )
     extend: BoolProperty(name="Extend", description="Keep the present selection", options={"SKIP_SAVE"})
 
-    _chosen = ()  #: a face of each region, if a button was pressed in Object Mode
+    _chosen = ()  #: a face of each chosen region, if a button was pressed in Object Mode
 
     @classmethod
     def poll(cls, context):

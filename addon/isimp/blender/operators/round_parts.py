@@ -1,4 +1,4 @@
-"""Round parts: cylinders, cones, spheres and surfaces of revolution as rings of equal segments."""
+"""Operators for round parts: cylinders, cones, spheres and surfaces of revolution as rings of equal segments."""
 
 import bpy
 from bpy.props import EnumProperty, IntProperty

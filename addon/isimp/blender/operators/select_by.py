@@ -1,4 +1,4 @@
-"""Regions selected by what they are like: small, not flat, turned to a side, or of many polygons."""
+"""Operator that selects regions by a property: size, flatness, direction, number of polygons."""
 
 import bpy
 import numpy as np
@@ -75,7 +75,7 @@ class ISIMP_OT_select_by(SelectOperator, bpy.types.Operator):
         if self.extend:
             faces[selection.selected_faces(scan)] = True
         self._count = int(chosen.sum())
-        return scan, faces  # selected as arrays, if not in Edit Mode yet
+        return scan, faces
 
     def conclude(self, context, scan):
         context.view_layer.objects.active = scan
@@ -85,23 +85,23 @@ class ISIMP_OT_select_by(SelectOperator, bpy.types.Operator):
         self.report({"INFO"}, said("{regions} selected", regions=messages.count(self._count, "region")))
 
     def chosen(self, scan, arrays, regions) -> np.ndarray:
-        """(R,) bool"""
+        """Return (R,) bool: the regions to select."""
         label, count = regions[arrays.triangle_face], int(regions.max(initial=-1)) + 1
         area, normal = engine.region_sides(arrays.vertices, arrays.triangles, label, count)
         length, there = np.linalg.norm(normal, axis=1), area > 0
         if self.by == "SIZE":
             return there & (area < 0.01 * self.share * area.sum())
         if self.by == "FLATNESS":
-            # For a cap of a sphere up to an angle from its axis, the mean normal is cos(angle / 2) squared long.
+            # The mean normal of a spherical cap of this half-angle has the length cos(angle / 2) squared.
             return there & (length < area * np.cos(0.5 * self.angle) ** 2)
         place = mesh_io.place_matrix(scan)[:3, :3]
-        wanted = np.array(self.direction, np.float64) @ place  # a rotation, or one with a mirror
+        wanted = np.array(self.direction, np.float64) @ place  # orthogonal, possibly mirrored
         wanted /= max(np.linalg.norm(wanted), 1e-30)
         return there & (normal @ wanted > length * np.cos(self.angle))
 
 
 def _cluttered(arrays, recipe) -> np.ndarray | None:
-    """(R,) bool; None: the recipe makes no polygons."""
+    """Return (R,) bool: the cluttered regions; None if the recipe makes no polygons."""
     try:
         outcome = runtime.get().session.replay(arrays, recipe)
     except StepFailed:

@@ -1,4 +1,4 @@
-"""Changes to the steps of the recipe; all steps after a changed one run again."""
+"""Operators that change steps of the recipe; all steps after a changed one run again."""
 
 import dataclasses
 

@@ -35,7 +35,7 @@ class ISIMP_OT_texture(RecipeOperator, settings.TextureSettings, bpy.types.Opera
         return work
 
     def _finish(self, context, work, outcome):
-        """The polygons stay as they are, and the scan's colours do."""
+        """Writes the texture only; polygons and the scan's colours do not change."""
         pending.go_on()
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")

@@ -44,7 +44,7 @@ def _set_up(workspace) -> None:
         if region.type == "UI" and hasattr(region, "active_panel_category"):
             try:
                 region.active_panel_category = "iSimp"
-            except (AttributeError, TypeError):  # read-only before 4.2; not drawn yet
+            except (AttributeError, TypeError):  # read-only before 4.2, or the sidebar was not drawn yet
                 break
 
 

@@ -1,4 +1,4 @@
-"""The sidebar, most important first."""
+"""The panels of the sidebar, the most important first."""
 
 from . import edit, main, options, planes, result, round_parts, steps
 

@@ -22,7 +22,7 @@ class Panel(_Drawn):
 
 
 class Popover(_Drawn):
-    """Settings that are needed rarely, behind one button."""
+    """Base of popovers with rarely used settings, opened by one button."""
 
     bl_region_type = "HEADER"
     bl_options = {"INSTANCED"}
@@ -30,7 +30,7 @@ class Popover(_Drawn):
 
 
 class SubPanel(Panel):
-    """Of a scan that has regions."""
+    """Base of panels that need a scan with regions."""
 
     bl_parent_id = "ISIMP_PT_main"
 
@@ -45,7 +45,7 @@ def ready(context) -> bool:
 
 
 def draw_lines(context, layout, message: str, icon: str, alert: bool = False) -> None:
-    """A message in as many lines as the sidebar's width needs."""
+    """Draws a message, wrapped to the width of the sidebar."""
     column = layout.column(align=True)
     column.alert = alert
     for number, line in enumerate(text.wrapped(said(message), letters(context))):
@@ -53,20 +53,20 @@ def draw_lines(context, layout, message: str, icon: str, alert: bool = False) ->
 
 
 def letters(context) -> int:
-    """How many letters fit into a line with an icon before it."""
+    """Return how many letters fit into a line after an icon."""
     width = context.region.width / context.preferences.system.ui_scale if context.region else 260
     return max(8, int((width - 66) / 6.1))
 
 
 def is_narrow(context) -> bool:
-    """Whether the sidebar is too narrow for two columns."""
+    """Return whether the sidebar is too narrow for two columns."""
     return letters(context) < _NARROW
 
 
 def side_by_side(context, layout, *names: str, icons: bool = True):
-    """A place for two buttons: one below the other where the sidebar is too narrow for their names.
+    """Return a layout for two buttons: a row, or a column if the sidebar is too narrow for their names.
 
-    names: in English; they are measured in the language of the interface.
+    names: in English; their translations are measured.
     """
     room = (letters(context) - (8 if icons else 2)) // 2
     fits = not is_narrow(context) and all(len(said(name)) <= room for name in names)

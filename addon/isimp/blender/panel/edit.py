@@ -1,4 +1,4 @@
-"""Panels with the edits of all regions, of selected faces, and of regions that are chosen by their error."""
+"""Panels and menus with edits: of all regions, at selected faces, and at places chosen by the error."""
 
 import bpy
 
@@ -53,7 +53,7 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
 
 
 def _chosen(scan) -> str:
-    """What the buttons act on."""
+    """Return the text that names the target of the buttons."""
     if scan.mode == "EDIT":
         return said("{faces} selected", faces=messages.count(scan.data.total_face_sel, "face"))
     number, count = pointed.region(scan), len(pointed.faces(scan))

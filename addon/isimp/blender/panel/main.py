@@ -1,4 +1,4 @@
-"""The main panel: the scan, presets, how many regions, Partition, Mesh and the report.
+"""The main panel: scan, presets, number of regions, Partition, Mesh and the report.
 
 The rows above a button are drawn before and after the button is pressed, so that it does not move under the mouse. The
 report has a fixed height too, since buttons of edits are below it. Each group of the panel is one function: add a new
@@ -37,7 +37,7 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
 
 
 def _draw_head(context, layout, scan, numbers) -> None:
-    """Draws the scan's name and size: three lines, before and after Partition."""
+    """Draws the scan's name and size: three lines before and after Partition."""
     column = layout.column(align=True)
     active = context.view_layer.objects.active
     column.label(text=scan.name if active == scan else said("{name} (its result)", name=scan.name), icon="MESH_DATA")
@@ -48,7 +48,7 @@ def _draw_head(context, layout, scan, numbers) -> None:
 
 
 def _draw_count(layout, partition) -> None:
-    """Draws how many regions there will be, in as many rows whichever way is chosen."""
+    """Draws the settings for the number of regions, in a fixed number of rows."""
     column = layout.column(align=True)
     column.use_property_split = False
     ways = column.row(align=True)
@@ -77,7 +77,7 @@ def _draw_partition(context, layout, scan, numbers, panel) -> None:
         "isimp.partition",
         text="Start Over" if edits else "Partition",
         icon="MOD_EXPLODE",
-        depress="regions" not in numbers,  # what to do next has the accent
+        depress="regions" not in numbers,  # highlights the next thing to do
     )
     settings.give(rcp.Partition, panel.partition, operator)
     place.label(text=_regions_line(numbers, edits), icon="FORWARD" if "regions" in numbers else "BLANK1")
@@ -111,7 +111,7 @@ def _draw_mesh(context, layout, scan, numbers, panel) -> None:
 
 
 def give_mesh(panel, operator) -> None:
-    """Sets what the panel says on a button that makes polygons."""
+    """Sets the panel's settings on a button that makes polygons."""
     settings.give(rcp.Mesh, panel.mesh, operator)
     operator.keep_texture, operator.regularise = panel.keep_texture, panel.regularise_first
 
@@ -138,13 +138,13 @@ def _draw_progress(place, running) -> None:
         row.progress(factor=share, text=f"{share:.0%}")
     else:
         row.split(factor=max(0.02, min(1.0, share))).operator("isimp.stop", text=" ", depress=True)
-    if running.shown is None:  # writing takes a moment, and must not be stopped half way
+    if running.shown is None:  # a write must not be stopped half-way
         row.operator("isimp.stop", text="Stop (Esc)", icon="CANCEL")
     place.label(text=text.short_progress(said), icon="SORTTIME")
 
 
 def _draw_report(context, layout, scan, numbers) -> None:
-    """Draws the report of Mesh, repairs, notes and warnings; below the buttons, because their number changes."""
+    """Draws the report of Mesh, repairs, notes and warnings, below the buttons because the number of lines varies."""
     unit = context.scene.unit_settings
     _draw_counts(context, layout, scan, numbers)
     defects = text.problems(numbers)
@@ -170,7 +170,7 @@ def _draw_report(context, layout, scan, numbers) -> None:
 
 
 def _draw_counts(context, layout, scan, numbers) -> None:
-    """Draws what Mesh will make, or has made: as many rows before an edit, after it, and after Mesh."""
+    """Draws the expected or present polygons, in the same number of rows before an edit, after it, and after Mesh."""
     if "regions" not in numbers:
         return
     unit, width = context.scene.unit_settings, letters(context)
@@ -182,7 +182,7 @@ def _draw_counts(context, layout, scan, numbers) -> None:
     panel = context.window_manager.isimp
     snaps = panel.mesh.planar or panel.regularise_first
     first, *rows = text.report_rows(numbers, unit.system, unit.scale_length, made, width, snaps)
-    # A button without a frame, as only buttons have a tooltip.
+    # A button without a frame, since labels have no tooltip.
     told = column.row(align=True)
     told.alignment = "LEFT"
     told.operator("isimp.report", text=first[0], icon=first[1], emboss=False)

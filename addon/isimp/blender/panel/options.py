@@ -1,4 +1,4 @@
-"""All further settings of Partition and Mesh, closed at first. Each group is one function or one panel."""
+"""Panel with all further settings of Partition and Mesh. Each group is one function or one panel."""
 
 import bpy
 
@@ -27,7 +27,7 @@ class ISIMP_PT_options(Panel, bpy.types.Panel):
 
 
 def _draw_regions(context, layout, panel) -> None:
-    """Draws what the regions are like. Round parts and other kinds of regions belong here."""
+    """Draws the settings of regions, of round parts too."""
     partition = panel.partition
     layout.prop(partition, "count_by")
     for name in ("adaptivity", "smooth"):
@@ -44,13 +44,13 @@ def _draw_regions(context, layout, panel) -> None:
     ticks.prop(panel, "live")
     if preferences.get(context).experimental:
         layout.prop(partition, "method")
-        if partition.method != "hierarchy":  # which starts from no faces
+        if partition.method != "hierarchy":  # the hierarchy has no seeds
             for name in ("seeding", "seed", "iterations"):
                 layout.prop(partition, name)
 
 
 def _draw_polygons(layout, meshing) -> None:
-    """Draws what the polygons are like."""
+    """Draws the settings of polygons."""
     ticks = layout.column(align=True)
     ticks.use_property_split = False
     ticks.prop(meshing, "planar")
@@ -91,7 +91,7 @@ def _draw_mended(layout, partition) -> None:
 
 
 def draw_found(layout, group, name: str) -> None:
-    """Draws a length that is found, or given."""
+    """Draws the two properties of a length: the tick for automatic, and the length if it is off."""
     place = layout.column(align=True)
     place.use_property_split = False
     place.prop(group, f"{name}_found")
@@ -110,7 +110,7 @@ class ISIMP_PT_borders(Popover, bpy.types.Panel):
         column.prop(partition, "seams")
         column.prop(partition, "sharp")
         column.prop(partition, "materials")
-        if bpy.app.version >= (3, 6, 0):  # before, nothing tells of them
+        if bpy.app.version >= (3, 6, 0):  # earlier versions have no attribute of face sets
             column.prop(partition, "face_sets")
         settings.draw(layout, rcp.Partition, partition, "angle")
         layout.prop(partition, "borders", icon="SPREADSHEET")

@@ -1,4 +1,4 @@
-"""Planes that belong together: set by hand at the selected faces, and the settings of Regularise."""
+"""Panel of planes: buttons that align the selected regions, and the settings of Regularise."""
 
 import bpy
 
@@ -29,7 +29,7 @@ class ISIMP_PT_planes(SubPanel, bpy.types.Panel):
         ticks.use_property_split = False  # their names need the whole width
         ticks.prop(panel, "regularise_first")
         ticks.popover("ISIMP_PT_regularise", text="Regularise", icon="SNAP_ON")
-        # Below the buttons, as its lines change.
+        # Below the buttons, since the number of lines varies.
         draw_lines(context, layout, text.planes_line(numbers, unit.system, unit.scale_length), icon="FORWARD")
 
 
@@ -59,7 +59,7 @@ def _draw_limit(layout, group) -> None:
 
 
 def align(layout, to: str):
-    """Draws the button that makes planes so."""
+    """Draws and returns a button that aligns planes."""
     items = bpy.ops.isimp.align.get_rna_type().properties["to"].enum_items
     button = layout.operator("isimp.align", text=items[to].name)
     button.to = to

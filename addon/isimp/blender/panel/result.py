@@ -1,4 +1,4 @@
-"""Panels that show regions and polygons, make the texture and list all numbers."""
+"""Panels and menus of the result: colours over the scan, texture, export, list of all numbers."""
 
 import dataclasses
 

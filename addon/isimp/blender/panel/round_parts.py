@@ -1,4 +1,4 @@
-"""Round parts: one line each, with its number of segments, and a button that makes its cells ordinary regions."""
+"""Panel of round parts: one line each, with the number of segments and a button that explodes the part."""
 
 import bpy
 
@@ -14,7 +14,7 @@ _KINDS = {
     "revolution": own("Revolution, radius {radius}"),
     "extrusion": own("Extrusion, largest radius {radius}"),
 }
-_MOST_LINES = 12  # of a scan with many round parts: the largest
+_MOST_LINES = 12  # the largest parts are listed
 
 
 class ISIMP_PT_round_parts(SubPanel, bpy.types.Panel):
@@ -24,7 +24,7 @@ class ISIMP_PT_round_parts(SubPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        """Of scans with round parts, and in Edit Mode, where faces are selected to be made round."""
+        """Return whether the scan has round parts, or is in Edit Mode, where faces can be made round."""
         return super().poll(context) and (bool(_parts(context)) or context.mode == "EDIT_MESH")
 
     def draw(self, context):

@@ -1,4 +1,4 @@
-"""The recipe: a row a step, with its settings below the one that is open."""
+"""Panel of the recipe: one row for each step, and the settings of the open step."""
 
 import bpy
 
@@ -8,7 +8,7 @@ from ..controls import settings
 from ..scene import store, targets
 from .common import SubPanel, draw_lines
 
-_ROWS = 16  # shown unless all are asked for
+_ROWS = 16  # the last steps, unless "All Steps" is on
 
 
 class ISIMP_PT_steps(SubPanel, bpy.types.Panel):

@@ -28,9 +28,10 @@ _HELD = ("ctrl", "shift", "alt")
 
 
 def _with_rest(*items) -> tuple:
-    """A key map, with all presses that it has not: Blender would select objects, and move the scan by a drag.
+    """Return a key map with an entry for each press of the mouse that the tool does not use.
 
-    One for each, as Blender does not keep their order.
+    Without them Blender would select objects, or move the scan by a drag. Each combination of keys has its own entry,
+    since Blender does not keep the order of entries.
     """
     bound = [{key for key in _HELD if how.get(key)} for _, how, _ in items if how["type"] == "LEFTMOUSE"]
     wanted = [set(keys) for count in range(len(_HELD) + 1) for keys in combinations(_HELD, count)]
@@ -96,7 +97,7 @@ class _Paint(_Tool):
 
     @staticmethod
     def draw_cursor(context, tool, at):
-        """The brush, before a stroke begins: at the mouse, without a redraw of the view."""
+        """Draws the brush at the mouse before a stroke, without a redraw of the view."""
         draw_circle_2d(at, (1.0, 1.0, 1.0, 0.9), context.window_manager.isimp.brush, segments=48)
 
     @staticmethod
@@ -166,7 +167,7 @@ CLASSES = (*border.CLASSES, *opening.CLASSES, *point.CLASSES, *paint.CLASSES, *s
 
 
 def register() -> None:
-    if bpy.app.background:  # where there are no key maps, and no toolbar
+    if bpy.app.background:  # no key maps and no toolbar
         return
     for tools in _TOOLS:
         for number, tool in enumerate(tools):

@@ -1,4 +1,4 @@
-"""Dragging a border between regions or a corner of several; a click instead selects the faces of the region."""
+"""Operator that drags a border between two regions, or a corner of several; a click selects the faces of a region."""
 
 import bpy
 import numpy as np
@@ -30,7 +30,7 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         if self._hit is None:
             return miss()
         self._from, self._is_dragged = self.place(event), False
-        self._pair, self._strokes = None, []  # the two regions at the border; for each region that grows its faces
+        self._pair, self._strokes = None, []  # arrays of the two regions at the border; faces for each growing region
         pixel = self._ground.pixel(context.region, context.region_data, self._from, self._hit.place)
         self._around = self.corner(_NEAR * pixel)
         if self._around is not None:
@@ -70,18 +70,18 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         overlay.redraw()
 
     def painted(self, faces: tuple) -> str:
-        """A stroke of the Paint operator: faces that the region of the first one takes."""
+        """Return a stroke for the Paint operator: the region of the first face gets the faces."""
         return f"{faces[0]}:{','.join(map(str, self._ground.joined(list(faces), faces[0])))}"
 
     def drag(self, event) -> np.ndarray:
-        """The drag as a vector across the sight, in the scan's space."""
+        """Return the drag as a vector perpendicular to the view direction, in the scan's space."""
         place, sight = np.array(self._hit.place), self._ray[1]
         origin, direction = self.ray(event)
         moved: np.ndarray = origin + direction * ((place - origin) @ sight / (direction @ sight)) - place
         return moved
 
     def moved(self, event) -> np.ndarray:
-        """The triangles of the growing region, then the triangles that it takes."""
+        """Return triangles of the growing region near the border, then the triangles that it gets."""
         if self._pair is None and not self.find_pair():
             return np.empty(0, np.int64)
         ground, place, drag = self._ground, np.array(self._hit.place), self.drag(event)
@@ -115,7 +115,7 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         return True
 
     def seen(self, regions) -> tuple[np.ndarray, np.ndarray]:
-        """The triangles of some regions that are turned as the one at the press, and (T, 3) their centers."""
+        """Return triangles of regions that face the same side as the one at the press, and (T, 3) their centers."""
         scan, place = self._ground.scan, np.array(self._hit.place)
         triangles = np.concatenate([self._ground.triangles_of(region) for region in regions])
         corners = scan.vertices[scan.triangles[triangles]].astype(np.float64)
@@ -124,7 +124,7 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         return triangles[is_seen], corners[is_seen].mean(axis=1)
 
     def corner(self, reach: float):
-        """(triangles, what the corner nearest to the press is dragged in); None: no corner is within reach."""
+        """Return (triangles, corner_drag.Around) of the corner nearest to the press; None if none is within reach."""
         ground, scan = self._ground, self._ground.scan
         faces, edges = ground.between()
         beside = ground.label[faces]
@@ -143,7 +143,7 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         return triangles, around
 
     def moved_by_corner(self, event) -> list:
-        """For each region that grows the triangles that it has near the corner, then those that it takes."""
+        """Return, for each growing region, its triangles near the corner and then the triangles that it gets."""
         ground, (triangles, around), drag = self._ground, self._around, self.drag(event)
         found, strokes = corner_drag.swept(around, drag, self._ray[1]), []
         away = np.linalg.norm(around.centers - around.vertices[around.corner], axis=1)

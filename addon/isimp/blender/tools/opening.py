@@ -1,4 +1,4 @@
-"""The Openings tool: shows what Partition closed; a click keeps an opening open, another one closes it again."""
+"""The Openings tool: shows closed openings; a click keeps an opening open, another click closes it again."""
 
 import bpy
 import numpy as np
@@ -12,12 +12,12 @@ from ..texts import text
 from ..view import overlay
 from . import point, under
 
-_COVER = 0.45  # how dense the cover is that a click would put on an opening
+_COVER = 0.45  # opacity of the preview of a closed opening
 _CLOSED, _KEPT = (1.0, 0.45, 0.1, 1.0), (0.2, 0.85, 0.35, 1.0)
 
 
 def found(context, scan, wait: bool = False) -> list | None:
-    """The openings of the regions seen; None while that is not known. With `wait` they are found here and now."""
+    """Return the openings of the visible regions; None while they are not cached. wait: computes them if needed."""
     current, key = runtime.get(), (scan.name, mesh_io.state_of(scan))
     if current.openings is not None and current.openings[0] == key:
         return current.openings[1]
@@ -37,14 +37,14 @@ def found(context, scan, wait: bool = False) -> list | None:
 
 
 def under_mouse(context, scan, all_found, at) -> int | None:
-    """Which of them is under a place in the viewport."""
+    """Return the index of the opening under a point of the viewport, or None."""
     region = context.region
     to_view = np.array(context.region_data.perspective_matrix) @ mesh_io.place_matrix(scan)
     return openings.nearest(all_found, to_view, (region.width, region.height), at)
 
 
 def show(context, scan, all_found, chosen, at) -> None:
-    """Draws all openings, and the one under the mouse stronger, with what it is."""
+    """Draws all openings, and highlights and describes the one under the mouse."""
     current = runtime.get()
     hover = current.hover = under.Hover(scan.name, -1, at=at, through=True)
     for kept, color in ((False, _CLOSED), (True, _KEPT)):
@@ -53,7 +53,7 @@ def show(context, scan, all_found, chosen, at) -> None:
     if chosen is not None:
         opening = all_found[chosen]
         hover.lines.append((openings.lines([opening]), _KEPT if opening["kept"] else _CLOSED, 6.0))
-        if opening["kept"]:  # what a click would make of it
+        if opening["kept"]:  # previews the effect of a click
             hover.fills.append((openings.cover(opening), (*_CLOSED[:3], _COVER)))
         unit = context.scene.unit_settings
         hover.text = openings.told(opening, text.length(opening["length"], unit.system, unit.scale_length))
@@ -61,7 +61,7 @@ def show(context, scan, all_found, chosen, at) -> None:
 
 
 def _scan(context):
-    """The scan in the viewport, or None."""
+    """Return the active scan with regions, if the mouse is in the viewport; else None."""
     if not point.in_viewport(context):
         return None
     scan, problem = targets.find(context)

@@ -1,4 +1,4 @@
-"""The Paint tool paints regions with a brush. The Cut tool cuts a region along a line."""
+"""The Paint tool, which paints regions with a brush, and the Cut tool, which cuts a region along a line."""
 
 import bpy
 import numpy as np
@@ -65,7 +65,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def seen(self, event, side):
-        """The hit of the mirrored ray, and its direction."""
+        """Return the hit of the mirrored ray, and its direction."""
         origin, direction = (side * part for part in self.ray(event))
         return self._ground.hit((origin, direction)), direction
 
@@ -78,14 +78,14 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         overlay.redraw()
 
     def fulfil(self, wishes) -> None:
-        """One step to undo for the stroke and its mirrored one."""
+        """Makes one undo step of the stroke and its mirrored stroke."""
         if wishes and wishes[0].verb == "finer":
             self.refine(wishes)
             return
         taken, strokes = set(), []
         for wish in wishes:
             faces = self._ground.joined(wish.faces, wish.faces[0])
-            faces = [face for face in faces if face not in taken]  # the two may meet in the middle
+            faces = [face for face in faces if face not in taken]  # both strokes may overlap in the middle
             taken.update(faces)
             if faces and self.changes(wish, faces):
                 onto = -1 if wish.into is None else wish.into
@@ -99,7 +99,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
             self.report({"INFO"}, said("Nothing to paint: all faces are in that region already, or locked"))
 
     def refine(self, wishes) -> None:
-        """Splits the regions that the strokes went over."""
+        """Splits the regions that the strokes covered."""
         ground, faces = self._ground, [face for wish in wishes for face in wish.faces]
         found = painted_over(faces, ground.label, ground.locked)
         if not found:
@@ -108,7 +108,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         do("isimp.split", face=found[-1], chosen=",".join(map(str, found)))
 
     def changes(self, wish, faces) -> bool:
-        """Whether the faces change; one side of a mirrored stroke may change nothing."""
+        """Return whether any face changes; one side of a mirrored stroke may change none."""
         if wish.verb != "paint" or wish.into is None:
             return True
         regions, into = self._ground.label[faces], self._ground.label[wish.into]

@@ -1,4 +1,4 @@
-"""The Region tool: click, ctrl-click, alt-click and drag, and the highlight under the mouse."""
+"""The Region tool, the highlight under the mouse, and shared code of all tools."""
 
 from contextlib import suppress
 
@@ -16,11 +16,11 @@ from . import under
 _LIGHT = (1.0, 0.75, 0.4, 0.35)
 _VERBS = {"add": "isimp.add_proxy", "delete": "isimp.delete_proxy", "select": "isimp.select_region"}
 _JOIN = (1.0, 0.85, 0.2, 0.45)
-_EDGE = (1.0, 0.55, 0.05, 1.0)  # neither that of borders nor that of the outline
+_EDGE = (1.0, 0.55, 0.05, 1.0)  # differs from the colours of borders and outline
 
 
 def show_hover(context, ground, hit, at, joined=None) -> None:
-    """Highlights the region under the mouse and describes it; with `joined`, both regions of a merge."""
+    """Highlights and describes the region under the mouse. joined: the hit of the other region of a merge."""
     current = runtime.get()
     before = current.hover
     if hit is None:
@@ -40,7 +40,7 @@ def show_hover(context, ground, hit, at, joined=None) -> None:
 
 
 def do(operator: str, **settings) -> None:
-    """Runs a step as its button would; the operator reports for itself."""
+    """Runs an operator like its button; the operator reports its errors."""
     if settings.get("face", -1) >= 0:
         pointed.note(bpy.context.view_layer.objects.active, settings["face"])
     group, name = operator.split(".")
@@ -49,12 +49,12 @@ def do(operator: str, **settings) -> None:
 
 
 def in_viewport(context) -> bool:
-    """Whether the mouse is in the 3D view itself, not in a panel beside it."""
+    """Return whether the mouse is in the 3D view itself, not in a sidebar or header."""
     return context.region is not None and context.region.type == "WINDOW" and context.region_data is not None
 
 
 def nothing_here(problem: str = "") -> str:
-    """Why there is nothing to point at, and where to begin."""
+    """Return the message that there are no regions, with the place of the panel."""
     return said("{why} (sidebar: N, tab iSimp).", why=said(problem or own("There are no regions here")))
 
 
@@ -89,7 +89,7 @@ class ISIMP_OT_turn(bpy.types.Operator):
 
     def modal(self, context, event):
         if event.type == "MOUSEMOVE" and is_far(self._from, (event.mouse_x, event.mouse_y)):
-            with suppress(RuntimeError):  # a view that can't be turned
+            with suppress(RuntimeError):  # for a view that can't be turned
                 bpy.ops.view3d.rotate("INVOKE_DEFAULT")
             return {"FINISHED"}
         if event.type in {"LEFTMOUSE", "ESC", "RIGHTMOUSE"}:
@@ -98,9 +98,9 @@ class ISIMP_OT_turn(bpy.types.Operator):
 
 
 def miss():
-    """The end of a tool that was pressed beside all that it works on.
+    """Ends a tool whose press missed the scan. A drag then turns the view.
 
-    The press must not reach Blender, which would select other objects, and move the scan by a drag.
+    The press must not reach Blender, which would select other objects, or move the scan by a drag.
     """
     runtime.get().pointed = None
     overlay.redraw()
@@ -109,7 +109,7 @@ def miss():
 
 
 class ModalTool:
-    """Mixin of tools that work from a press of the mouse to its release."""
+    """Mixin of tools that run from a press of the mouse to its release."""
 
     bl_options = {"INTERNAL"}
 
@@ -120,7 +120,7 @@ class ModalTool:
         return self._ground.ray(self._region, self._view, self.place(event))
 
     def begin(self, context, event) -> bool:
-        """Whether there is something to point at."""
+        """Prepares the scan under the mouse. Returns whether it has regions; else the reason is reported."""
         if not in_viewport(context):
             return False
         self._region, self._view = context.region, context.region_data
@@ -140,7 +140,7 @@ class ModalTool:
         return {"RUNNING_MODAL"}
 
     def cancel(self, context):
-        """Blender calls this when the window or the file is closed meanwhile."""
+        """Ends the tool. Blender calls this if the window or the file is closed."""
         self.end(context)
 
     @staticmethod
@@ -149,7 +149,7 @@ class ModalTool:
         return event.value == "PRESS" and (event.type in {"ESC", "RIGHTMOUSE"} or undo)
 
     def end(self, context, redraws: bool = True) -> None:
-        """redraws: False if a step follows, which has the view drawn anyhow."""
+        """Removes the highlight. redraws: False if a step follows, which redraws the view."""
         runtime.get().hover = None
         overlay.tell(context, "")
         if redraws:
@@ -288,6 +288,6 @@ CLASSES = (
 def register() -> None:
     keys = bpy.context.window_manager.keyconfigs.addon
     if keys is not None:
-        keymap = keys.keymaps.new("Screen")  # receives every event that no other keymap takes
+        keymap = keys.keymaps.new("Screen")  # receives events that no other key map handles
         item = keymap.keymap_items.new("isimp.leave", "MOUSEMOVE", "ANY", any=True)
         runtime.get().keys.append((keymap, item))

@@ -1,4 +1,4 @@
-"""Growing and shrinking the region under the mouse: by a drag with a preview, or by the wheel."""
+"""Operators that grow and shrink the region under the mouse, by a drag with a preview or by the wheel."""
 
 import bpy
 from bpy.props import BoolProperty
@@ -16,7 +16,7 @@ from . import under
 from .point import ModalTool, do, miss
 
 _TICK = 0.02
-_NOTCH = 8.0  # pixels that the wheel moves a border by
+_NOTCH = 8.0  # pixels by which the wheel moves a border
 
 
 class ISIMP_OT_size(ModalTool, bpy.types.Operator):
@@ -36,7 +36,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
         self._gesture.press(hit, self.place(event), ctrl=event.ctrl)
         self._scan, _ = targets.find(context)
         self._recipe = pending.recipe_of(context, self._scan)
-        self._work = self._tried = None  # the running computation, and the wish that was computed last
+        self._work = self._tried = None  # the running computation, and its wish
         self._said = ""
         runtime.get().live.held = True
         self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
@@ -61,7 +61,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def tell(self, at) -> None:
-        """Shows the effect of a release beside the mouse."""
+        """Shows the effect of a release next to the mouse."""
         wish = self._gesture.wish
         what = said("No change")
         if wish is not None:
@@ -71,7 +71,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
         overlay.redraw()
 
     def follow(self, context) -> None:
-        """Takes a finished result, and starts the computation of the present wish."""
+        """Shows a finished result, and starts the computation of the present wish."""
         live, work, wish = runtime.get().live, self._work, self._gesture.wish
         if work is not None:
             if work.task.status is Status.RUNNING:

@@ -1,4 +1,4 @@
-"""The face and the region under the mouse, and the description of the region."""
+"""Finds the face and the region under the mouse, and describes the region."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -16,27 +16,27 @@ from .. import reading
 from ..scene import mesh_io, runtime, store, targets
 from ..texts import text
 
-_MOST_SHOWN = 200_000  # triangles of a region that are highlighted
+_MOST_SHOWN = 200_000  # highlighted triangles of a region
 
 
 @dataclass
 class Hover:
-    """The highlight of the region under the mouse."""
+    """The highlight drawn for a tool, and its text."""
 
     scan: str
     region: int
     fills: list = field(default_factory=list)  #: (points of triangles, colour)
     lines: list = field(default_factory=list)  #: (points of lines, colour, width)
     text: str = ""
-    key: tuple | None = None  #: state and region, to see whether it is still valid
+    key: tuple | None = None  #: state and regions that the highlight was made for
     at: tuple = (0, 0)
-    ring: float = 0.0  #: pixels of the brush's circle; 0 for none
-    through: bool = False  #: whether the scan does not hide it
-    stretch: tuple | None = None  #: two places in the viewport with a line between them
+    ring: float = 0.0  #: radius of the brush's circle in pixels; 0 for none
+    through: bool = False  #: whether lines are drawn through the scan
+    stretch: tuple | None = None  #: two points of the viewport with a line between them
 
 
 class Ground:
-    """A scan to be pointed at: its arrays, their search structure, the regions seen."""
+    """A scan for mouse tools: its arrays and its visible regions."""
 
     def __init__(self, context, obj):
         self.name = obj.name
@@ -46,11 +46,11 @@ class Ground:
         self.state = mesh_io.state_of(obj)
         self.label = mesh_io.read_regions(obj)
         outcome = self._outcome = _known(context, obj)
-        #: numbers of regions, as far as that is known without work
+        #: numbers of the locked regions; empty if the outcome is not cached
         self.locked = np.empty(0, int) if outcome is None else np.flatnonzero(outcome.partition.region_locked)
         self._between = None if outcome is None else outcome.border
         self._closing = None if outcome is None else outcome.closing
-        self._error = store.numbers(obj).get("error", 0.0)  #: of all regions together
+        self._error = store.numbers(obj).get("error", 0.0)  #: sum over all regions
 
     @cached_property
     def _triangle_label(self) -> np.ndarray:
@@ -61,14 +61,14 @@ class Ground:
         return runtime.get().surface[1]
 
     def ray(self, region, view, at):
-        """(origin, direction) in the scan's space of a place in a viewport."""
+        """Return (origin, direction) of the ray through a point of the viewport, in the scan's space."""
         origin = np.append(view3d_utils.region_2d_to_origin_3d(region, view, at), 1.0)
         direction = np.append(view3d_utils.region_2d_to_vector_3d(region, view, at), 0.0)
         direction = (self.to_scan @ direction)[:3]
         return (self.to_scan @ origin)[:3], direction / np.linalg.norm(direction)
 
     def hit(self, ray):
-        """The face a ray meets, or None."""
+        """Return the Hit of the first face that a ray meets, or None."""
         met = self.surface.cast(*ray)
         if met is None:
             return None
@@ -76,7 +76,7 @@ class Ground:
         return Hit(face, int(self.label[face]), tuple(met[1].tolist()))
 
     def pixel(self, region, view, at, place) -> float:
-        """How long a pixel is at a place on the scan, in the scan's space."""
+        """Return the size of a pixel at a point of the scan, in the scan's space."""
         here = self.to_scan @ np.append(view3d_utils.region_2d_to_location_3d(region, view, at, self.world(place)), 1.0)
         beside = (at[0] + 10, at[1])
         there = self.to_scan @ np.append(
@@ -85,7 +85,7 @@ class Ground:
         return float(np.linalg.norm((there - here)[:3])) / 10
 
     def ring(self, region, view, at, hit) -> float:
-        """How many pixels wide a ring of faces along the border of the region hit is seen.
+        """Return the width in pixels of a ring of faces along the border of the region that was hit.
 
         On a grid of equilateral triangles a ring moves the border by half their height, .66 roots of their area.
         """
@@ -100,31 +100,31 @@ class Ground:
         return np.flatnonzero(self._triangle_label == region)
 
     def points(self, triangles) -> np.ndarray:
-        """(3 T, 3) float32 the corners of triangles."""
+        """Return (3 T, 3) float32 the corners of triangles."""
         return self.scan.vertices[self.scan.triangles[triangles[:_MOST_SHOWN]].ravel()].astype(np.float32)
 
     def joined(self, faces: list, start: int) -> list:
-        """Those of some faces that the engine's mesh joins to one of them, which comes first."""
-        if self._closing is None:  # the mesh is not there yet
+        """Return the faces that are connected to `start` on the engine's mesh, `start` first."""
+        if self._closing is None:  # the engine's mesh is not cached
             return faces
         prepared = runtime.get().session.prepare(self.scan, closing=self._closing)
         found = joined_faces(prepared, np.unique(faces), start)
         return [start, *found[found != start].tolist()]
 
     def between(self) -> tuple[np.ndarray, np.ndarray]:
-        """((K, 2) faces, (K, 2) vertices) of the edges between regions."""
+        """Return ((K, 2) faces, (K, 2) vertices) of the edges between regions."""
         pairs, edges = self.scan.face_edges
         if self._between is None:
             self._between = view.border_pairs(self.label, pairs)
         return pairs[self._between], edges[self._between]
 
     def border(self, region: int) -> np.ndarray:
-        """(2 B, 3) float32 the edges where a region ends."""
+        """Return (2 B, 3) float32 the border edges of a region."""
         pairs, edges = self.between()
         return self.scan.vertices[edges[(self.label[pairs] == region).any(axis=1)].ravel()].astype(np.float32)
 
     def told(self, unit, region: int) -> str:
-        """The description of a region in one line. unit: the scene's."""
+        """Return the description of a region in one line. unit: the scene's unit settings."""
         if region < 0:
             return said("Left out: click to make this part a region")
         triangles = self.triangles_of(region)
@@ -143,7 +143,7 @@ class Ground:
         return f"{told} · {lean}" if lean else told
 
     def _leaning(self, unit, region: int) -> str:
-        """How far the plane of a region is from level or upright; empty if it is far, or not known without work."""
+        """Return the angle of a region's plane from level or upright; empty if it is large, or not cached."""
         if self._outcome is None or region >= self._outcome.partition.region_count:
             return ""
         held = self._outcome.partition.region_held
@@ -162,13 +162,13 @@ class Ground:
 
 
 def _known(context, obj):
-    """The outcome that is seen, if it is kept; else None."""
+    """Return the outcome with the visible regions if it is cached; else None."""
     recipe = (store.load(obj) or rcp.Recipe()).without_mesh()
     return runtime.get().session.known(reading.read(context, obj, recipe.layers(), again=True), recipe)
 
 
 def ground(context, wait: bool = False):
-    """The scan to point at, once it can be; None until then. With `wait`, it is prepared here and now."""
+    """Return the Ground of the active scan; None while it is not ready. wait: waits for the preparation."""
     current = runtime.get()
     scan, problem = targets.find(context)
     if problem or context.view_layer.objects.active != scan or not mesh_io.state_of(scan):
@@ -193,14 +193,14 @@ def _fits(known, scan) -> bool:
 
 
 def _prepare(known, wait: bool) -> bool:
-    """Whether the search structure is there; it is made on a thread."""
+    """Return whether the search structure is ready; starts a thread that makes it."""
     current, scan = runtime.get(), known.scan
     if current.surface is not None and current.surface[0] is scan:
         return True
     if current.digging is None or current.digging[0] is not scan:
 
         def dig(watch):
-            scan.face_edges  # noqa: B018  (made here and kept, so that nothing has to wait for it later)
+            scan.face_edges  # noqa: B018  (computed on this thread and cached, so that tools need not wait for it)
             return pick.Surface(scan.vertices, scan.triangles)
 
         current.digging = (scan, Task(dig))
