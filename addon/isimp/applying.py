@@ -209,11 +209,11 @@ def _up(step: rcp.Regularise | rcp.AlignPlanes, prepared, before) -> np.ndarray 
         return None
     if step.up == "region":
         if step.face < 0:
-            raise ValueError(said("no region says what is up: select a face and press Regularise"))
+            raise ValueError(said("no region is chosen for the up direction: select a face and press Regularise"))
         partition = before.partition
         region = int(partition.face_region[triangle_at(prepared, step.face)])
         if region < 0:
-            raise ValueError(said("the region that says what is up was left out: select another face"))
+            raise ValueError(said("the region for the up direction was left out: select another face"))
         return engine.region_fits(prepared.mesh, partition)[0][region]
     if step.up == "scene":
         return np.array(step.direction or (0.0, 0.0, 1.0))
@@ -238,7 +238,7 @@ def _apply_align(step: rcp.AlignPlanes, prepared, before, watch, begin, end) -> 
     up = _up(step, prepared, before)
     if up is None:
         if step.to in ("level", "upright"):
-            raise ValueError(said("nothing is level or upright, as there is no up: choose what points up"))
+            raise ValueError(said("level and upright need an up direction: choose an axis for Up"))
         up = np.array([0.0, 0.0, 1.0])
     faces = np.array([triangle_at(prepared, face) for face in step.faces])
     align = partial(engine.align_planes, length=step.length or None)

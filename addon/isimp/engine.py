@@ -15,4 +15,4 @@ except ImportError as outer:
         # The error of an engine that exists but does not load is more useful than "not found".
         ENGINE_PROBLEM = str(inner if isinstance(outer, ModuleNotFoundError) else outer)
         if Path(__file__).with_name("wheels").is_dir() and not __name__.startswith("bl_ext."):
-            ENGINE_PROBLEM = own("this one is for Blender 4.2 and later, the one for earlier ones is called legacy")
+            ENGINE_PROBLEM = own("this zip is for Blender 4.2 and later, the zip for earlier versions is called legacy")

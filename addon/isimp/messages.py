@@ -105,7 +105,7 @@ def left_out(numbers: dict[str, Any]) -> str:
 
 def is_kept(why: str) -> str:
     """Return the note that settings and Mesh do not change a result. why: the reason, as in `kept`."""
-    text = own("This result was {why}: changed settings do not change it, and Mesh makes its polygons another object")
+    text = own("This result was {why}: changed settings do not change it, and Mesh makes a new object")
     return said(text, why=said(why))
 
 
@@ -141,7 +141,7 @@ def dropped(number: int) -> str:
 
 
 def will_drop(number: int) -> str:
-    return said("Partition starts anew: {edits} by hand will be dropped", edits=count(number, "edit"))
+    return said("Partition starts over: {edits} by hand will be dropped", edits=count(number, "edit"))
 
 
 #: patterns of the engine's reasons, and the messages for a user who has clicked the face that they name
@@ -211,11 +211,11 @@ _REASONS = (
     ),
     (
         r"the faces to erase touch no other region that could take them and is not locked",
-        own("no other region beside these faces could take them and is not locked"),
+        own("no other region next to these faces could take them and is not locked"),
     ),
     (
         r"the faces to erase touch no other region that could take them",
-        own("no other region beside these faces could take them"),
+        own("no other region next to these faces could take them"),
     ),
 )
 

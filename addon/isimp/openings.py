@@ -53,4 +53,4 @@ def told(opening: dict, length: str) -> str:
     """Return the description of the opening under the mouse. length: a text in the scene's units."""
     name = said("Hole") if opening["kind"] == "hole" else said("Tunnel or handle")
     state = said("kept open · click: close it") if opening["kept"] else said("closed · click: keep it open")
-    return said("{opening}, {length} round", opening=name, length=length) + f" · {state}"
+    return said("{opening}, {length} around", opening=name, length=length) + f" · {state}"

@@ -68,7 +68,7 @@ class ISIMP_MT_planes_pie(bpy.types.Menu):
 
 
 class ISIMP_MT_pie(bpy.types.Menu):
-    """What is done most often, around the mouse"""
+    """The most frequent operators, around the mouse"""
 
     bl_label = "iSimp"
 
@@ -85,7 +85,7 @@ class ISIMP_MT_pie(bpy.types.Menu):
 
 
 class ISIMP_MT_chosen_pie(bpy.types.Menu):
-    """What can be done with the regions chosen by shift-clicks, around the mouse"""
+    """Actions for the regions chosen by shift-clicks, around the mouse"""
 
     bl_label = "Chosen Regions"
 

@@ -121,9 +121,9 @@ def test_up_is_the_scenes_in_the_scans_space(session):
     floor = face_along(session, lying, BEGIN, 1)
     by_region = session.replay(lying, BEGIN.then(rcp.Regularise(up="region", face=floor)))
     assert by_region.partition.regularity["snapped_to"]["level"] == pytest.approx(levels["y"], abs=3)
-    with pytest.raises(StepFailed, match="no region says what is up"):
+    with pytest.raises(StepFailed, match="no region is chosen for the up direction"):
         session.replay(lying, BEGIN.then(rcp.Regularise(up="region")))
-    with pytest.raises(StepFailed, match="nothing is level or upright"):
+    with pytest.raises(StepFailed, match="level and upright need an up direction"):
         session.replay(lying, BEGIN.then(rcp.AlignPlanes(faces=(floor,), up="none")))
 
 

@@ -87,10 +87,14 @@ class PartitionSettings:
             (
                 "tolerance",
                 "Tolerance",
-                "The number follows from a length: smaller shapes are ignored, below .2 m on a building, say",
+                "The number follows from a length: smaller shapes are ignored, for example below .2 m on a building",
             ),
             ("bound", "Bound", "The number follows from the largest distance of a vertex from its region's plane"),
-            ("triangles", "Triangles", "As many regions as the polygons can have that make this number of triangles"),
+            (
+                "triangles",
+                "Triangles",
+                "As many regions as possible whose polygons have at most this number of triangles",
+            ),
         ),
         default=_PARTITION.count_by,
     )
@@ -162,7 +166,7 @@ class TextureSettings:
 class RegulariseSettings:
     up: EnumProperty(
         name="Up",
-        description="What level and upright mean",
+        description="Up axis, which defines level and upright",
         items=(
             ("scene", "Scene", "The Z axis of the scene, however the scan is turned"),
             ("x", "Scan X", "The X axis of the scan"),
@@ -178,19 +182,19 @@ class RegulariseSettings:
 class AlignSettings:
     to: EnumProperty(
         name="To",
-        description="What the planes of the regions become",
+        description="Target orientation of the planes",
         items=(
             ("level", "Level", "Level planes: floors, ceilings, flat roofs"),
             ("upright", "Upright", "Upright planes: walls"),
-            ("parallel", "Parallel", "Parallel to the plane of the region that leads"),
-            ("perpendicular", "Perpendicular", "At right angles to the plane of the region that leads"),
+            ("parallel", "Parallel", "Parallel to the plane of the leading region"),
+            ("perpendicular", "Perpendicular", "At right angles to the plane of the leading region"),
             ("coplanar", "Coplanar", "One plane for all"),
             ("free", "Free", "As scanned: no longer held, also not by Regularise"),
         ),
     )
     length: of_option(
         rcp.REGULARISE["length"]._replace(
-            tip="How far a plane may go off its region when it is set by hand. 0: one percent of the scan's size"
+            tip="Largest distance of a plane set by hand from its region. 0: one percent of the scan's size"
         ),
         0.0,
     )

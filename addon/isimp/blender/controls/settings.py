@@ -126,10 +126,14 @@ class _Shown:
     )
     colour: EnumProperty(
         name="Colour",
-        description="What the colours over the scan tell",
+        description="Meaning of the colours over the scan",
         items=(
             ("NONE", "Regions", "A colour for each region"),
-            ("AWAY", "Distance", "Green polygons are near to the scan, red ones two percent of the size off or more"),
+            (
+                "AWAY",
+                "Distance",
+                "Green polygons are near the scan, red ones are off by two percent of the size or more",
+            ),
             ("HEAT", "Flatness", "Green polygons are planar, red ones bend by half a percent of the size or more"),
             ("DIRECTIONS", "Directions", "A hue for each direction of snapped planes, a shade for each plane"),
         ),
@@ -143,7 +147,7 @@ class _Shown:
     )
     summary: BoolProperty(
         name="Summary",
-        description="Tell in the corner of the view how many regions and polygons there are, and how far from the scan",
+        description="Show the numbers of regions and polygons and the distance from the scan in a corner of the view",
         default=True,
     )
     brush: IntProperty(name="Radius", description="Radius of the brush", default=40, min=1, max=500, subtype="PIXEL")

@@ -164,7 +164,7 @@ SHOWN = {
         ),
         "coarseness": FloatProperty(
             name="Fine to Coarse",
-            description="The same as a slider: the further left, the finer, and the more regions",
+            description="The smallest feature as a slider: further left is finer, with more regions",
             subtype="PERCENTAGE",
             min=0.0,
             max=100.0,
@@ -174,7 +174,8 @@ SHOWN = {
         ),
         "sharpens": BoolProperty(
             name="Sharpen Edges",
-            description="Rounded and dented edges become sharp: narrow regions at edges go to the planes beside them",
+            description="Rounded and dented edges become sharp: narrow regions at edges become part of the adjacent "
+            "planes",
             get=lambda self: self.sharp_edges >= 0,
             set=_set_sharpens,
         ),
@@ -186,7 +187,7 @@ SHOWN = {
         "angle_turn": _angle(PartitionSettings, 180),
         "noise_automatic": BoolProperty(
             name="Automatic",
-            description="Estimate the roughness of the scan, below which nothing counts as a detail",
+            description="Estimate the roughness of the scan. Smaller shapes do not count as details",
             get=lambda self: self.noise < 0,
             set=_set_automatic,
         ),
@@ -209,13 +210,13 @@ SHOWN = {
     rcp.Regularise: {
         "angle_turn": _angle(RegulariseSettings, 45),
         "length_automatic": _automatic_length(
-            "How far planes may go off the scan follows from its noise: all together add a tenth to that",
+            "The limit follows from the noise of the scan: all planes together add a tenth to it",
             0.01,
         ),
     },
     rcp.AlignPlanes: {
         "length_automatic": _automatic_length(
-            "A plane that is set by hand may go off its region by one percent of the scan's size", 0.05
+            "The limit of a plane set by hand is one percent of the scan's size", 0.05
         ),
     },
 }

@@ -34,7 +34,7 @@ class _CleanUp(RecipeOperator):
 
 
 class ISIMP_OT_symmetrise(_CleanUp, bpy.types.Operator):
-    """Mirror the regions across the scan's X axis, as far as the scan mirrors. Edits are done again"""
+    """Mirror the regions across the scan's X axis, as far as the scan is symmetric. Edits run again"""
 
     bl_idname = "isimp.symmetrise"
     bl_label = "Symmetrise"

@@ -80,7 +80,7 @@ class ISIMP_OT_lock(_Edit, bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        free = said("Allow changes to the regions of the selected faces again, and make polygons of those left out")
+        free = said("Allow changes to the regions of the selected faces again, and make polygons of left-out regions")
         return free if properties.unlock else said(cls.__doc__)
 
     def wanted(self, context, scan):
@@ -111,7 +111,7 @@ class ISIMP_OT_leave_out(_Edit, bpy.types.Operator):
 
 
 class ISIMP_OT_grow(_Edit, bpy.types.Operator):
-    """Grow each region with a selected face by the faces beside it"""
+    """Grow each region with a selected face by its adjacent faces"""
 
     bl_idname = "isimp.grow"
     bl_label = "Grow Region"
@@ -268,7 +268,7 @@ class ISIMP_OT_even_borders(RecipeOperator, bpy.types.Operator):
 
     strength: FloatProperty(
         name="Strength",
-        description="How much short borders count beside the error. 0: only teeth are removed",
+        description="Weight of short borders relative to the error. 0: only teeth are removed",
         default=1.0,
         min=0.0,
         max=1.0,

@@ -23,7 +23,7 @@ _UNITS = (("m", "Metre", "A unit is a metre"), ("mm", "Millimetre", "A unit is a
 
 
 class ISIMP_OT_import_scan(ImportHelper, bpy.types.Operator):
-    """Import scans exactly. Of map coordinates the place is kept beside the mesh, as float32 can't hold it"""
+    """Import scans exactly. The offset of map coordinates is stored with the object, as float32 can't hold it"""
 
     bl_idname = "isimp.import_scan"
     bl_label = "Import Scan (iSimp)"
@@ -32,7 +32,7 @@ class ISIMP_OT_import_scan(ImportHelper, bpy.types.Operator):
     filter_glob: StringProperty(default=";".join(f"*{kind}" for kind in _SCANS), options={"HIDDEN"})
     files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
     directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
-    y_up: BoolProperty(name="Y Is Up", description="The file has Y up: turn the scan so that it stands")
+    y_up: BoolProperty(name="Y Is Up", description="The file has Y up: turn the scan upright")
     epsg: IntProperty(name="EPSG", description="Number of the coordinates' reference system; 0: not known", min=0)
 
     def invoke(self, context, event):
@@ -135,7 +135,7 @@ class ISIMP_OT_export_step(_Model, bpy.types.Operator):
 
     filepath: StringProperty(subtype="FILE_PATH")
     filter_glob: StringProperty(default="*.step;*.stp", options={"HIDDEN"})
-    unit: EnumProperty(name="Unit", description="What a unit of the scene is in the file", items=_UNITS)
+    unit: EnumProperty(name="Unit", description="Unit of the scene in the file", items=_UNITS)
 
     def invoke(self, context, event):
         scan, _, _ = targets.find_result(context)

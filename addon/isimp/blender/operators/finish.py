@@ -18,7 +18,7 @@ from .mesh import Meshing
 
 
 class ISIMP_OT_make_editable(Meshing, bpy.types.Operator):
-    """Mesh, with slivers merged, and go on in Edit Mode with faces to select"""
+    """Merge slivers, mesh, and open the result in Edit Mode with face select"""
 
     bl_idname = "isimp.make_editable"
     bl_label = "Make Editable"

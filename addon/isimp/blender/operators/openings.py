@@ -12,7 +12,7 @@ from ..work.show import show_regions
 
 
 class ISIMP_OT_keep_opening(RecipeOperator, bpy.types.Operator):
-    """Keep an opening of the scan open that Partition closes, and do Partition and all edits after it again"""
+    """Keep an opening open that Partition closes, and run Partition and all later edits again"""
 
     bl_idname = "isimp.keep_opening"
     bl_label = "Keep Opening"

@@ -34,7 +34,7 @@ class _Planes(_Edit):
 
 
 class ISIMP_OT_regularise(_Planes, settings.RegulariseSettings, bpy.types.Operator):
-    """Make planes that nearly are so level, upright, square, parallel or one, as far as the scan allows it"""
+    """Snap nearly level, upright, perpendicular, parallel or coplanar planes, within the limit"""
 
     bl_idname = "isimp.regularise"
     bl_label = "Regularise"
@@ -73,7 +73,9 @@ class ISIMP_OT_align(_Planes, bpy.types.Operator):
     def wanted(self, context, scan):
         faces = self._led(scan, self.each(scan))
         if len(faces) < 2 and self.to in _WITH_LEAD:
-            several = own("Only one region is selected: select faces of two or more. That of the active face leads.")
+            several = own(
+                "Only one region is selected: select faces of two or more. The region of the active face leads."
+            )
             raise mesh_io.Unusable(said(several))
         up = settings.to_step(rcp.Regularise, settings.group(context, rcp.Regularise))
         recipe = pending.recipe_of(context, scan)
@@ -100,9 +102,9 @@ class ISIMP_OT_align(_Planes, bpy.types.Operator):
 _DESCRIPTIONS = {
     "level": own("Make the regions of the selected faces level, as floors and ceilings are"),
     "upright": own("Make the regions of the selected faces upright, as walls are"),
-    "parallel": own("Make the regions of the selected faces parallel to that of the active face"),
-    "perpendicular": own("Turn the regions of the selected faces at right angles to that of the active face"),
-    "coplanar": own("Put the regions of the selected faces into one plane: that of the active face if it is held"),
-    "free": own("Let the planes of the selected faces' regions go: they follow the scan, also after Regularise"),
+    "parallel": own("Make the regions of the selected faces parallel to the region of the active face"),
+    "perpendicular": own("Turn the regions of the selected faces at right angles to the region of the active face"),
+    "coplanar": own("Put the regions of the selected faces into one plane: the plane of the active face if it is held"),
+    "free": own("Release the planes of the selected faces' regions: they follow the scan, also after Regularise"),
 }
 CLASSES = (ISIMP_OT_regularise, ISIMP_OT_align)

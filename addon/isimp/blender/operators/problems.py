@@ -10,7 +10,7 @@ from ..work import show
 
 
 class ISIMP_OT_show_problems(bpy.types.Operator):
-    """Select polygons in Edit Mode of the result: the defective ones, or those of regions that were divided"""
+    """Select polygons in Edit Mode of the result: defective ones, or the polygons of divided regions"""
 
     bl_idname = "isimp.show_problems"
     bl_label = "Select Defective Polygons"
@@ -58,7 +58,7 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
 
 
 class ISIMP_OT_report(bpy.types.Operator):
-    """All of the report. A click selects the polygons of divided regions, or tells it in the Info editor"""
+    """The whole report. A click selects the polygons of divided regions, or shows the report in the Info editor"""
 
     bl_idname = "isimp.report"
     bl_label = "Report"

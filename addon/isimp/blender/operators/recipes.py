@@ -147,7 +147,7 @@ class ISIMP_OT_recipe_export(_HasRecipe, bpy.types.Operator):
     def execute(self, context):
         path = Path(bpy.path.abspath(self.filepath))
         if not path.name:
-            self.report({"ERROR"}, said("No file is named: give the recipe a name."))
+            self.report({"ERROR"}, said("No file is named: enter a name."))
             return {"CANCELLED"}
         path = path.with_suffix(".json")
         try:

@@ -9,7 +9,7 @@ from .edits import _Edit
 
 
 class ISIMP_OT_make_round(_Edit, bpy.types.Operator):
-    """Make the regions of the selected faces one round part of as many equal cells"""
+    """Make the regions of the selected faces one round part with the same number of equal cells"""
 
     bl_idname = "isimp.make_round"
     bl_label = "Make Round"
@@ -43,11 +43,11 @@ class ISIMP_OT_round_segments(_Edit, bpy.types.Operator):
     bl_label = "Segments"
 
     segments: IntProperty(
-        name="Segments", description="Number of segments round the axis", default=12, min=1, max=256, soft_max=64
+        name="Segments", description="Number of segments around the axis", default=12, min=1, max=256, soft_max=64
     )
     rings: IntProperty(
         name="Rings",
-        description="Number of rings along the axis. 0: as many as keep about the number of cells",
+        description="Number of rings along the axis. 0: about the same number of cells as before",
         default=0,
         min=0,
         max=64,

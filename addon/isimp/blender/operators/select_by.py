@@ -15,7 +15,7 @@ from ..work.selecting import SelectOperator
 
 
 class ISIMP_OT_select_by(SelectOperator, bpy.types.Operator):
-    """Select the faces of all regions that are small, bent, turned to a side, or take many polygons"""
+    """Select the faces of all regions that are small or bent, face a direction, or have many polygons"""
 
     bl_idname = "isimp.select_by"
     bl_label = "Select Regions By"

@@ -6,7 +6,7 @@ _NAME = "iSimp"
 
 
 class ISIMP_OT_workspace(bpy.types.Operator):
-    """Go to the workspace for iSimp: a 3D view with toolbar and sidebar. It is made if there is none"""
+    """Open the workspace for iSimp: a 3D view with toolbar and sidebar. It is created if it is missing"""
 
     bl_idname = "isimp.workspace"
     bl_label = "iSimp Workspace"

@@ -117,7 +117,7 @@ def give_mesh(panel, operator) -> None:
 
 
 class ISIMP_MT_mesh(bpy.types.Menu):
-    """What else becomes of the regions, of the result, and of flat faces"""
+    """Further actions for the regions, the result and flat faces"""
 
     bl_label = "Mesh"
 

@@ -48,7 +48,7 @@ class _Region(_Tool):
         "Edit regions of the scan.\n"
         "• Click: add a region\n• Ctrl-click: delete the region\n• Alt-click: select its faces\n"
         "• Drag to another region: merge both\n• Alt-drag: move a border or a corner\n"
-        "• Shift-click: choose one region more; right-click: a menu for the chosen ones; Esc: choose none\n"
+        "• Shift-click: choose another region; right-click: a menu for the chosen ones; Esc: choose none\n"
         "• Shift-drag: cut it along a line\n"
         "• Ctrl-wheel: grow or shrink it\n• L: lock or unlock it"
     )

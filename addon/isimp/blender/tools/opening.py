@@ -84,7 +84,7 @@ class ISIMP_OT_hover_opening(bpy.types.Operator):
             return {"PASS_THROUGH"}
         all_found = found(context, scan)
         if all_found is None:
-            overlay.tell(context, said("Click: find out what was closed"))
+            overlay.tell(context, said("Click: find the closed openings"))
             return {"PASS_THROUGH"}
         at = (event.mouse_region_x, event.mouse_region_y)
         show(context, scan, all_found, under_mouse(context, scan, all_found, at), at)

@@ -122,7 +122,7 @@ class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
     bl_label = "Cut Region"
 
     collects: BoolProperty(
-        name="Choose", description="A click chooses one region more, and splits none", options={"SKIP_SAVE"}
+        name="Choose", description="A click chooses another region and splits none", options={"SKIP_SAVE"}
     )
 
     def invoke(self, context, event):

@@ -59,7 +59,7 @@ def nothing_here(problem: str = "") -> str:
 
 
 class ISIMP_OT_leave(bpy.types.Operator):
-    """Show no region as under the mouse while the mouse is in a sidebar or in another editor"""
+    """Remove the highlight while the mouse is in a sidebar or in another editor"""
 
     bl_idname = "isimp.leave"
     bl_label = "Leave the View"
@@ -76,7 +76,7 @@ class ISIMP_OT_leave(bpy.types.Operator):
 
 
 class ISIMP_OT_turn(bpy.types.Operator):
-    """Turn the view by a drag where a tool has nothing to work on. A click does nothing"""
+    """Turn the view by a drag that begins off the scan. A click does nothing"""
 
     bl_idname = "isimp.turn"
     bl_label = "Turn the View"
@@ -223,7 +223,7 @@ class ISIMP_OT_chosen_menu(_Chosen, bpy.types.Operator):
 
 
 class ISIMP_OT_choose_none(_Chosen, bpy.types.Operator):
-    """Choose no region any more"""
+    """Clear the chosen regions"""
 
     bl_idname = "isimp.choose_none"
     bl_label = "Choose No Region"

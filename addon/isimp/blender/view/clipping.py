@@ -30,7 +30,7 @@ def told(space, scan) -> str:
 
 
 class ISIMP_OT_show_all(bpy.types.Operator):
-    """Let the view show all of the scan, and look at it"""
+    """Widen the clipping distances of the view, and frame the scan"""
 
     bl_idname = "isimp.show_all"
     bl_label = "Show All of the Scan"

@@ -107,7 +107,7 @@ def settle() -> None:
 
 
 class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
-    """Make one step to undo of settings that were changed"""
+    """Make one undo step of changed settings"""
 
     bl_idname = "isimp.settle"
     bl_label = pending.LABEL
