@@ -196,7 +196,7 @@ def from_engine(path):
 def place_of(points):
     """(3,) where a scan's object is put, so that float32 loses nothing of its points: 0 unless they lie far from it."""
     finite = points[np.isfinite(points).all(axis=1)]
-    if not len(finite) or of_addon("isimp.afar").loss(finite.min(axis=0), finite.max(axis=0)) is None:
+    if not len(finite) or of_addon("isimp.float_loss").loss(finite.min(axis=0), finite.max(axis=0)) is None:
         return np.zeros(3)
     return ((finite.min(axis=0) + finite.max(axis=0)) / 2).astype(np.float32).astype(np.float64)
 
@@ -315,7 +315,7 @@ def write_as(path, options):
 def is_afar(obj):
     """Whether float32, which Blender's own writers put out, is too coarse for where an object is in the world."""
     points, _ = in_the_world(obj, y_up=False)
-    return of_addon("isimp.afar").loss(points.min(axis=0), points.max(axis=0)) is not None
+    return of_addon("isimp.float_loss").loss(points.min(axis=0), points.max(axis=0)) is not None
 
 
 def in_the_world(obj, y_up):

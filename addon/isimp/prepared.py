@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from . import view
+from .array_pool import blocks
 from .engine import engine
 from .language import said
 from .scan import Scan
-from .spare import blocks
 
 
 @dataclass(frozen=True)

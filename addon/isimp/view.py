@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .spare import Spare, blocks, taken
+from .array_pool import ArrayPool, blocks, taken
 
 # Twelve colours with the largest least distance in Oklab (.1), for full colour vision and the three dichromacies at
 # once. Magenta is reserved for defects.
@@ -141,10 +141,10 @@ def face_colors(face_region: np.ndarray, region_color: np.ndarray) -> np.ndarray
     return taken(np.append(region_color, len(PALETTE)).astype(np.uint8), face_region)  # -1 is the last
 
 
-def corner_colors(table: np.ndarray, face_color: np.ndarray, corners: np.ndarray | int, spare: Spare) -> np.ndarray:
+def corner_colors(table: np.ndarray, face_color: np.ndarray, corners: np.ndarray | int, pool: ArrayPool) -> np.ndarray:
     """Return the colour of each corner, face by face. table: COLORS or PACKED; corners: number of corners of a face."""
     count = int(corners.sum()) if isinstance(corners, np.ndarray) else corners * len(face_color)
-    colors = spare.take((count, *table.shape[1:]), table.dtype)
+    colors = pool.take((count, *table.shape[1:]), table.dtype)
     done = 0
     for block in blocks(len(face_color)):
         rows = np.repeat(face_color[block], corners[block] if isinstance(corners, np.ndarray) else corners)

@@ -149,7 +149,7 @@ def run(hand):
     from isimp.blender.drawing import shaders
     from isimp.blender.scene import runtime
     from isimp.blender.view import overlay
-    from isimp.blender.work import live, modal, pending, preview
+    from isimp.blender.work import live, modal, panel_changes, preview
 
     load(os.environ["ISIMP_SCAN"])
     yield 1
@@ -197,7 +197,7 @@ def run(hand):
     clock.around(shaders, "draw", "driver")
     execute = clock.around(modal.RecipeOperator, "execute", "add-on")
     modal.RecipeOperator.execute = lambda self, context: execute(self, context)  # Blender counts arguments
-    clock.around(pending, "write_shown", "add-on")
+    clock.around(panel_changes, "write_shown", "add-on")
     clock.around(live, "settle", "Blender")
     tick = clock.around(live, "_tick", "add-on")
     runtime.get().live.wake = lambda: bpy.app.timers.is_registered(tick) or bpy.app.timers.register(tick)

@@ -5,7 +5,7 @@ import bpy
 from . import command, menus, operators, panel, preferences, tools, translations
 from .controls import presets, settings
 from .scene import runtime, store
-from .view import clipping, comparison, display, overlay, start
+from .view import clipping, comparison, display, overlay, quick_start
 from .work import live
 
 _CLASSES = (
@@ -19,7 +19,7 @@ _CLASSES = (
     *preferences.CLASSES,
     *panel.CLASSES,
     *menus.CLASSES,
-    *start.CLASSES,
+    *quick_start.CLASSES,
 )
 for _cls in _CLASSES:
     if issubclass(_cls, (bpy.types.Operator, bpy.types.Menu, bpy.types.Panel)):
@@ -39,13 +39,13 @@ def register():
     overlay.register()
     tools.register()
     menus.register()
-    start.register()
+    quick_start.register()
     command.register()
 
 
 def unregister():
     command.unregister()
-    start.unregister()
+    quick_start.unregister()
     menus.unregister()
     tools.unregister()
     comparison.stop()

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from .drawing import late
-from .scene import marks, mesh_io, runtime, weights
+from .scene import barriers, mesh_io, runtime, weights
 
 SPAN = 0.04  #: seconds of one piece of reading or writing, during which the window does not respond
 
@@ -64,7 +64,7 @@ def read(context, obj, layers=frozenset(), again=False):
     ready(context, obj, layers)
     groups = {name: group for name in layers if (group := _group(obj, name)) is not None}
     found = weights.read(obj, layers, groups)
-    return scan.with_layers(found | marks.read(obj, layers, len(scan.vertices)))
+    return scan.with_layers(found | barriers.read(obj, layers, len(scan.vertices)))
 
 
 def ready(context, obj, layers, seconds: float = math.inf) -> bool:

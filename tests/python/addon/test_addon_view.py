@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from isimp import view
-from isimp.spare import Spare
+from isimp.array_pool import ArrayPool
 
 # Linear RGB as seen by people who lack one kind of cone (Machado, Oliveira, Fernandes 2009, severity 1).
 DICHROMACY = {
@@ -105,14 +105,14 @@ def test_faces_without_region_are_grey():
 @pytest.mark.parametrize("corners", [3, np.array([4, 3])])
 @pytest.mark.parametrize("table", [view.COLORS, view.PACKED])
 def test_corners_have_the_colour_of_their_face_in_memory_that_is_used_again(table, corners):
-    spare = Spare()
-    made = view.corner_colors(table, np.array([5, 24], np.uint8), corners, spare)
+    pool = ArrayPool()
+    made = view.corner_colors(table, np.array([5, 24], np.uint8), corners, pool)
     assert np.array_equal(made, np.repeat(table[[5, 24]], corners, axis=0))
-    spare.give(made)
-    again = view.corner_colors(table, np.array([24, 7], np.uint8), corners, spare)
+    pool.give(made)
+    again = view.corner_colors(table, np.array([24, 7], np.uint8), corners, pool)
     assert again is made
     assert np.array_equal(made, np.repeat(table[[24, 7]], corners, axis=0))
-    other = view.corner_colors(table, np.array([5, 24], np.uint8), corners, spare)
+    other = view.corner_colors(table, np.array([5, 24], np.uint8), corners, pool)
     assert not np.shares_memory(other, made)  # which was not returned
-    spare.give(other)
-    assert len(view.corner_colors(table, np.array([5], np.uint8), 3, spare)) == 3  # of another scan
+    pool.give(other)
+    assert len(view.corner_colors(table, np.array([5], np.uint8), 3, pool)) == 3  # of another scan

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender.scene import aside, mesh_io, store, targets
+from isimp.blender.scene import mesh_io, store, targets, unread_layers
 from isimp.recipe import AddProxy, Partition, Recipe
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -110,7 +110,7 @@ def test_what_is_wrong_beside_the_steps_does_no_harm(what, tmp_path, silent):
     assert damage.operators()["delete_proxy"]
     bpy.ops.isimp.show_regions()
     bpy.ops.isimp.select_region(face=3)
-    kept = {name: layer(scan, name) for name, _ in aside.foreign_layers(scan.data)}
+    kept = {name: layer(scan, name) for name, _ in unread_layers.foreign_layers(scan.data)}
     assert all(f"'{name}' is no layer of iSimp's" in damage.panels() for name in kept)
     assert bpy.ops.isimp.delete_proxy(face=20) == {"FINISHED"}
     assert len(store.load(scan).steps) == 3
@@ -189,7 +189,7 @@ def test_steps_of_a_state_that_was_moved_aside_are_not_forgotten(monkeypatch, si
     monkeypatch.setattr(store, "MOST_NODES", 3)
     scan = made()
     before = damage.dump(scan.data)["nodes"]
-    aside.set_aside(scan, regions_too=True)
+    unread_layers.rename(scan, regions_too=True)
     for proxies in range(5, 12):
         bpy.ops.isimp.partition(proxies=proxies)
     assert holds(scan.data, {"nodes": before})

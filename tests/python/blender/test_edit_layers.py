@@ -8,7 +8,7 @@ import scans
 
 from isimp.blender import reading
 from isimp.blender.scene import mesh_io, store
-from isimp.blender.work import modal, show
+from isimp.blender.work import modal, scene_outcome
 from isimp.recipe import AddProxy
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -72,7 +72,7 @@ def test_what_was_written_in_pieces_is_not_written_again(scan, monkeypatch):
     outcome, before, shares = work.run(), seen(scan), []
 
     def in_pieces():
-        shares.extend(show.writing(scan, work, outcome))
+        shares.extend(scene_outcome.writing(scan, work, outcome))
 
     count = written(monkeypatch, in_pieces)
     made = seen(scan)
@@ -80,14 +80,14 @@ def test_what_was_written_in_pieces_is_not_written_again(scan, monkeypatch):
     assert (len(shares), shares[-1]) == (-(-len(scan.data.polygons) // 50), 1.0)
     assert made[0] == outcome.face_region.tolist() != before[0]
     assert work.target() == scan, "its own state is no change from elsewhere"
-    assert written(monkeypatch, lambda: show.show_outcome(bpy.context, scan, work, outcome)) == 0
+    assert written(monkeypatch, lambda: scene_outcome.show_outcome(bpy.context, scan, work, outcome)) == 0
     assert (seen(scan), store.load(scan)) == (made, recipe)
 
 
 def test_writing_in_pieces_is_nothing_in_object_mode(scan):
     scans.mode("OBJECT")
     work = modal.Work(bpy.context, scan, store.load(scan).then(AddProxy(face=20)))
-    assert list(show.writing(scan, work, work.run())) == []
+    assert list(scene_outcome.writing(scan, work, work.run())) == []
     assert len(set(scans.regions(scan).tolist())) == 10
 
 

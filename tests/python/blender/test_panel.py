@@ -19,7 +19,7 @@ from isimp.blender.scene import measure, runtime, store, targets
 from isimp.blender.scene import result as results
 from isimp.blender.texts import text
 from isimp.blender.view import clipping
-from isimp.blender.work import pending
+from isimp.blender.work import panel_changes
 from isimp.blender.work.modal import RecipeOperator
 from test_texture import textured_cube
 
@@ -47,7 +47,7 @@ def fresh():
 
 def look_at(scan):
     scans.activate(scan)
-    pending.follow(bpy.context)
+    panel_changes.follow(bpy.context)
 
 
 def test_a_preset_of_one_scan_is_not_that_of_the_next():

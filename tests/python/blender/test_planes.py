@@ -7,11 +7,11 @@ import scans
 from drawing import controls
 
 from isimp import recipe as rcp
-from isimp.blender.controls import settings, upward
+from isimp.blender.controls import settings, up_direction
 from isimp.blender.panel import planes
 from isimp.blender.scene import runtime, store
 from isimp.blender.texts import text
-from isimp.blender.work import pending
+from isimp.blender.work import panel_changes
 
 pytestmark = pytest.mark.usefixtures("scene")
 OPS = bpy.ops.isimp
@@ -130,10 +130,10 @@ def test_the_larger_region_leads_where_no_face_is_active():
 
 def test_up_is_the_scenes_however_the_scan_is_turned():
     scan = parted(slope=0.0)
-    assert upward.direction(scan) == ()
+    assert up_direction.direction(scan) == ()
     scan.rotation_euler = (np.pi / 2, 0, 0)  # +y points up now
     bpy.context.view_layer.update()
-    assert np.allclose(upward.direction(scan), (0, 1, 0), atol=1e-6)
+    assert np.allclose(up_direction.direction(scan), (0, 1, 0), atol=1e-6)
     OPS.align(face=face_along(scan, 0, 1, 0), to="level")
     assert store.load(scan).steps[-1].direction == (0, 1, 0), "without the noise of float32"
     assert np.allclose(store.load(scan).steps[-1].direction, (0, 1, 0), atol=1e-6)
@@ -147,7 +147,7 @@ def test_up_is_the_scenes_however_the_scan_is_turned():
     OPS.regularise(up="region", face=face_along(scan, 1, 0, 0))
     step = store.load(scan).steps[-1]
     assert (step.up, step.face, step.direction) == ("region", face_along(scan, 1, 0, 0), ())
-    pending.follow(bpy.context)
+    panel_changes.follow(bpy.context)
     OPS.align(face=face_along(scan, 1, 0, 0), to="level")
     assert store.load(scan).steps[-1].up == "region", "as in the panel"
 
@@ -181,7 +181,7 @@ def test_a_plane_that_can_not_be_kept_is_marked_and_says_by_how_much():
     bpy.context.scene.unit_settings.system = "METRIC"
     OPS.align(face=top, to="level", length=0.5)
     panel = bpy.context.window_manager.isimp
-    pending.follow(bpy.context)
+    panel_changes.follow(bpy.context)
     assert panel.align.length == pytest.approx(0.5)
     with runtime.get().live.quiet():
         panel.align.length = 0.001
@@ -214,7 +214,7 @@ def test_a_changed_setting_runs_regularise_again():
     scan = parted()
     OPS.regularise(length=0.1)
     before = store.numbers(scan)["directions"]
-    pending.follow(bpy.context)
+    panel_changes.follow(bpy.context)
     panel = bpy.context.window_manager.isimp
     assert panel.regularise.length == pytest.approx(0.1)
     panel.regularise.angle_turn = np.radians(0.1)

@@ -6,7 +6,7 @@ import pytest
 import scans
 
 from isimp.blender.scene import store
-from isimp.blender.work import pending
+from isimp.blender.work import panel_changes
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -70,8 +70,8 @@ def test_what_is_offered(scan):
 def test_a_scan_without_them_is_not_asked_for_those_of_another(scan):
     panel = bpy.context.window_manager.isimp.partition
     panel.weights = scan.vertex_groups[0].name
-    pending.follow(bpy.context)
+    panel_changes.follow(bpy.context)
     assert panel.weights == scan.vertex_groups[0].name
     scans.cube("Other")
-    pending.follow(bpy.context)
+    panel_changes.follow(bpy.context)
     assert panel.weights == ""

@@ -12,7 +12,7 @@ from isimp.recipe import MESHING, PARTITION, TEXTURE
 
 _FOLDER = Path(blender.__file__).parent
 _DRAWN = ("panel/*.py", "menus.py", "preferences.py", "tools/__init__.py")
-_DRAWN += ("controls/presets.py", "view/start.py", "scene/targets.py")
+_DRAWN += ("controls/presets.py", "view/quick_start.py", "scene/targets.py")
 _BASES = (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu, bpy.types.PropertyGroup, bpy.types.AddonPreferences)
 if hasattr(bpy.types, "FileHandler"):  # Blender 4.1 and later
     _BASES += (bpy.types.FileHandler,)

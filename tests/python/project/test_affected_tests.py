@@ -29,7 +29,7 @@ def affected(monkeypatch):
         ("python/isimp_engine/recipes.py", ["command"]),
         ("python/isimp_engine/texturing/baking.py", ["command", "engine"]),
         ("addon/isimp/pick.py", ["addon"]),
-        ("addon/isimp/blender/work/show.py", []),
+        ("addon/isimp/blender/work/scene_outcome.py", []),
         ("bench/generators/scanned.py", ["addon/test_addon_presets.py", "engine/test_planar.py"]),
         ("tests/shared/polygon_judge.py", ["engine/test_promises.py", "engine/test_symmetry.py"]),
         ("tests/python/engine/test_mesh.py", ["engine/test_mesh.py"]),

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 from ... import view
-from ...spare import Spare
+from ...array_pool import ArrayPool
 from ..scene import mesh_io, runtime
 from . import shaders
 
@@ -40,7 +40,7 @@ class Patch:
         inside[faces] = True
         some = np.flatnonzero(inside[scan.triangle_face])
         points = scan.vertices[scan.triangles[some].ravel()].astype(np.float32, copy=False)
-        colors = view.corner_colors(view.PACKED, color[scan.triangle_face[some]], 3, Spare())
+        colors = view.corner_colors(view.PACKED, color[scan.triangle_face[some]], 3, ArrayPool())
         self.before = before
         self.count, self._lit = len(some), shaders.Lit(shaders.Corners(points), colors)
 

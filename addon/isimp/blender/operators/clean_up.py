@@ -13,9 +13,9 @@ from ...language import said
 from .. import reading
 from ..controls.properties import PartitionSettings
 from ..scene import mesh_io, runtime, targets
-from ..work import pending
+from ..work import panel_changes
 from ..work.modal import RecipeOperator
-from ..work.show import show_regions
+from ..work.scene_outcome import show_regions
 
 _AXES = PartitionSettings.__annotations__["symmetry"].keywords["items"]
 
@@ -47,7 +47,7 @@ class ISIMP_OT_symmetrise(_CleanUp, bpy.types.Operator):
         return targets.needs_steps(scan)
 
     def wanted(self, context, scan):
-        recipe = pending.recipe_of(context, scan).without_mesh()
+        recipe = panel_changes.recipe_of(context, scan).without_mesh()
         index, step = recipe.whole()
         if step is None:
             raise mesh_io.Unusable(said("No step is a partition of the whole scan: press Partition first."))
@@ -72,7 +72,7 @@ class ISIMP_OT_merge_slivers(_CleanUp, bpy.types.Operator):
     )
 
     def wanted(self, context, scan):
-        before = pending.recipe_of(context, scan).without_mesh()
+        before = panel_changes.recipe_of(context, scan).without_mesh()
         recipe, count = without_slivers(context, scan, before, 0.01 * self.share)
         if not count:
             raise mesh_io.Unusable(said("No region is that small."))

@@ -8,9 +8,9 @@ from ... import messages
 from ... import recipe as rcp
 from ...language import own, said
 from ..scene import mesh_io, targets
-from ..work import pending
+from ..work import panel_changes
 from ..work.modal import RecipeOperator
-from ..work.show import show_regions
+from ..work.scene_outcome import show_regions
 from .proxies import AtFaces
 
 
@@ -48,7 +48,7 @@ class ISIMP_OT_merge(_Edit, bpy.types.Operator):
                     "both in Edit Mode."
                 )
             )
-        recipe = pending.recipe_of(context, scan)
+        recipe = panel_changes.recipe_of(context, scan)
         for other in faces[1:]:
             recipe = recipe.then(rcp.MergeRegions(face=faces[0], other=other))
         return recipe
@@ -61,7 +61,7 @@ class ISIMP_OT_split(_Edit, bpy.types.Operator):
     bl_label = "Split Region"
 
     def wanted(self, context, scan):
-        recipe = pending.recipe_of(context, scan)
+        recipe = panel_changes.recipe_of(context, scan)
         for face in self.each(scan):
             recipe = recipe.then(rcp.SplitRegion(face=face))
         return recipe
@@ -85,7 +85,7 @@ class ISIMP_OT_lock(_Edit, bpy.types.Operator):
 
     def wanted(self, context, scan):
         step = rcp.UnlockRegions if self.unlock else rcp.LockRegions
-        return pending.recipe_of(context, scan).then(step(faces=tuple(self.each(scan))))
+        return panel_changes.recipe_of(context, scan).then(step(faces=tuple(self.each(scan))))
 
     def told(self, before, numbers):
         return messages.locked(numbers)
@@ -104,7 +104,7 @@ class ISIMP_OT_leave_out(_Edit, bpy.types.Operator):
 
     def wanted(self, context, scan):
         step = rcp.LeaveOutRegions(faces=tuple(self.each(scan)), box=self.box)
-        return pending.recipe_of(context, scan).then(step)
+        return panel_changes.recipe_of(context, scan).then(step)
 
     def told(self, before, numbers):
         return messages.left_out(numbers)
@@ -128,7 +128,7 @@ class ISIMP_OT_grow(_Edit, bpy.types.Operator):
         return shrink if properties.shrink else said(cls.__doc__)
 
     def wanted(self, context, scan):
-        recipe = pending.recipe_of(context, scan)
+        recipe = panel_changes.recipe_of(context, scan)
         for face in self.each(scan):
             recipe = recipe.then(self.step(face, self.rings, self.shrink))
         return recipe
@@ -162,7 +162,7 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
         return targets.needs_regions(scan)
 
     def wanted(self, context, scan):
-        recipe = pending.recipe_of(context, scan)
+        recipe = panel_changes.recipe_of(context, scan)
         for onto, faces in self.strokes(scan):
             recipe = recipe.then(self.step(onto, faces))
         return recipe
@@ -198,7 +198,7 @@ class ISIMP_OT_cut_region(AtFaces, bpy.types.Operator):
         line, sight = (tuple(self.line[:3]), tuple(self.line[3:])), tuple(self.direction)
         sight = sight if any(sight) else ()
         step = rcp.CutRegion(face=self.faces(scan)[0], line=line, direction=sight)
-        return pending.recipe_of(context, scan).then(step)
+        return panel_changes.recipe_of(context, scan).then(step)
 
 
 class _ByError(RecipeOperator):
@@ -222,7 +222,7 @@ class _Times(_ByError):
     times: IntProperty(name="Times", description="Number of edits", default=1, min=1, soft_max=50)
 
     def wanted(self, context, scan):
-        return pending.recipe_of(context, scan).then(self.step(times=self.times))
+        return panel_changes.recipe_of(context, scan).then(self.step(times=self.times))
 
 
 class ISIMP_OT_add_worst(_Times, bpy.types.Operator):
@@ -256,7 +256,7 @@ class ISIMP_OT_improve(_ByError, bpy.types.Operator):
     bl_label = "Improve"
 
     def wanted(self, context, scan):
-        return pending.recipe_of(context, scan).then(rcp.Improve())
+        return panel_changes.recipe_of(context, scan).then(rcp.Improve())
 
 
 class ISIMP_OT_even_borders(RecipeOperator, bpy.types.Operator):
@@ -280,7 +280,7 @@ class ISIMP_OT_even_borders(RecipeOperator, bpy.types.Operator):
         return targets.needs_regions(scan)
 
     def wanted(self, context, scan):
-        return pending.recipe_of(context, scan).then(rcp.EvenBorders(strength=self.strength))
+        return panel_changes.recipe_of(context, scan).then(rcp.EvenBorders(strength=self.strength))
 
     show = staticmethod(show_regions)
 

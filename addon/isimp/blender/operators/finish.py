@@ -12,7 +12,7 @@ from ...engine import engine
 from ...language import own, said
 from ..controls import settings
 from ..scene import mesh_io, runtime, store, targets
-from ..work import show
+from ..work import scene_outcome
 from .clean_up import without_slivers
 from .mesh import Meshing
 
@@ -61,7 +61,7 @@ class ISIMP_OT_keep_lod(bpy.types.Operator):
         level = max((int(found[1]) for found in taken if found), default=-1) + 1
         result.name = f"{scan.name}_LOD{level}"  # Mesh does not overwrite a renamed result
         result.data.name = result.name
-        show.bring_to_front(context, scan, result)
+        scene_outcome.bring_to_front(context, scan, result)
         regions = store.numbers(scan).get("regions", 0)
         if regions:
             group = settings.group(context, rcp.Partition)
@@ -109,7 +109,7 @@ class ISIMP_OT_merge_flat(bpy.types.Operator):
         except (ValueError, mesh_io.Unusable) as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
-        show.bring_to_front(context, made, source)
+        scene_outcome.bring_to_front(context, made, source)
         numbers = messages.count(before, "face"), messages.count(len(made.data.polygons), "polygon")
         self.report(
             {"INFO"}, said("{faces} -> {polygons}, nothing else changed", faces=numbers[0], polygons=numbers[1])

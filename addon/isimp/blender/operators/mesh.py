@@ -2,12 +2,12 @@ import bpy
 
 from ... import messages
 from ... import recipe as rcp
-from ..controls import settings, upward
+from ..controls import settings, up_direction
 from ..scene import targets
 from ..texturing import texture
-from ..work import pending
+from ..work import panel_changes
 from ..work.modal import RecipeOperator
-from ..work.show import show_polygons
+from ..work.scene_outcome import show_polygons
 
 
 class Meshing(RecipeOperator, settings.MeshSettings):
@@ -30,8 +30,8 @@ class Meshing(RecipeOperator, settings.MeshSettings):
         return targets.needs_regions(scan)
 
     def wanted(self, context, scan):
-        before = pending.recipe_of(context, scan)
-        first = upward.first(context, scan) if self.regularise else None
+        before = panel_changes.recipe_of(context, scan)
+        first = up_direction.first(context, scan) if self.regularise else None
         recipe = (before if first is None else before.regularised(first)).then(settings.to_step(rcp.Mesh, self))
         if self.keep_texture and texture.is_textured(scan):
             last = texture.last_step(targets.result_of(context.scene, scan))

@@ -6,9 +6,9 @@ from bpy.props import BoolProperty, FloatVectorProperty
 from ... import messages
 from ...language import said
 from ..scene import mesh_io, targets
-from ..work import pending
+from ..work import panel_changes
 from ..work.modal import RecipeOperator
-from ..work.show import show_regions
+from ..work.scene_outcome import show_regions
 
 
 class ISIMP_OT_keep_opening(RecipeOperator, bpy.types.Operator):
@@ -32,7 +32,7 @@ class ISIMP_OT_keep_opening(RecipeOperator, bpy.types.Operator):
         return targets.needs_regions(scan)
 
     def wanted(self, context, scan):
-        recipe = pending.recipe_of(context, scan).without_mesh()
+        recipe = panel_changes.recipe_of(context, scan).without_mesh()
         index, step = recipe.whole()
         if step is None or not step.close_openings:
             raise mesh_io.Unusable(said("No opening was closed: switch Close Openings on and press Partition."))

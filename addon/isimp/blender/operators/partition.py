@@ -11,7 +11,7 @@ from ..controls import settings, units
 from ..scene import mesh_io, pointed, selection, store, targets
 from ..texts import text
 from ..work.modal import RecipeOperator
-from ..work.show import show_regions
+from ..work.scene_outcome import show_regions
 
 _DETAIL = units.SHOWN[rcp.Partition]["detail_percent"]
 

@@ -8,12 +8,12 @@ from bpy.props import EnumProperty, FloatProperty
 
 from ... import recipe as rcp
 from ...language import own, said
-from ..controls import settings, upward
+from ..controls import settings, up_direction
 from ..controls.properties import AlignSettings
 from ..scene import mesh_io, targets
 from ..texts import text
-from ..work import pending
-from ..work.show import show_regions
+from ..work import panel_changes
+from ..work.scene_outcome import show_regions
 from .edits import _Edit
 
 _TO = AlignSettings.__annotations__["to"].keywords
@@ -46,10 +46,10 @@ class ISIMP_OT_regularise(_Planes, settings.RegulariseSettings, bpy.types.Operat
         return targets.needs_regions(scan)
 
     def wanted(self, context, scan):
-        step = upward.of_scan(settings.to_step(rcp.Regularise, self), scan)
+        step = up_direction.of_scan(settings.to_step(rcp.Regularise, self), scan)
         if step.up == "region":
             step = dataclasses.replace(step, face=self.faces(scan)[0])
-        return pending.recipe_of(context, scan).then(step)
+        return panel_changes.recipe_of(context, scan).then(step)
 
 
 class ISIMP_OT_align(_Planes, bpy.types.Operator):
@@ -78,9 +78,9 @@ class ISIMP_OT_align(_Planes, bpy.types.Operator):
             )
             raise mesh_io.Unusable(said(several))
         up = settings.to_step(rcp.Regularise, settings.group(context, rcp.Regularise))
-        recipe = pending.recipe_of(context, scan)
+        recipe = panel_changes.recipe_of(context, scan)
         step = rcp.AlignPlanes(faces=tuple(faces), to=self.to, length=round(self.length, 6))
-        return recipe.then(upward.of_scan(upward.as_last(step, up, recipe), scan))
+        return recipe.then(up_direction.of_scan(up_direction.as_last(step, up, recipe), scan))
 
     def _led(self, scan, faces: list) -> list:
         """Return the faces, the leading region's first. It is the last clicked, the active or the largest region."""

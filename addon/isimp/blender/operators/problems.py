@@ -6,7 +6,7 @@ from ...language import own, said
 from ..scene import mesh_io, selection, store, targets
 from ..texts import text
 from ..view import display, overlay
-from ..work import show
+from ..work import scene_outcome
 
 
 class ISIMP_OT_show_problems(bpy.types.Operator):
@@ -43,7 +43,7 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         chosen = _chosen(result.data, self.kind)
-        show.bring_to_front(context, result, scan)
+        scene_outcome.bring_to_front(context, result, scan)
         display.show_result(context, result)
         selection.select_polygons(result, chosen)
         if not chosen.any():

@@ -8,9 +8,9 @@ from ... import messages
 from ... import recipe as rcp
 from ...language import own, said
 from ..scene import mesh_io, pointed, selection, targets
-from ..work import pending
+from ..work import panel_changes
 from ..work.modal import RecipeOperator
-from ..work.show import show_regions
+from ..work.scene_outcome import show_regions
 
 _MOST_FACES = 100
 _MOST_REGIONS = 20  # most regions that an edit changes if all faces are selected
@@ -109,7 +109,7 @@ class ISIMP_OT_add_proxy(AtFaces, bpy.types.Operator):
         if len(faces) > _MOST_FACES:
             text = own("{faces} are selected, and each would become a region: select at most {most}.")
             raise mesh_io.Unusable(said(text, faces=messages.count(len(faces), "face"), most=_MOST_FACES))
-        recipe = pending.recipe_of(context, scan)
+        recipe = panel_changes.recipe_of(context, scan)
         for face in faces:
             recipe = recipe.then(rcp.AddProxy(face=face))
         return recipe
@@ -123,7 +123,7 @@ class ISIMP_OT_delete_proxy(AtFaces, bpy.types.Operator):
 
     def wanted(self, context, scan):
         faces, regions = self.faces(scan), mesh_io.read_regions(scan)
-        recipe, gone = pending.recipe_of(context, scan), set()
+        recipe, gone = panel_changes.recipe_of(context, scan), set()
         for face in faces:
             region = int(regions[face]) if face < len(regions) else -1
             if region < 0 or region not in gone:

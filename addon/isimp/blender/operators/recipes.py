@@ -9,7 +9,7 @@ from ... import messages
 from ...language import own, said
 from ...recipe import Recipe
 from ..scene import store, targets
-from ..work import show
+from ..work import scene_outcome
 from ..work.modal import RecipeOperator
 
 _FILTER = {"default": "*.json", "options": {"HIDDEN"}}
@@ -39,7 +39,7 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
             raise ValueError(said("The recipe has no active step."))
         return recipe
 
-    show = staticmethod(show.show_outcome)
+    show = staticmethod(scene_outcome.show_outcome)
 
     def told(self, before, numbers):
         return messages.partitioned(numbers)
@@ -59,7 +59,7 @@ class ISIMP_OT_take_back(RecipeOperator, bpy.types.Operator):
     def wanted(self, context, scan):
         return store.kept(scan)
 
-    show = staticmethod(show.show_outcome)
+    show = staticmethod(scene_outcome.show_outcome)
 
     def told(self, before, numbers):
         return messages.changed(before, numbers)

@@ -6,7 +6,7 @@ from ... import messages
 from ...language import said
 from ..scene import mesh_io, pointed, runtime, selection, targets
 from ..view import display
-from ..work import show
+from ..work import scene_outcome
 from ..work.selecting import SelectOperator
 
 
@@ -38,10 +38,10 @@ class ISIMP_OT_swap(bpy.types.Operator):
     def execute(self, context):
         scan, result, _ = targets.find_result(context)
         if context.view_layer.objects.active == scan:
-            show.bring_to_front(context, result, scan)
+            scene_outcome.bring_to_front(context, result, scan)
             display.show_result(context, result)
         else:
-            show.bring_to_front(context, scan, result)
+            scene_outcome.bring_to_front(context, scan, result)
             if mesh_io.state_of(scan):
                 mesh_io.show_color(scan.data)
                 display.show(context)

@@ -4,7 +4,7 @@ import bpy
 from bpy.props import EnumProperty, IntProperty
 
 from ... import recipe as rcp
-from ..work import pending
+from ..work import panel_changes
 from .edits import _Edit
 
 
@@ -33,7 +33,7 @@ class ISIMP_OT_make_round(_Edit, bpy.types.Operator):
     def wanted(self, context, scan):
         kind = "" if self.kind == "fit" else self.kind
         step = rcp.RoundRegions(faces=tuple(self.each(scan)), kind=kind)
-        return pending.recipe_of(context, scan).then(step)
+        return panel_changes.recipe_of(context, scan).then(step)
 
 
 class ISIMP_OT_round_segments(_Edit, bpy.types.Operator):
@@ -56,7 +56,7 @@ class ISIMP_OT_round_segments(_Edit, bpy.types.Operator):
 
     def wanted(self, context, scan):
         step = rcp.RoundSegments(face=self.faces(scan)[0], segments=self.segments, rings=self.rings)
-        return pending.recipe_of(context, scan).then(step)
+        return panel_changes.recipe_of(context, scan).then(step)
 
 
 class ISIMP_OT_explode_round(_Edit, bpy.types.Operator):
@@ -66,7 +66,7 @@ class ISIMP_OT_explode_round(_Edit, bpy.types.Operator):
     bl_label = "Explode"
 
     def wanted(self, context, scan):
-        return pending.recipe_of(context, scan).then(rcp.ExplodeRound(face=self.faces(scan)[0]))
+        return panel_changes.recipe_of(context, scan).then(rcp.ExplodeRound(face=self.faces(scan)[0]))
 
 
 CLASSES = (ISIMP_OT_make_round, ISIMP_OT_round_segments, ISIMP_OT_explode_round)

@@ -11,7 +11,7 @@ from ...recipe import Recipe
 from ..controls import settings
 from ..scene import mesh_io, store, targets
 from ..view import display
-from ..work import pending, show
+from ..work import panel_changes, scene_outcome
 from ..work.modal import RecipeOperator
 
 
@@ -26,12 +26,12 @@ class _AtStep(RecipeOperator):
         return targets.needs_steps(scan)
 
     def wanted(self, context, scan):
-        steps = list(pending.recipe_of(context, scan).steps)
+        steps = list(panel_changes.recipe_of(context, scan).steps)
         if self.step >= len(steps):
             raise ValueError(messages.no_step(self.step, len(steps)))
         return Recipe(tuple(self.changed(steps)))
 
-    show = staticmethod(show.show_outcome)
+    show = staticmethod(scene_outcome.show_outcome)
 
     def told(self, before, numbers):
         return messages.changed(before, numbers)
@@ -88,7 +88,7 @@ class ISIMP_OT_step_delete(_AtStep, bpy.types.Operator):
         if problem or targets.needs_steps(scan) or len(store.load(scan).steps) != 1 or self.step != 0:
             return None
         mesh_io.clear_regions(scan)
-        show.bring_to_front(context, scan, None)
+        scene_outcome.bring_to_front(context, scan, None)
         display.give_back(context)
         self.report({"INFO"}, said("No step is left: the scan is in its original state."))
         return {"FINISHED"}

@@ -6,7 +6,7 @@ from ...language import said
 from ..controls import settings
 from ..scene import mesh_io, store, targets
 from ..view import display
-from ..work import pending, show
+from ..work import panel_changes, scene_outcome
 from ..work.modal import RecipeOperator
 
 
@@ -36,7 +36,7 @@ class ISIMP_OT_texture(RecipeOperator, settings.TextureSettings, bpy.types.Opera
 
     def _finish(self, context, work, outcome):
         """Writes the texture only; polygons and the scan's colours do not change."""
-        pending.go_on()
+        panel_changes.go_on()
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         scan = self._target(work)
@@ -47,13 +47,13 @@ class ISIMP_OT_texture(RecipeOperator, settings.TextureSettings, bpy.types.Opera
             self.report({"ERROR"}, work.untextured)
             return {"CANCELLED"}
         try:
-            report = show.show_texture(scan, work, outcome, made)
+            report = scene_outcome.show_texture(scan, work, outcome, made)
         except mesh_io.Unusable as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
         for note in work.baking.notes:
             self.report({"WARNING"}, note)
-        show.bring_to_front(context, made, scan)
+        scene_outcome.bring_to_front(context, made, scan)
         display.show_result(context, made)
         self.report({"INFO"}, messages.textured(report))
         return {"FINISHED"}

@@ -6,10 +6,10 @@ import bmesh
 import bpy
 import numpy as np
 
-from ... import afar, view
+from ... import float_loss, view
 from ...language import own, said
 from ...session import Scan
-from . import raw, runtime
+from . import raw_properties, runtime
 
 REGION, COLOR = "isimp_region", "isimp_color"
 DEFECT = "isimp_flaw"  # on the result's polygons: 1 for defective ones
@@ -42,11 +42,11 @@ def shape_matrix(obj) -> np.ndarray:
     return np.round(shape / digits) * digits
 
 
-def lost_detail(obj) -> afar.Loss | None:
+def lost_detail(obj) -> float_loss.Loss | None:
     """Return the float32 loss of an object far from its own origin, lengths with its scale; None if negligible."""
     box = np.array(obj.bound_box, np.float64)
     scale = np.linalg.norm(np.array(obj.matrix_world, np.float64)[:3, :3], axis=0)
-    return afar.loss(box.min(axis=0), box.max(axis=0), scale)
+    return float_loss.loss(box.min(axis=0), box.max(axis=0), scale)
 
 
 def place_matrix(obj) -> np.ndarray:
@@ -257,7 +257,7 @@ def write_regions(
                 pass
     else:
         if corner_color is None:
-            corner_color = view.corner_colors(view.COLORS, face_color, corner_totals(obj.data), runtime.get().spare)
+            corner_color = view.corner_colors(view.COLORS, face_color, corner_totals(obj.data), runtime.get().pool)
         _write_layers(obj.data, face_region, corner_color, state)
         if tells:
             tell(obj.data)
@@ -302,7 +302,7 @@ def clear_regions(obj) -> None:
 def _write_layers(mesh, face_region, corner_color, state) -> None:
     _write_ints(mesh, face_region, state)
     _layer(mesh, COLOR, "FLOAT_COLOR", "CORNER").data.foreach_set("color", corner_color.ravel())
-    runtime.get().spare.give(corner_color)
+    runtime.get().pool.give(corner_color)
 
 
 def tell(mesh) -> None:
@@ -385,16 +385,16 @@ def show_color(mesh) -> None:
     if ours is None:
         return
     if active is not None and active.name != COLOR:
-        raw.make_way(mesh)
+        raw_properties.move_foreign(mesh)
         mesh.isimp.user_color = active.name
     if active != ours:  # each assignment makes Blender upload the mesh again
         colors.active_color = ours
-    _render(mesh, rendered if rendered != COLOR else raw.text(mesh, "user_color"))
+    _render(mesh, rendered if rendered != COLOR else raw_properties.text(mesh, "user_color"))
 
 
 def give_color_back(mesh) -> None:
     """Restores the colours that were active before the regions' colours."""
-    name, rendered = raw.text(mesh, "user_color"), _rendered(mesh)
+    name, rendered = raw_properties.text(mesh, "user_color"), _rendered(mesh)
     layer = mesh.color_attributes.get(name) if name else None
     if layer is not None:
         mesh.color_attributes.active_color = layer

@@ -4,8 +4,8 @@ import time
 from collections import OrderedDict
 from contextlib import contextmanager
 
+from ...array_pool import ArrayPool
 from ...session import Session
-from ...spare import Spare
 
 
 class Live:
@@ -46,7 +46,7 @@ class Live:
 class Runtime:
     def __init__(self):
         self.session = Session()
-        self.spare = Spare()
+        self.pool = ArrayPool()
         self.running = None  #: the Work of the running modal operator
         self.nodes = {}  #: nodes that undo may have removed from the mesh; see store.py
         self.recipes = {}  #: (mesh's name, state) -> Recipe, None if it can't be read

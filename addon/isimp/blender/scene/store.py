@@ -9,7 +9,7 @@ regions. As nodes are only added, the property has their steps too. Undo past th
 an older property; a copy in memory has the missing nodes.
 
 Nodes that this version can't read are never changed or dropped, since a later version may read them. Layers with such
-a state are renamed before others are written (see aside.set_aside).
+a state are renamed before others are written (see unread_layers.rename).
 """
 
 import json
@@ -20,7 +20,7 @@ from bpy.props import CollectionProperty, IntProperty, StringProperty
 
 from ... import stored
 from ...language import own, said
-from . import aside, mesh_io, raw, runtime
+from . import mesh_io, raw_properties, runtime, unread_layers
 
 MOST_NODES = 4000
 _NO_LIST = own("The steps can't be read: another value is in the place of their list")
@@ -72,7 +72,7 @@ def read(obj) -> stored.Stored:
 
 def kept(obj):
     """Return the recipe of the layers that were renamed last, if it is readable and differs from the present one."""
-    state = aside.last_state(obj)
+    state = unread_layers.last_state(obj)
     recipe = _read(obj.data, state).recipe if state else None
     return recipe if recipe is not None and recipe != load(obj) else None
 
@@ -105,7 +105,7 @@ class _Nodes:
     """The nodes of a mesh by their ids. Invalid after a node is added or removed."""
 
     def __init__(self, mesh):
-        found = raw.nodes(mesh)
+        found = raw_properties.nodes(mesh)
         self.are_lost = found is None
         self._found = found or []
         self.ids = [_id(node.get("name")) for node in self._found]
@@ -131,7 +131,7 @@ def _id(name) -> int:
 def save(obj, recipe, step_numbers: dict) -> int:
     """Stores the recipe on the object's mesh. Returns its state, for the layer next to the regions."""
     mesh, memory, text = obj.data, runtime.get().nodes, json.dumps(step_numbers)
-    raw.make_way(mesh)
+    raw_properties.move_foreign(mesh)
     state, fresh = 0, []
     found = _Nodes(mesh)
     for step in (json.dumps(step.to_dict(), sort_keys=True) for step in recipe.steps):
@@ -166,7 +166,7 @@ def _forget_others(obj, state: int) -> None:
     """Drops nodes that are not ancestors of the state, of a renamed layer's state or of an unreadable node."""
     mesh, found = obj.data, _Nodes(obj.data)
     good = stored.readable(found.ids, found.node)
-    heads = {state, *aside.states(obj), *(at for at in found.ids if at not in good)}
+    heads = {state, *unread_layers.states(obj), *(at for at in found.ids if at not in good)}
     needed = set()
     while heads:
         at = heads.pop()

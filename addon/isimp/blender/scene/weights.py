@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 
-from . import aside, mesh_io
+from . import mesh_io, unread_layers
 
 _OWN = (mesh_io.REGION, mesh_io.STATE, mesh_io.COLOR)
 _KINDS = {"FLOAT", "INT", "BOOLEAN", "INT8"}
@@ -26,7 +26,7 @@ def face_names(obj) -> list:
 
 
 def _is_own(name: str) -> bool:
-    return name in _OWN or name.startswith(tuple(f"{own}{aside.KEPT}" for own in _OWN))
+    return name in _OWN or name.startswith(tuple(f"{own}{unread_layers.KEPT}" for own in _OWN))
 
 
 def _fits(layer) -> bool:

@@ -5,7 +5,7 @@ import textwrap
 
 import bpy
 
-from ... import afar, messages
+from ... import float_loss, messages
 from ...language import count as _count
 from ...language import noun, own, said
 from ..scene import mesh_io
@@ -76,7 +76,7 @@ _OPENINGS = {"filled_holes": noun("hole"), "cut_handles": noun("tunnel")}
 def lost_detail(scan, unit) -> list:
     """Return a list with a warning if float32 is too coarse at the scan's place. unit: the scene's settings."""
     lost = mesh_io.lost_detail(scan)
-    return [] if lost is None else [afar.told(lost, unit.system, unit.scale_length)]
+    return [] if lost is None else [float_loss.warning(lost, unit.system, unit.scale_length)]
 
 
 def repair_lines(numbers: dict, system: str, scale: float) -> list:

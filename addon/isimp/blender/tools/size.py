@@ -11,7 +11,7 @@ from ...task import Status
 from ..operators.edits import ISIMP_OT_grow
 from ..scene import runtime, targets
 from ..view import overlay
-from ..work import pending, preview
+from ..work import panel_changes, preview
 from . import under
 from .point import ModalTool, do, miss
 
@@ -26,7 +26,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
     bl_label = "Grow or Shrink Region"
 
     def invoke(self, context, event):
-        pending.interrupt(context)
+        panel_changes.interrupt(context)
         if not self.begin(context, event):
             return {"CANCELLED"}
         hit = self._ground.hit(self.ray(event))
@@ -35,7 +35,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
         self._gesture = Sizing(self._ground.ring(self._region, self._view, self.place(event), hit))
         self._gesture.press(hit, self.place(event), ctrl=event.ctrl)
         self._scan, _ = targets.find(context)
-        self._recipe = pending.recipe_of(context, self._scan)
+        self._recipe = panel_changes.recipe_of(context, self._scan)
         self._work = self._tried = None  # the running computation, and its wish
         self._said = ""
         runtime.get().live.held = True

@@ -18,7 +18,7 @@ from ... import messages
 from ..drawing import shaders, sketches
 from ..drawing.space import ON, Over
 from ..scene import mesh_io, runtime
-from ..texts import words
+from ..texts import viewport_text
 from ..texturing import materials, texture
 from . import overlay
 
@@ -281,4 +281,4 @@ def _draw_line() -> None:
     sketches.lines(np.array([(x, 0, 0), (x, high, 0)], np.float32), _WHITE, 2.0 * scale)
     sketches.lines(np.array(ring, np.float32), _WHITE, 2.5 * scale)
     gpu.state.blend_set("NONE")
-    words.draw_beside(context, [side.label for side in made.sides()], x)
+    viewport_text.draw_beside(context, [side.label for side in made.sides()], x)

@@ -13,11 +13,11 @@ from ... import recipe as rcp
 from ...language import said
 from ...task import Status, Task
 from .. import preferences, reading
-from ..controls import settings, upward
+from ..controls import settings, up_direction
 from ..drawing import late, sketches
 from ..drawing.space import ON, Over
 from ..scene import mesh_io, pointed, runtime, store, targets
-from ..texts import text, words
+from ..texts import text, viewport_text
 
 _KEPT = 8  # cached sketches
 _OLD = 0.4  # strength of the former polygons until the new ones are ready
@@ -49,7 +49,7 @@ def _key(context, scan):
     """
     panel, shown = context.window_manager.isimp, runtime.get().live.shown_of(scan)
     wants = panel.outline or panel.heat or panel.away or panel.directions or panel.summary
-    first = upward.first(context, scan) if wants and panel.regularise_first else None
+    first = up_direction.first(context, scan) if wants and panel.regularise_first else None
     meshing = (settings.to_step(rcp.Mesh, panel.mesh), first) if wants else None
     state = mesh_io.state_of(scan) if shown is None else shown.work.recipe
     shape = mesh_io.shape_matrix(scan).tobytes() + np.array(scan.bound_box).tobytes()
@@ -294,7 +294,7 @@ def _draw_summary(context) -> None:
         return
     unit = context.scene.unit_settings
     away = text.amount(numbers, "away_mean", unit.system, unit.scale_length) if "away_mean" in numbers else ""
-    words.draw_corner(context, messages.summary(numbers["regions"], numbers.get("polygons"), away))
+    viewport_text.draw_corner(context, messages.summary(numbers["regions"], numbers.get("polygons"), away))
 
 
 def _draw_text():
@@ -318,7 +318,7 @@ def _draw_text():
         sketches.lines(np.array([(*at, 0.0) for at in hover.stretch], np.float32), (1.0, 0.85, 0.2, 1.0), 2.0)
         gpu.state.blend_set("NONE")
     if hover.text:
-        words.draw_hover(context, hover)
+        viewport_text.draw_hover(context, hover)
 
 
 def register() -> None:

@@ -18,7 +18,7 @@ from .. import reading
 from ..drawing import late
 from ..scene import result, runtime, store, targets
 from ..view import overlay
-from . import modal, pending, preview, show
+from . import modal, panel_changes, preview, scene_outcome
 
 log = logging.getLogger("isimp")
 _SETTLED = 0.3  # seconds without a change
@@ -45,7 +45,7 @@ def _tick():
         return _TICK
     scan = _find(context)
     if scan is None:
-        pending.interrupt(context)
+        panel_changes.interrupt(context)
         return None
     if live.work is not None:
         if live.work.task.status is Status.RUNNING:
@@ -55,7 +55,7 @@ def _tick():
         if not _take_up(context, work) or runtime.get().running is not None:  # an operator bakes a texture
             return None
     try:
-        kept, changed = store.load(scan), pending.recipe_of(context, scan)
+        kept, changed = store.load(scan), panel_changes.recipe_of(context, scan)
     except ValueError as error:  # settings that contradict each other
         log.info("%s", error)
         live.pending = False
@@ -110,15 +110,15 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
     """Make one undo step of changed settings"""
 
     bl_idname = "isimp.settle"
-    bl_label = pending.LABEL
+    bl_label = panel_changes.LABEL
     bl_options = {"UNDO", "INTERNAL"}
 
     keeps_failed = names_steps = True
 
     def wanted(self, context, scan):
-        return visible(context, scan, pending.recipe_of(context, scan))
+        return visible(context, scan, panel_changes.recipe_of(context, scan))
 
-    show = staticmethod(show.show_outcome)
+    show = staticmethod(scene_outcome.show_outcome)
 
     def told(self, before, numbers):
         return messages.changed(before, numbers)
@@ -147,12 +147,12 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
         runtime.get().live.held = False
         if runtime.get().live.shown is None:
             return super()._settle(context)
-        return {"FINISHED"} if pending.write_shown(context) else {"CANCELLED"}
+        return {"FINISHED"} if panel_changes.write_shown(context) else {"CANCELLED"}
 
     def _refuse(self, context, work, error):
         """Restores the settings of the recipe, because the timer would repeat the refused ones."""
         if not isinstance(error, StepFailed):
-            pending.follow(context)
+            panel_changes.follow(context)
         return super()._refuse(context, work, error)
 
 
@@ -160,7 +160,7 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
 def _before_undo(*_):
     """Makes an undo step of the changes, so that the undo reverts them and nothing before them."""
     if _find(bpy.context) is not None:
-        pending.push(bpy.context)
+        panel_changes.push(bpy.context)
     runtime.get().live.pending = False
 
 
@@ -187,7 +187,7 @@ def _after_undo(*_):
     late.forget()
     store.forget()
     reading.forget()
-    pending.follow(bpy.context)
+    panel_changes.follow(bpy.context)
 
 
 @bpy.app.handlers.persistent
@@ -198,7 +198,7 @@ def _after_update(scene, depsgraph):
     scan = targets.scan_of(active) or active
     live = runtime.get().live
     if live.work is None and not live.pending and (scan.name if scan else "") != live.scan:
-        pending.follow(bpy.context)
+        panel_changes.follow(bpy.context)
 
 
 _HANDLERS = (

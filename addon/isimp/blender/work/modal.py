@@ -22,7 +22,7 @@ from ..scene import mesh_io, runtime, store, targets
 from ..texts import text
 from ..texturing import texture
 from ..view import overlay
-from . import pending, show
+from . import panel_changes, scene_outcome
 
 log = logging.getLogger("isimp")
 _AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
@@ -53,7 +53,7 @@ class Work:
         self.task = None
         self.baking = None  #: the texture.Baking of a recipe that ends in Texture
         self.untextured = ""  #: why there is no texture
-        self.shown = None  #: written share of the outcome; None before writing begins; see show.writing
+        self.shown = None  #: written share of the outcome; None before writing begins; see scene_outcome.writing
 
     def progress(self) -> tuple:
         """Return (share, text) of the progress."""
@@ -113,7 +113,7 @@ class Work:
         """Computes the colours of the corners for the mesh; on any thread."""
         self.face_color = outcome.face_color
         self.patch = late.patch_of(self.scan, self._shown_color, self.face_color)
-        self.corner_color = view.corner_colors(view.COLORS, self.face_color, self.corners, runtime.get().spare)
+        self.corner_color = view.corner_colors(view.COLORS, self.face_color, self.corners, runtime.get().pool)
 
     def start(self) -> None:
         self.task = Task(self.run)
@@ -153,7 +153,7 @@ class RecipeOperator:
     _waiting = ()  #: names of the remaining selected scans
     _skipped = ()  #: names of the selected scans without regions
     _done = ()  #: names of the shown objects of finished scans
-    _writing = None  #: the write in progress in Edit Mode: see show.writing
+    _writing = None  #: the write in progress in Edit Mode: see scene_outcome.writing
     _before = None  #: the numbers of the former regions
     _is_modal = False
 
@@ -233,7 +233,7 @@ class RecipeOperator:
         while self._waiting:
             scan = bpy.data.objects.get(self._waiting.pop(0))
             if scan is not None and scan.name in context.view_layer.objects:
-                show.bring_to_front(context, scan, None)
+                scene_outcome.bring_to_front(context, scan, None)
                 return True
         return False
 
@@ -291,7 +291,7 @@ class RecipeOperator:
             return True
         if self._writing is None:
             self._before = store.numbers(scan)
-            self._writing = show.writing(scan, work, work.task.result)
+            self._writing = scene_outcome.writing(scan, work, work.task.result)
         with suppress(ReferenceError):  # a script has left Edit Mode
             for work.shown in self._writing:
                 if time.monotonic() > end:
@@ -317,7 +317,7 @@ class RecipeOperator:
         if problem:
             self.report({"ERROR"}, problem)
             return None
-        pending.interrupt(context)
+        panel_changes.interrupt(context)
         try:
             work = Work(context, scan, self.wanted(context, scan))
             work.read_texture(scan)
@@ -334,7 +334,7 @@ class RecipeOperator:
         return self._finish(context, self._work, task.result)
 
     def _refuse(self, context, work, error: Exception):
-        pending.go_on()
+        panel_changes.go_on()
         overlay.redraw()  # a tool may have left its highlight
         if isinstance(error, StepFailed) and self.keeps_failed:
             return self._keep(context, work, error)
@@ -357,8 +357,8 @@ class RecipeOperator:
         obj = self._target(work)
         if obj is None:
             return {"CANCELLED"}
-        show.show_failed(context, obj, work, error)
-        pending.follow(context)
+        scene_outcome.show_failed(context, obj, work, error)
+        panel_changes.follow(context)
         self.report(
             {"WARNING"},
             said("{why}. The previous result stays.", why=messages.failed(error, self.names_steps, text.in_scene)),
@@ -379,7 +379,7 @@ class RecipeOperator:
             return {"CANCELLED"}
         before = store.numbers(obj) if self._before is None else self._before
         kept = self.show(context, obj, work, outcome) or []
-        pending.follow(context)
+        panel_changes.follow(context)
         self._done = [*self._done, context.view_layer.objects.active.name]
         self.report({"INFO"}, self.told(before, outcome.numbers))
         if not context.view_layer.objects.active.visible_get():

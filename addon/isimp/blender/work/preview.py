@@ -8,7 +8,7 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from ... import sketch, view
-from ...spare import taken
+from ...array_pool import taken
 from ...task import Task
 from ..drawing import shaders
 from ..scene import runtime
@@ -30,7 +30,7 @@ class Work(modal.Work):
         session = runtime.get().session
         outcome = self.replay(watch)
         face_color = taken(outcome.face_color, self.scan.triangle_face)
-        self.color = view.corner_colors(view.PACKED, face_color, 3, runtime.get().spare)
+        self.color = view.corner_colors(view.PACKED, face_color, 3, runtime.get().pool)
         self.borders = sketch.borders(session.prepare(self.scan).scan, outcome.border)
         if self.before is None or self.before.lit is None or self.before.work.scan.digest != self.scan.digest:
             self.points = self.scan.vertices[self.scan.triangles.ravel()].astype(np.float32, copy=False)
@@ -66,4 +66,4 @@ class Preview:
         color = self.lit.color
         self.lit.draw()
         if color is not None:
-            runtime.get().spare.give(color)
+            runtime.get().pool.give(color)

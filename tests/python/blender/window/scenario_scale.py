@@ -19,15 +19,15 @@ def light() -> bool:
 
 def run(hand):
     isimp.register()
-    from isimp.blender.texts import words
+    from isimp.blender.texts import viewport_text
 
-    drawn, draw = [], words._draw
+    drawn, draw = [], viewport_text._draw
 
     def noted(lines, x, y, scale):
-        drawn.append((x + max(map(words._width, lines)), len(lines), bpy.context.region.width))
+        drawn.append((x + max(map(viewport_text._width, lines)), len(lines), bpy.context.region.width))
         draw(lines, x, y, scale)
 
-    words._draw = noted
+    viewport_text._draw = noted
     make_scan(subdivisions=4)
     yield 0.5
     yield from view(hand)

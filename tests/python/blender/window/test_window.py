@@ -15,12 +15,12 @@ ROOT = HERE.parents[3]
 OUT = Path(os.environ.get("ISIMP_WINDOW_OUT", ROOT / "out" / "window"))
 SIZE = 1200, 1150  # pixels: the whole panel is visible
 SMALL = 800, 640  # for scenarios without buttons: less to draw
-WITHOUT_BUTTONS = {"aside", "far", "gestures", "live", "openings", "paint", "pieces", "result", "texture", "tools"}
+WITHOUT_BUTTONS = {"far", "gestures", "live", "off_scan", "openings", "paint", "pieces", "result", "texture", "tools"}
 # For scenarios with few buttons and much drawing.
 NARROW = {
     "buttons": (480, 1180),
     "compare": (900, 900),
-    "start": (1000, 1000),
+    "quick_start": (1000, 1000),
     "people": (800, 960),
     "jobs": (800, 960),
 }

@@ -14,7 +14,7 @@ def foreign_layers(mesh) -> list:
 
 
 def layers(mesh) -> list:
-    """Return the names of the layers that `set_aside` renamed, in either mode."""
+    """Return the names of the layers that `rename` renamed, in either mode."""
     begin = tuple(f"{name}{KEPT}" for name in mesh_io.KINDS)
     return [layer.name for layer in mesh.attributes if layer.name.startswith(begin)]
 
@@ -33,7 +33,7 @@ def suffix(mesh) -> str:
     return end
 
 
-def set_aside(obj, regions_too: bool) -> None:
+def rename(obj, regions_too: bool) -> None:
     """Renames layers with a name of the add-on's but another kind, so that they stay in the file.
 
     regions_too: whether to rename the regions and their state as well.

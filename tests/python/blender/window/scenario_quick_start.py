@@ -12,14 +12,14 @@ def run(hand):
     show_edits()
     isimp.register()
     from isimp.blender import preferences
-    from isimp.blender.view import start
+    from isimp.blender.view import quick_start
 
     wish = preferences.get(bpy.context)
     wish.quick_start = True
     make_scan()
     yield 0.5
     yield from hand.open_tab()
-    same("shown", start.is_shown(bpy.context), True)
+    same("shown", quick_start.is_shown(bpy.context), True)
     shown, _ = yield from pixels(hand, "start-1-shown")
     yield from hand.into_view()
     yield from hand.click(*hand.at)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from isimp import afar
+from isimp import float_loss
 
 UTM = np.array([5e5, 4.6e6, 100.0])
 
@@ -11,7 +11,7 @@ UTM = np.array([5e5, 4.6e6, 100.0])
 def loss(size, at, scale=(1, 1, 1)):
     """The loss of a scan with a diagonal at a place."""
     half = size / np.sqrt(12)
-    return afar.loss(np.asarray(at) - half, np.asarray(at) + half, scale)
+    return float_loss.loss(np.asarray(at) - half, np.asarray(at) + half, scale)
 
 
 @pytest.mark.parametrize("size", [1e-6, 5, 50, 5000, 1e9])
@@ -42,21 +42,21 @@ def test_lengths_are_those_seen():
 
 @pytest.mark.parametrize("box", [((0, 0, np.nan), (1, 1, 1)), ((0, 0, 0), (np.inf, 1, 1)), ((7, 7, 7), (7, 7, 7))])
 def test_of_what_has_no_size_nothing_is_said(box):
-    assert afar.loss(*box) is None
+    assert float_loss.loss(*box) is None
 
 
 @pytest.mark.parametrize(
     ("lost", "system", "scale", "away", "step"),
     [
-        (afar.Loss(4.6e6, 0.5), "METRIC", 1.0, "4,600,000 m", "0.5 m"),
-        (afar.Loss(4.6e9, 512.0), "METRIC", 0.001, "4,600,000 m", "0.51 m"),
-        (afar.Loss(4.6e6, 0.5), "IMPERIAL", 1.0, "15,000,000 ft", "1.6 ft"),
-        (afar.Loss(4.6e9, 512.0), "NONE", 0.001, "4,600,000,000 units", "510 units"),
-        (afar.Loss(1.25, 2.0**-23), "METRIC", 1.0, "1.2 m", "0.00000012 m"),
+        (float_loss.Loss(4.6e6, 0.5), "METRIC", 1.0, "4,600,000 m", "0.5 m"),
+        (float_loss.Loss(4.6e9, 512.0), "METRIC", 0.001, "4,600,000 m", "0.51 m"),
+        (float_loss.Loss(4.6e6, 0.5), "IMPERIAL", 1.0, "15,000,000 ft", "1.6 ft"),
+        (float_loss.Loss(4.6e9, 512.0), "NONE", 0.001, "4,600,000,000 units", "510 units"),
+        (float_loss.Loss(1.25, 2.0**-23), "METRIC", 1.0, "1.2 m", "0.00000012 m"),
     ],
 )
 def test_the_line_is_in_the_scenes_units(lost, system, scale, away, step):
-    line = afar.told(lost, system, scale)
+    line = float_loss.warning(lost, system, scale)
     assert line.startswith(
         f"This scan lies {away} from its origin, where Blender's coordinates have steps of {step}. To keep"
     )

@@ -4,7 +4,7 @@ import bpy
 
 from ..controls import settings
 from ..scene import runtime, store, targets
-from . import show
+from . import scene_outcome
 
 LABEL = "Change Settings"  #: name of the undo step
 
@@ -49,9 +49,9 @@ def write_shown(context) -> bool:
     if scan is None:
         return False
     if error is not None:
-        show.show_failed(context, scan, work, error)
+        scene_outcome.show_failed(context, scan, work, error)
     else:
-        show.show_regions(context, scan, work, work.task.result)
+        scene_outcome.show_regions(context, scan, work, work.task.result)
     return True
 
 

@@ -70,7 +70,7 @@ def chosen(hand):
     face = pointed.face(scan())
     same("in the region in the middle", labels()[face] == labels()[middle()], True)
     yield from hand.move(*place(hand, *BESIDE))
-    yield from hand.shot("aside-1-chosen")
+    yield from hand.shot("off_scan-1-chosen")
     yield from press(hand, "split")
     same("the region clicked last", (regions(), last(), steps()[-1].face), (before + 1, "SplitRegion", face))
     yield from press(hand, "lock")
@@ -105,7 +105,7 @@ def kept(hand):
         same("old polygons", overlay._former(bpy.context, scan()) is edited, True)
     with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("UI")):
         same("old report", overlay.reported(bpy.context, scan()), (edited.sketch.numbers, False))
-    yield from hand.shot("aside-2-kept")
+    yield from hand.shot("off_scan-2-kept")
     overlay._tick = tick
     for _ in range(200):
         overlay.redraw()

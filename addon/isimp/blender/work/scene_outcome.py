@@ -7,16 +7,16 @@ import bpy
 
 from ... import messages, stored
 from ..drawing import late
-from ..scene import aside, carry, mesh_io, raw, result, store, targets
+from ..scene import mesh_io, raw_properties, result, store, targets, transfer, unread_layers
 from ..texts import text
 from ..texturing import texture
-from ..view import display, overlay, start
+from ..view import display, overlay, quick_start
 
 
 def _save(scan, work, numbers: dict) -> int:
     """Stores the recipe and returns its state. Unreadable layers are renamed first, and stay in the file."""
-    unknown = not mesh_io.state_of(scan) and aside.has_regions(scan.data)
-    aside.set_aside(scan, regions_too=bool(store.read(scan).problem) or unknown)
+    unknown = not mesh_io.state_of(scan) and unread_layers.has_regions(scan.data)
+    unread_layers.rename(scan, regions_too=bool(store.read(scan).problem) or unknown)
     state = store.save(scan, work.recipe, numbers)
     work.states |= {mesh_io.state_of(scan), state}
     return state
@@ -42,7 +42,7 @@ def show_regions(context, scan, work, outcome) -> None:
     if context.view_layer.objects.active != scan or not scan.visible_get():
         bring_to_front(context, scan, targets.result_of(context.scene, scan))
     display.show(context)
-    start.end(context)
+    quick_start.end(context)
 
 
 def show_polygons(context, scan, work, outcome):
@@ -56,13 +56,13 @@ def show_polygons(context, scan, work, outcome):
     _write(scan, work, outcome, state)
     made, kept = result.to_fill(context, scan)
     for obj in (scan, made):
-        raw.make_way(obj)
+        raw_properties.move_foreign(obj)
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
     made.isimp.scan_key, made.isimp.scan_name = scan.isimp.key, scan.name
-    slid = carry.values_of_keys(made)
+    slid = transfer.values_of_keys(made)
     turn = result.fill(made, scan, outcome)
-    carry.bones(made, scan, work.scan, outcome)
-    carry.layers(made, scan, work.scan, outcome, turn, slid)
+    transfer.bones(made, scan, work.scan, outcome)
+    transfer.layers(made, scan, work.scan, outcome, turn, slid)
     if work.baking is None and not texture.is_textured(scan):  # a texture replaces the scan's materials
         result.take_materials(made, scan, outcome)
     if work.baking is not None:
@@ -124,7 +124,7 @@ def bring_to_front(context, shown, hidden) -> None:
         other.select_set(False)
     if hidden is not None:
         hide(context, hidden)
-    if raw.text(shown, "unrendered"):
+    if raw_properties.text(shown, "unrendered"):
         shown.hide_render, shown.isimp.unrendered = False, ""
     if shown.name in context.view_layer.objects:
         shown.hide_viewport = False
@@ -136,7 +136,7 @@ def bring_to_front(context, shown, hidden) -> None:
 def hide(context, obj) -> None:
     """Hides an object in viewports and renders. `bring_to_front` reverts both."""
     if not obj.hide_render:
-        raw.make_way(obj)
+        raw_properties.move_foreign(obj)
         obj.hide_render, obj.isimp.unrendered = True, "yes"
     if obj.name in context.view_layer.objects:
         obj.hide_set(True)

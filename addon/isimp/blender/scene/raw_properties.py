@@ -42,7 +42,7 @@ def _are_nodes(value) -> bool:
     return isinstance(value, list) and all(isinstance(each, IDPropertyGroup) for each in value)
 
 
-def make_way(block) -> None:
+def move_foreign(block) -> None:
     """Moves foreign values out of the add-on's properties, so that these can be written."""
     group = _found(block)
     if group is None:

@@ -26,7 +26,7 @@ def taken(values: np.ndarray, at: np.ndarray) -> np.ndarray:
     return found
 
 
-class Spare:
+class ArrayPool:
     """A pool with one unused array of each type. Thread-safe."""
 
     def __init__(self) -> None:

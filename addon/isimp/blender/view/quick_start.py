@@ -5,7 +5,7 @@ import bpy
 from ...language import said
 from .. import preferences
 from ..scene import runtime, targets
-from ..texts import words
+from ..texts import viewport_text
 from . import overlay
 
 LINES = (
@@ -27,7 +27,7 @@ def is_shown(context) -> bool:
 def _draw() -> None:
     context = bpy.context
     if runtime.get() is not None and is_shown(context):
-        words.draw_low(context, [said(line) for line in LINES])
+        viewport_text.draw_low(context, [said(line) for line in LINES])
 
 
 def end(context) -> None:

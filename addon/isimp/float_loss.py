@@ -44,7 +44,7 @@ def loss(low: ArrayLike, high: ArrayLike, scale: ArrayLike = (1.0, 1.0, 1.0)) ->
     return Loss(float(farthest[worst] * scale[worst]), float(steps[worst]))
 
 
-def told(lost: Loss, system: str, unit_scale: float) -> str:
+def warning(lost: Loss, system: str, unit_scale: float) -> str:
     """Return the warning about a loss, one line. system, unit_scale: the scene's unit settings."""
     metres, unit = _UNITS.get(system, (unit_scale, said(own("units"))))
     away, step = (f"{_plain(length * unit_scale / metres)} {unit}" for length in (lost.away, lost.step))
