@@ -1,4 +1,4 @@
-"""Ways out to other programs, in double precision: CityJSON, DXF and IFC for buildings, and STEP for CAD."""
+"""Exports to other programs, in double precision: CityJSON, DXF and IFC for buildings, and STEP for CAD."""
 
 from .formats import BUILDING_KINDS, KINDS, LODS, PLAIN, STEP_KINDS, TEXTURED, TILES, kind_of, missing, require
 from .surfaces import PLANAR, Surfaces, surfaces_of, validity

@@ -10,7 +10,7 @@ from .._core import PolygonMesh
 from .surfaces import CLASSES, Surfaces, rings
 
 VERSIONS = ("2.0", "1.1")
-_TRANSFORM = "transform"  # written by itself: cjio, once imported, has json write six digits of any number
+_TRANSFORM = "transform"  # written separately: after an import of cjio, json writes only six digits of a number
 _STEPS = 1e-9  # share of the diagonal: coordinates are rounded to whole powers of ten of about this
 
 

@@ -1,4 +1,4 @@
-"""DXF: a MESH for each class of surfaces, on a layer of its name. Needs the package ezdxf."""
+"""Writes DXF: a MESH for each class of surfaces, on a layer of its name. Needs the package ezdxf."""
 
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ _METRES = 6
 
 
 def write(path: Path, poly: PolygonMesh, surfaces: Surfaces) -> None:
-    """N-gons stay n-gons; coordinates are the scan's, in double precision."""
+    """Write n-gons without triangulation; coordinates are the scan's, in double precision."""
     import ezdxf
 
     drawing: Any = ezdxf.new("R2000")

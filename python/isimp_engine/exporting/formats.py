@@ -1,4 +1,4 @@
-"""The formats of files of polygons: one row each, which the command, tiles, textures and the add-on follow."""
+"""The table of file formats for polygons, used by the command, tiles, textures and the add-on."""
 
 import importlib.util
 from collections.abc import Callable
@@ -69,7 +69,7 @@ class Format:
 
     suffix: str
     writer: Writer | None = None  #: None: the engine writes it itself
-    package: str = ""  #: that the writer imports
+    package: str = ""  #: package that the writer imports
     pip: str = ""  #: name of that package for pip
     extra: str = ""  #: extra of isimp that installs it
     plain: bool = True  #: for polygons without a texture
@@ -117,19 +117,19 @@ def format_of(path: str | PathLike[str]) -> Format | None:
 
 
 def kind_of(path: str | PathLike[str]) -> str | None:
-    """The one of KINDS that a name ends in; None for others."""
+    """The kind in KINDS that a name ends in; None for others."""
     found = format_of(path)
     return found.suffix if found and found.writer else None
 
 
 def missing(path: str | PathLike[str]) -> str:
-    """The package, as pip names it, that a file of this kind needs and that is not installed; empty where none is."""
+    """The missing package for a file of this kind, as pip names it; empty if none is missing."""
     found = format_of(path)
     return found.pip if found and found.is_missing else ""
 
 
 def require(path: str | PathLike[str]) -> None:
-    """Refuse a file for which a package is missing, or can't be loaded. Raises FileError, which names it."""
+    """Raises FileError, which names the package, if a file needs a package that is missing or can't be loaded."""
     found = format_of(path)
     if found is None or not found.package:
         return

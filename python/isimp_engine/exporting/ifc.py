@@ -11,11 +11,11 @@ from .surfaces import CEILING, CLASSES, GROUND, ROOF, WALL, Surfaces, part_of, r
 
 _ELEMENTS = {WALL: "IfcWall", ROOF: "IfcRoof", GROUND: "IfcSlab", CEILING: "IfcSlab"}
 _TYPES = {GROUND: "BASESLAB", CEILING: "FLOOR"}
-_FAR = 1e4  # coordinates beyond this are given relative to a place near the model
+_FAR = 1e4  # coordinates beyond this are written relative to a place near the model
 
 
 def write(path: Path, poly: PolygonMesh, surfaces: Surfaces, name: str, crs: int | None = None) -> None:
-    """N-gons stay n-gons. With a reference system the shift is a map conversion; else it is the site's placement."""
+    """Write n-gons without triangulation. The shift is a map conversion with a reference system, else a placement."""
     import ifcopenshell
     import ifcopenshell.guid
 
@@ -88,4 +88,4 @@ def write(path: Path, poly: PolygonMesh, surfaces: Surfaces, name: str, crs: int
     if elements:
         make("IfcRelContainedInSpatialStructure", RelatingStructure=building, RelatedElements=elements)
     file.header.file_name.originating_system = f"isimp {_core.__version__}"
-    path.write_text(file.to_string(), encoding="utf-8")  # its own writer's error on a full disk names no file
+    path.write_text(file.to_string(), encoding="utf-8")  # the package's writer does not name the file in errors

@@ -12,8 +12,8 @@ WALL, ROOF, GROUND, CEILING = "WallSurface", "RoofSurface", "GroundSurface", "Ou
 CLASSES = (WALL, ROOF, GROUND, CEILING)
 PLANAR = 0.01  # scene units: the default of validators of city models, in metres
 
-_UPRIGHT = 0.25  # a wall's normal has no larger part along up: it leans by less than 14.5 degrees
-_LEVEL = 0.94  # the least part for ground: it rises by less than 20 degrees
+_UPRIGHT = 0.25  # largest component along up of a wall's normal: it leans by less than 14.5 degrees
+_LEVEL = 0.94  # least component along up of the ground's normal: it rises by less than 20 degrees
 _LOW = 0.1  # share of the model's height: ground lies below this
 
 
@@ -69,7 +69,7 @@ def surfaces_of(poly: PolygonMesh, up: tuple[float, float, float] = (0.0, 0.0, 1
 def part_of(
     poly: PolygonMesh, loops: list[NDArray[np.int32]], some: list[int]
 ) -> tuple[NDArray[np.float64], list[NDArray[np.int64]]]:
-    """Some polygons as a mesh of their own: the places that they use (V, 3), and the corners of each there."""
+    """Return chosen polygons as a separate mesh: their vertices (V, 3), and the corners of each polygon."""
     used, local = np.unique(np.concatenate([loops[q] for q in some]), return_inverse=True)
     ends = np.cumsum([len(loops[q]) for q in some])[:-1]
     return np.asarray(poly.vertices, dtype=np.float64)[used], np.split(local.ravel(), ends)

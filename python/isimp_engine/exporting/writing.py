@@ -15,7 +15,7 @@ from ..reading import reader
 from .formats import Content, format_of, require
 from .surfaces import Surfaces
 
-UNITS = ("m", "mm")  #: what a scene unit may be in STEP
+UNITS = ("m", "mm")  #: units of STEP files
 
 
 def write(
@@ -39,19 +39,19 @@ def write(
     ezdxf, IFC ifcopenshell.
 
     STEP is a solid where the polygons are closed, else a shell. Round parts of the partition (`Partition.curved`) have
-    true surfaces; where one can't be cut to a valid face, its cells are planes. Polygons that are not planar beside
-    others are triangles: `MeshingOptions.planar` avoids most. Needs the package cadquery-ocp-novtk.
+    true surfaces; where one can't be cut to a valid face, its cells are planes. Non-planar polygons are cut into
+    triangles: `MeshingOptions.planar` avoids most of them. Needs the package cadquery-ocp-novtk.
 
     crs: the number of the EPSG reference system of the coordinates, written to CityJSON and IFC.
     version: of CityJSON, "2.0" or "1.1".
     like: a name with the kind of the file, where `path` is a temporary one.
     surfaces: the result of `surfaces_of` for these polygons, if it is known already.
-    partition, mesh: for STEP, of which the polygons were made.
-    unit: what a scene unit is in STEP, "m" or "mm".
+    partition, mesh: for STEP, the partition and the mesh that the polygons were made from.
+    unit: the scene unit in STEP, "m" or "mm".
     place: (4, 4), for STEP: a rotation and a shift to the coordinates of the file; None: the polygons' own.
-    Returns a dict, empty but for STEP: faces, solids, valid (by OpenCASCADE), volume, gap (largest distance of an edge
-    from a face), triangulated (polygons), true_surfaces (number and kind of round parts), planes (number of other round
-    parts, and the reason).
+    Returns a dict, empty for all formats except STEP: faces, solids, valid (by OpenCASCADE), volume, gap (largest
+    distance of an edge from a face), triangulated (polygons), true_surfaces (number and kind of round parts), planes
+    (number of other round parts, and the reason).
     Raises FileError (another extension, a missing package, or the place can't be written), InvalidInput, Cancelled.
     """
     if unit not in UNITS:
@@ -70,7 +70,7 @@ def write(
 
 
 def _whole(place: Path, put: Callable[[Path], object]) -> None:
-    """Write next to the place, then move there."""
+    """Write to a file next to the final place, then move the file there."""
     with reader(place, "can't be written"):
         try:
             with whole(place) as draft:

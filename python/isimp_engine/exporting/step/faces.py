@@ -1,4 +1,4 @@
-"""Faces on surfaces of OpenCASCADE: wires of shared edges, with seams and poles where a surface closes."""
+"""Makes faces on surfaces of OpenCASCADE: wires of shared edges, with seams and poles of closed surfaces."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -18,7 +18,7 @@ from .shapes import Array, Cylinder, Plane, Surface, Torus, Turned
 
 _CHECKS = 23  # points of an edge where its distance from a surface is measured
 _LEAST = 1e-7  # the tolerance of an exact edge, OpenCASCADE's own
-_AT_SEAM = 0.02  # radians: a border that touches its neighbour may begin this far from the seam
+_AT_SEAM = 0.02  # radians: largest distance of the begin of a border from the seam, if it touches its neighbour
 _ROUND = 2 * np.pi
 
 
@@ -33,16 +33,16 @@ class Edge:
     first: float
     last: float
     tolerance: float
-    count: int  #: of the points that the curve was made of
+    count: int  #: number of points that the curve was made from
 
     def off(self, shape: Surface) -> float:
-        """The largest distance of its curve from a surface."""
+        """Return the largest distance of its curve from a surface."""
         t = np.array([self.first, self.last]) if self.count == 2 else np.linspace(self.first, self.last, _CHECKS)
         return float(np.abs(shape.distance(kernel.places(self.curve, t))).max())
 
 
 class Edges:
-    """Makes vertices and edges once each, so that faces share them."""
+    """Makes each vertex and edge once, so that faces share them."""
 
     def __init__(self, exact: float) -> None:
         self._exact = exact
@@ -56,7 +56,7 @@ class Edges:
         return self._vertices[key]
 
     def of(self, number: int, curve: Curve) -> list[Edge]:
-        """The edges of a chain, in order. Raises NoFace."""
+        """Return the edges of a chain, in order. Raises NoFace."""
         with refused():
             return self._of(number, curve)
 
@@ -124,9 +124,9 @@ Loop = list[tuple[Edge, bool]]
 
 
 class FaceMaker:
-    """Makes one face of a surface and loops of edges that run around it counter-clockwise, seen along the normal.
+    """Makes one face from a surface and loops of edges, which run counter-clockwise about the normal.
 
-    limit: how far an edge may be from its image on the surface.
+    limit: largest distance of an edge from its image on the surface.
     """
 
     def __init__(self, shape: Surface, limit: float) -> None:
@@ -138,7 +138,7 @@ class FaceMaker:
         self._nowhere = TopLoc_Location()
 
     def face(self, loops: list[Loop]) -> TopoDS_Face:
-        """Raises NoFace."""
+        """Return the face. Raises NoFace."""
         with refused():
             return self._face(loops)
 
@@ -205,7 +205,7 @@ class FaceMaker:
         round_v = [k for k, turn in enumerate(turns) if turn[1] and not turn[0]]
         around = round_u or round_v
         if any(abs(turn).max() > 1 for turn in turns) or (round_u and round_v) or any(t.all() for t in turns):
-            raise NoFace("a border goes round it more than once")
+            raise NoFace("a border encloses it more than once")
         holes = [k for k in range(len(loops)) if k not in around]
         if around or not loops:
             outer = self._seamed([loops[k] for k in around], [turns[k] for k in around], 1 if round_v else 0)
@@ -225,17 +225,17 @@ class FaceMaker:
         return [outer, *(self._wire([(run.edge.edge, run.forward) for run in loops[k]]) for k in holes)]
 
     def _to_middle(self, loop: list[_Run]) -> Array:
-        """The shift by whole turns that brings a loop between 0 and a turn."""
+        """Return the shift by whole turns that moves a loop between 0 and a turn."""
         every = np.concatenate([run.uv for run in loop])
         middle = (every.min(axis=0) + every.max(axis=0)) / 2
         by = -_ROUND * np.floor(middle / _ROUND)
         return np.asarray(by * [1.0, 0.0])
 
     def _seamed(self, loops: list[list[_Run]], turns: list[Array], axis: int) -> TopoDS_Wire:
-        """The wire of a face that goes all the way round: two borders, or one and a pole, or two poles, and a seam."""
+        """Return the wire of a face that encloses the axis: a seam, and two ends, each a border or a pole."""
         signs = [int(turn[axis]) for turn in turns]
         if len(set(signs)) != len(signs):
-            raise NoFace("its borders run round it the same way")
+            raise NoFace("its borders run around it in the same direction")
         other = 1 - axis
         ends: dict[int, tuple[list[tuple[TopoDS_Edge, bool]], TopoDS_Vertex, float]] = {}
         for loop, sign in zip(loops, signs, strict=True):
@@ -257,7 +257,7 @@ class FaceMaker:
         for sign in (low, high):
             if sign not in ends:
                 ends[sign] = self._pole(sign == low, axis)
-        if ends[low][2] >= ends[high][2] and isinstance(self._shape, Torus):  # it closes in the other direction too
+        if ends[low][2] >= ends[high][2] and isinstance(self._shape, Torus):  # a torus is closed in both directions
             for run in loops[signs.index(high)]:
                 run.uv[:, other] += _ROUND
             ends[high] = ends[high][0], ends[high][1], ends[high][2] + _ROUND
@@ -266,7 +266,7 @@ class FaceMaker:
             raise NoFace("its borders are the wrong way round")
         seam = self._seam(a, b, axis)
         one, two = (a, b) if axis == 0 else (b, a)
-        # Counter-clockwise: about u the lower border, up, the upper one, down; about v the right border, then back.
+        # Counter-clockwise: about u the lower border, up, the upper border, down; about v the right border, then back.
         return self._wire([*one[0], (seam, axis == 0), *two[0], (seam, axis != 0)])
 
     def _seam(
@@ -322,7 +322,7 @@ class FaceMaker:
 
 
 def _area(plane: Plane, loop: Loop) -> float:
-    """The signed area that a loop in a plane encloses."""
+    """Return the signed area that a loop in a plane encloses."""
     points = []
     for edge, forward in loop:
         t = np.linspace(edge.first, edge.last, 2 if edge.count == 2 else 2 * edge.count)

@@ -1,4 +1,4 @@
-"""The surfaces of faces: planes and round parts, fitted to the scan. Numpy only."""
+"""Fits the surfaces of faces to the scan: planes and round parts. Numpy only."""
 
 from dataclasses import replace
 from typing import Any
@@ -7,18 +7,18 @@ import numpy as np
 
 from .shapes import Array, Cone, Cylinder, Plane, Sphere, Spun, Torus, Turned, basis, square_to, unit
 
-_KNOTS = (4, 6, 8, 12, 16, 24, 32)  # intervals of a profile that are tried
-_GOOD = 1.1  # a profile with fewer intervals may be further from the scan by this
+_KNOTS = (4, 6, 8, 12, 16, 24, 32)  # numbers of intervals of a profile to try
+_GOOD = 1.1  # a profile with fewer intervals may be further from the scan by this factor
 _STIFF = 1e-4  # weight of the second differences of a profile
 _BEYOND = 0.06  # share of the length of a profile that is added at its ends
-_BINS = 200  # of a profile
-_ONE = 3e-4  # share of the size of two parts: with a smaller deviation they are of one surface
-_ONE_AXIS = float(np.cos(np.radians(3)))  # parts whose axes differ by more are of two surfaces
-_TURNS = 8  # steps of a fit
+_BINS = 200  # number of bins along a profile
+_ONE = 3e-4  # share of the size of two parts: with a smaller deviation they are one surface
+_ONE_AXIS = float(np.cos(np.radians(3)))  # parts whose axes differ by more are two surfaces
+_TURNS = 8  # iterations of a fit
 
 
 def plane_of(points: Array, normal: Array) -> Plane:
-    """The plane of least squares; its normal looks as the given one does."""
+    """Return the plane of least squares, with a normal on the side of the given one."""
     middle = points.mean(axis=0)
     if len(points) < 3:
         return Plane(middle, unit(normal))
@@ -27,10 +27,10 @@ def plane_of(points: Array, normal: Array) -> Plane:
 
 
 def round_of(patch: Any, points: Array, shift: Array, open_ends: list[float]) -> Turned | str:
-    """The surface of a round part, or the reason why there is none.
+    """Return the surface of a round part, or the reason why there is none.
 
-    patch: a CurvedProxy. points: of the scan on it. open_ends: places along the axis of the borders that go all the way
-    round it: a revolution with fewer than two ends on its axis.
+    patch: a CurvedProxy. points: points of the scan on it. open_ends: places along the axis of the borders that enclose
+    it. A revolution with fewer than two of them ends on its axis.
     """
     point, axis = np.asarray(patch["point"]) - shift, unit(np.asarray(patch["axis"], float))
     x, radius = square_to(axis), float(patch["radius"])
@@ -61,16 +61,16 @@ def round_of(patch: Any, points: Array, shift: Array, open_ends: list[float]) ->
 
 
 def rms(surface: Any, points: Array) -> float:
-    """The deviation of points from a surface; the furthest twentieth does not count."""
+    """Return the deviation of points from a surface, without the furthest twentieth."""
     return _rms(surface, points)
 
 
 def joined(
     a: Turned, b: Turned, points_a: Array, points_b: Array, ends_a: list[float], ends_b: list[float]
 ) -> tuple[Turned, list[float]] | None:
-    """One surface for two parts of one surface, and its open ends; None where they are of two.
+    """Return one surface for two parts, and its open ends; None if they belong to different surfaces.
 
-    ends_a, ends_b: as for `round_of`.
+    ends_a, ends_b: open ends, see `round_of`.
     """
     if type(a) is not type(b):
         return None
@@ -89,7 +89,7 @@ def joined(
 
 
 def _ends_of_both(a: Spun, b: Spun, ends_a: list[float], ends_b: list[float]) -> list[float]:
-    """The open ends along the axis of `a`, without the two that the parts have in common."""
+    """Return the open ends along the axis of `a`, without the common end of both parts."""
     sign, shift = float(np.sign(a.axis @ b.axis)), float((b.point - a.point) @ a.axis)
     other = [sign * z + shift for z in ends_b]
     if not ends_a or not other:
@@ -110,7 +110,7 @@ def _profile_of_both(a: Spun, b: Spun, points_a: Array, points_b: Array) -> Arra
     one, two = parts[0], parts[1] * [1.0, sign] + [0.0, shift]
     ways = [(one[::m], two[::n]) for m in (1, -1) for n in (1, -1)]
     one, two = min(ways, key=lambda pair: float(np.linalg.norm(pair[0][-1] - pair[1][0])))
-    beyond = (two - one[-1]) @ (one[-1] - one[-2]) > 0  # where both have points, those of the first count
+    beyond = (two - one[-1]) @ (one[-1] - one[-2]) > 0  # the first profile is used where both overlap
     first = int(beyond.argmax()) if beyond.any() else 0
     return np.concatenate([one, two[first:]])
 
@@ -145,7 +145,7 @@ def _torus(start: Turned, points: Array) -> Torus | None:
 
 
 def _refined(surface: Any, points: Array) -> Any:
-    """The surface of its kind with the least squares of distances; points far off count less."""
+    """Return the surface of the same kind with the least squares of distances; distant points have lower weights."""
     if len(points) > 20000:
         points = points[:: len(points) // 20000 + 1]
     lengths = [name for name in ("radius", "slope", "large", "small") if hasattr(surface, name)]
@@ -188,7 +188,7 @@ def _spun(start: Turned, points: Array, profile: Array, open_ends: list[float]) 
     at_axis = _pole_ends(profile, corners, open_ends, low, high)
     t, rho, z = _means(t, rho, z, low, high)
     margin, place = _BEYOND * (high - low), np.stack([rho, z], axis=1)
-    for _ in range(3):  # each with the places along the profile that the one before gives
+    for _ in range(3):  # each round updates the parameters of the points along the profile
         first, last, tt, rr = float(t.min()) - margin, float(t.max()) + margin, t, place
         if at_axis[0]:
             tt, rr, pole = _mirrored(tt, rr, True)
@@ -219,7 +219,7 @@ def _along(profile: Array, rho: Array, z: Array) -> tuple[Array, Array]:
 
 
 def _pole_ends(profile: Array, corners: Array, open_ends: list[float], low: float, high: float) -> list[bool]:
-    """Whether the profile ends on the axis, at its begin and end: where no border goes round."""
+    """Return for both ends of the profile whether it is on the axis: an end without an enclosing border."""
     most = float(profile[:, 0].max())
     near = [profile[0, 0] < 0.45 * most, profile[-1, 0] < 0.45 * most]
     if len(open_ends) >= 2:
@@ -247,7 +247,7 @@ def _means(t: Array, rho: Array, z: Array, low: float, high: float) -> tuple[Arr
 
 
 def _mirrored(t: Array, place: Array, at_low: bool) -> tuple[Array, Array, float]:
-    """With the points beyond the axis added: the profile goes through it at right angles."""
+    """Return the points with their mirror images beyond the axis, so that the profile crosses it at right angles."""
     order = np.argsort(t, kind="stable")
     t, place = t[order], place[order]
     end = 0 if at_low else -1
@@ -272,7 +272,7 @@ def _best(start: Turned, t: Array, place: Array, first: float, last: float) -> S
 
 
 def _root(spun: Spun, at_low: bool) -> float | None:
-    """Where the profile crosses the axis near an end."""
+    """Return the parameter where the profile crosses the axis near an end; None if it does not."""
     t = np.linspace(spun.first, spun.last, 4001)
     rho = spun.at(t)[:, 0]
     cross = np.flatnonzero((rho[:-1] < 0) != (rho[1:] < 0))

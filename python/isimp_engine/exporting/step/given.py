@@ -1,4 +1,4 @@
-"""The polygons and the scan that a boundary representation is made of, and the surfaces of their parts. Numpy only."""
+"""The input of a boundary representation: polygons and scan, and the surfaces of their parts. Numpy only."""
 
 from dataclasses import replace
 
@@ -10,19 +10,19 @@ from . import fitting
 from .outlines import Outlines, outlines
 from .shapes import Array, Plane, Turned, square_to, unit
 
-PLANES = 1 << 32  # numbers of keys: round parts below, regions from here on
+PLANES = 1 << 32  # keys of round parts are below, keys of regions are from here on
 _GAP = 5e-4  # share of the diagonal: regions this far from one plane may be one
-_COPLANAR = float(np.cos(np.radians(1.5)))  # regions beside each other with a smaller angle may be one plane
-_ON = 1.5  # times the deviation of the scan from a round part: regions this near are part of it
-_NEAR = 3e-4  # share of the diagonal: and those this near
-_ALONG = 0.8  # cosine of the angle between their normals
-_MOST = 20000  # vertices of a scan to which a surface is fitted
+_COPLANAR = float(np.cos(np.radians(1.5)))  # adjacent regions with a smaller angle may be one plane
+_ON = 1.5  # regions nearer to a round part than this multiple of its deviation from the scan are part of it
+_NEAR = 3e-4  # share of the diagonal: regions nearer than this are part of it too
+_ALONG = 0.8  # least cosine of the angle between the normals of such a region and the round part
+_MOST = 20000  # most vertices of a scan to which a surface is fitted
 _FLAT = 1e-7  # share of the diagonal: polygons this near to a plane are in it
-_SQUARE = float(np.cos(np.radians(0.6)))  # a plane that is square to an axis but for a smaller angle is square to it
+_SQUARE = float(np.cos(np.radians(0.6)))  # a plane within this angle of perpendicular to an axis becomes perpendicular
 
 
 class Given:
-    """Arrays of the polygons and the scan, relative to a place amid them."""
+    """Arrays of the polygons and the scan, relative to their middle."""
 
     def __init__(self, poly: PolygonMesh, part: Partition | None, mesh: Mesh | None) -> None:
         at = np.asarray(poly.vertices, np.float64)
@@ -56,7 +56,7 @@ class Given:
         self.normal = [area_normal(self.places[loop]) for loop in self.loops]
 
     def scanned(self, regions: list[int]) -> Array:
-        """Vertices of the scan in some regions, those at a border of regions too; evenly chosen ones of many."""
+        """Return vertices of the scan in chosen regions, with border vertices; a sample if there are many."""
         if self._mesh is None or not regions:
             return np.zeros((0, 3))
         faces = np.concatenate([self._faces[r] for r in regions])
@@ -66,25 +66,25 @@ class Given:
         return np.asarray(np.asarray(self._mesh.vertices)[corners] - self.shift)
 
     def looks(self, regions: list[int]) -> Array:
-        """The direction in which the polygons of some regions look."""
+        """Return the sum of the normals of the polygons of chosen regions."""
         return np.asarray(np.sum([self.normal[q] for r in regions for q in self.polygons[r]], axis=0))
 
     def plane_of_polygons(self, polygons: list[int]) -> Plane:
-        """The plane of the corners of some polygons."""
+        """Return the plane of the corners of chosen polygons."""
         corners = np.unique(np.concatenate([self.loops[q] for q in polygons]))
         return fitting.plane_of(self.places[corners], np.sum([self.normal[q] for q in polygons], axis=0))
 
     def area(self, regions: list[int]) -> float:
-        """The area of the polygons of some regions."""
+        """Return the area of the polygons of chosen regions."""
         return float(sum(np.linalg.norm(self.normal[q]) for r in regions for q in self.polygons.get(r, [])))
 
     def is_flat(self, polygons: list[int]) -> bool:
-        """Whether polygons are in one plane."""
+        """Return whether polygons are in one plane."""
         corners = self.places[np.concatenate([self.loops[q] for q in polygons])]
         return float(np.abs(self.plane_of_polygons(polygons).distance(corners)).max()) <= _FLAT * self.size
 
     def held(self, region: int) -> Plane | None:
-        """The plane that was set for a region; None where none was."""
+        """Return the held plane of a region; None if it has none."""
         part = self.part
         if part is None or not len(part.region_held) or not part.region_held[region] or not len(part.region_offset):
             return None
@@ -101,7 +101,7 @@ def _volume(polygons: list[Array]) -> float:
 
 
 class Surfaces:
-    """The surface of each round part and each region, and which of them are one."""
+    """The surface of each round part and each region; parts and regions on one surface are joined."""
 
     def __init__(self, given: Given) -> None:
         self._given = given
@@ -109,7 +109,7 @@ class Surfaces:
         found = outlines(given.corners, given.starts, key)
         self.round: dict[int, Turned] = {}
         self.reasons: dict[int, str] = {}
-        self.same: dict[int, int] = {}  #: of a round part or a region: the first one that it is one with
+        self.same: dict[int, int] = {}  #: key of a joined part or region -> key of the one that it is joined to
         self.planes: dict[int, Plane] = {}
         self.apart: set[int] = set()  #: regions of flat polygons in several planes
         self._fixed: set[int] = set()  # regions of flat polygons, which keep their planes
@@ -125,7 +125,7 @@ class Surfaces:
         self._join_planes([pair for pair in beside if pair[0] >= PLANES])
 
     def of(self, number: int) -> int:
-        """The first one of those that are one with a round part or a region."""
+        """Return the key of the part or region that this one is joined to, or its own key."""
         while number in self.same:
             number = self.same[number]
         return number
@@ -168,7 +168,7 @@ class Surfaces:
             self._deviation[a] = fitting.rms(self.round[a], points[a])
 
     def _absorb(self, beside: list[tuple[int, int]]) -> None:
-        """Regions beside a round part whose scan is on its surface are part of it."""
+        """Join regions to an adjacent round part if their scan is on its surface."""
         given, changed = self._given, True
         while changed:
             changed = False
@@ -211,7 +211,7 @@ class Surfaces:
                 self._make_square(number, sorted(ends))
 
     def _make_square(self, number: int, regions: list[int]) -> None:
-        """Make an axis and the planes square to it parallel: the axis follows a plane that is larger than its part."""
+        """Make planes nearly perpendicular to an axis exactly so. The axis follows a plane larger than its part."""
         given, shape = self._given, self.round[number]
         patches = [n for n in given.patches if self.of(n) == number]
         own = sum(given.area([int(r) for r in given.patches[n]["regions"]]) for n in patches)
@@ -229,7 +229,7 @@ class Surfaces:
                 self.planes[region] = Plane(plane.point, shape.axis * np.sign(shape.axis @ plane.normal_))
 
     def _points(self, regions: list[int]) -> Array:
-        """Points on the plane of some regions: of the scan, or corners of polygons, which cells keep to."""
+        """Return points on the plane of regions: of the scan, or for cells of round parts corners of polygons."""
         given = self._given
         points = given.scanned([r for r in regions if r not in given.patch_of])
         if len(points) >= 3:

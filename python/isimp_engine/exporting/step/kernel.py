@@ -1,4 +1,4 @@
-"""OpenCASCADE's objects for curves and surfaces. Works with the packages OCP of OpenCASCADE 7 and 8."""
+"""Makes OpenCASCADE's objects for curves and surfaces. Works with the packages OCP of OpenCASCADE 7 and 8."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -41,12 +41,12 @@ from .shapes import Array, Cone, Cylinder, Plane, Sphere, Spun, Surface, Torus, 
 
 
 class NoFace(Exception):
-    """A face or an edge can't be made; the text says why."""
+    """A face or an edge can't be made; the message has the reason."""
 
 
 @contextmanager
 def refused() -> Iterator[None]:
-    """Raises OpenCASCADE's own errors, which have no common class, as NoFace."""
+    """Raises NoFace for OpenCASCADE's own errors, which have no common class."""
     try:
         yield
     except Exception as error:
@@ -71,7 +71,7 @@ def _filled(kind: Any, values: Sequence[Any]) -> Any:
 
 
 def surface_of(shape: Surface) -> Any:
-    """The surface with the parameters of `shapes`."""
+    """Return OpenCASCADE's surface of a shape, with the same parameters."""
     if isinstance(shape, Plane):
         x = square_to(shape.normal_)
         return Geom_Plane(gp_Ax3(point(shape.point), direction(shape.normal_), direction(x)))
@@ -101,7 +101,7 @@ def _profile(shape: Spun) -> Any:
     high = shape.last if shape.high is None else shape.high
     curve.Segment(low, high)
     for end, number in ((shape.low, 1), (shape.high, curve.NbPoles())):
-        if end is not None:  # exactly on the axis
+        if end is not None:  # moves the end exactly onto the axis
             pole = curve.Pole(number)
             away = np.array([pole.X(), pole.Y(), pole.Z()]) - shape.point
             curve.SetPole(number, point(shape.point + (away @ shape.axis) * shape.axis))
@@ -109,12 +109,12 @@ def _profile(shape: Spun) -> Any:
 
 
 def line(a: Array, b: Array) -> tuple[Any, float, float]:
-    """A line and its parameters at two points."""
+    """Return a line and its parameters at two points."""
     return Geom_Line(point(a), direction(unit(b - a))), 0.0, float(np.linalg.norm(b - a))
 
 
 def circle(points: Array, within: float) -> tuple[Any, float, float] | None:
-    """The circle through points in order, and its parameters at the first and last; None where they are on none."""
+    """Return the circle through ordered points, and its parameters at the ends; None if there is no such circle."""
     found = circle_of(points)
     if found is None:
         return None
@@ -137,7 +137,7 @@ def circle(points: Array, within: float) -> tuple[Any, float, float] | None:
 
 
 def ellipse(points: Array, cylinder: Cylinder, plane: Plane, within: float) -> tuple[Any, float, float] | None:
-    """The ellipse where a plane cuts a cylinder, and its parameters; None where the points are not on it."""
+    """Return the ellipse where a plane cuts a cylinder, and its parameters; None if the points are not on it."""
     cosine = float(plane.normal_ @ cylinder.axis)
     if abs(cosine) < 0.05:
         return None
@@ -162,7 +162,7 @@ def ellipse(points: Array, cylinder: Cylinder, plane: Plane, within: float) -> t
 
 
 def spline(points: Array) -> tuple[Any, float, float]:
-    """A curve through points."""
+    """Return a spline through points, and its parameters at the ends."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     kept = np.concatenate([[True], steps > 1e-3 * float(steps.mean())])
     kept[-1] = True
@@ -181,7 +181,7 @@ def spline(points: Array) -> tuple[Any, float, float]:
 
 
 def flat_curve(uv: Array, t: Array, straight: float) -> Any:
-    """The curve through parameters of a surface; a line where it is one with a speed of one."""
+    """Return the curve through parameters of a surface; a line if it is straight with unit speed."""
     way = (uv[-1] - uv[0]) / (t[-1] - t[0])
     on = uv[0] + (t - t[0])[:, None] * way
     if abs(float(np.hypot(*way)) - 1) < 1e-9 and float(np.abs(on - uv).max()) < straight:
@@ -194,19 +194,19 @@ def flat_curve(uv: Array, t: Array, straight: float) -> Any:
 
 
 def flat_line(u: float, v: float, along_u: bool) -> Any:
-    """The line of constant v, or of constant u, with the other as its parameter."""
+    """Return the line of constant v, or of constant u, with the other as its parameter."""
     way = gp_Dir2d(1, 0) if along_u else gp_Dir2d(0, 1)
     return Geom2d_Line(gp_Pnt2d(0.0 if along_u else u, v if along_u else 0.0), way)
 
 
 def places(curve: Any, t: Array) -> Array:
-    """Points of a curve in space."""
+    """Return points of a curve in space."""
     found = [curve.Value(float(x)) for x in t]
     return np.array([[p.X(), p.Y(), p.Z()] for p in found])
 
 
 def places_on(surface: Any, curve: Any, t: Array) -> Array:
-    """Points of a curve on a surface."""
+    """Return points of a curve on a surface."""
     found = []
     for x in t:
         uv = curve.Value(float(x))

@@ -1,4 +1,4 @@
-"""Where surfaces meet: the places of vertices, and points along the edges between two surfaces. Numpy only."""
+"""Computes intersections of surfaces: places of vertices, and points along edges between two surfaces. Numpy only."""
 
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -9,13 +9,13 @@ from .outlines import Chain
 from .shapes import Array, Plane, Surface, Turned, circle_of, unit
 
 _PARTS = 8  # parts of each edge of a polygon along a curve
-_CUT = 0.1  # singular values below this do not move a point: planes nearly parallel, surfaces that touch
+_CUT = 0.1  # smaller singular values do not move a point: planes are nearly parallel, or surfaces touch
 _TURNS = 25
-_TOUCH = 0.5  # sine of the angle at the polygons below which surfaces may touch along an edge
-_TOUCHES = 0.06  # and where their points of least difference are
-_AS_NEAR = 1.5  # times the distance of the points that were found: so near a line or a circle must be
-_NEAR = 0.4  # share of the mean step: points of a curve that are nearer than this are left out
-_FAR = 0.75  # share of the shortest edge there that a vertex may move
+_TOUCH = 0.5  # largest sine of the angle between surfaces that may touch along an edge, at the polygons
+_TOUCHES = 0.06  # largest sine of that angle at the settled points
+_AS_NEAR = 1.5  # a line or circle replaces points if its distance is at most this multiple of theirs
+_NEAR = 0.4  # share of the mean step: a point of a curve nearer to the point before is left out
+_FAR = 0.75  # share of the shortest edge at a vertex that it may move
 
 
 @dataclass
@@ -26,11 +26,11 @@ class Curve:
     breaks: list[int]
     straight: bool
     sides: list[Surface]
-    ids: dict[int, int] = field(default_factory=dict)  #: the vertex of the polygons at a break, by its place
+    ids: dict[int, int] = field(default_factory=dict)  #: index of a point at a break -> vertex of the polygons
 
 
 def touch(a: Surface, b: Surface, points: Array) -> bool:
-    """Whether two surfaces touch along points near both, instead of crossing."""
+    """Return whether two surfaces touch along points near both, instead of crossing."""
     if isinstance(a, Plane) and isinstance(b, Plane):
         return False
     sine = np.linalg.norm(np.cross(a.normal(points), b.normal(points)), axis=1)
@@ -42,7 +42,7 @@ def touch(a: Surface, b: Surface, points: Array) -> bool:
 
 
 def settle(points: Array, surfaces: list[Surface], touching: list[tuple[Surface, Surface]]) -> Array:
-    """Move points to where all surfaces meet; those that touch, to where their normals agree."""
+    """Return points moved to the intersection of all surfaces. The normals of touching surfaces agree there."""
     at = np.array(points, float)
     for _ in range(_TURNS):
         rows, away = [], []
@@ -65,7 +65,7 @@ def settle(points: Array, surfaces: list[Surface], touching: list[tuple[Surface,
 
 
 def _agreement(a: Surface, b: Surface, at: Array) -> list[tuple[Array, Array]]:
-    """Rows that lead to equal normals, in lengths by the radius of curvature there."""
+    """Return rows of the linear system for equal normals, scaled to lengths by the radius of curvature."""
     step = 1e-5 * (1 + float(np.abs(at).max(initial=0.0)))
     sign = np.sign((a.normal(at) * b.normal(at)).sum(axis=1))[:, None]
 
@@ -79,7 +79,7 @@ def _agreement(a: Surface, b: Surface, at: Array) -> list[tuple[Array, Array]]:
 
 
 def meet_at(place: Array, surfaces: list[Surface], touching: list[tuple[Surface, Surface]], reach: float) -> Array:
-    """The place of a vertex: on the round surfaces alone, or as given, where all meet too far from it."""
+    """Return the place of a vertex: where all surfaces meet, else where round surfaces do, else the given place."""
     alone: list[Surface] = [s for s in surfaces if isinstance(s, Turned)]
     for some, both in ((surfaces, touching), (alone, [])):
         found = settle(place[None], some, both)[0] if some else place
@@ -89,7 +89,7 @@ def meet_at(place: Array, surfaces: list[Surface], touching: list[tuple[Surface,
 
 
 def along(chain: Chain, places: Array, ends: dict[int, Array], sides: list[Surface], flat: float) -> Curve:
-    """The points of a chain between the surfaces at its sides. flat: a corner nearer to a straight line is left out."""
+    """Return the curve of a chain between two surfaces. flat: a corner nearer to a straight line is left out."""
     corners = places[chain.vertices]
     round_sides = [side for side in sides if isinstance(side, Turned)]
     if not round_sides:
@@ -120,7 +120,7 @@ def _finer(corners: Array) -> Array:
 
 
 def _smooth(points: Array, sides: list[Surface], closed: bool) -> Array:
-    """The points on a line or a circle, where that is as near to both surfaces: where they touch, points spread."""
+    """Return points on a line or a circle if they are about as near to both surfaces, since settled points scatter."""
     near = _AS_NEAR * max(float(np.abs(s.distance(points)).max()) for s in sides)
     for made in (None if closed else _on_line(points), _on_circle(points)):
         if made is not None and max(float(np.abs(s.distance(made)).max()) for s in sides) <= near:
@@ -148,7 +148,7 @@ def _on_circle(points: Array) -> Array | None:
 
 
 def _spread(points: Array) -> Array:
-    """The points without those that are too near to the one before."""
+    """Return the points without points too near to the one before."""
     least = _NEAR * float(np.linalg.norm(np.diff(points, axis=0), axis=1).mean())
     kept = [0]
     for k in range(1, len(points) - 1):
@@ -158,7 +158,7 @@ def _spread(points: Array) -> Array:
 
 
 def _pin(curve: Curve, chain: Chain, ends: dict[int, Array]) -> None:
-    """Set the ends to the places of their vertices; the difference fades along the curve."""
+    """Move the ends to the places of their vertices; the shift decreases along the curve."""
     if chain.closed:
         curve.points[-1] = curve.points[0]
         curve.ids = {0: chain.vertices[0], len(curve.points) - 1: chain.vertices[0]}
@@ -199,7 +199,7 @@ def _straight(chain: Chain, points: Array, ends: dict[int, Array], sides: list[S
 
 
 def _needed(points: Array, first: int, last: int, flat: float) -> list[int]:
-    """The corners, after Douglas and Peucker, that a line of straight edges needs."""
+    """Return the corners of a simplified polyline, by Douglas and Peucker."""
     found, todo = {first, last}, [(first, last)]
     while todo:
         a, b = todo.pop()

@@ -1,4 +1,4 @@
-"""The faces of a boundary representation over polygons: groups of polygons, and the chains of edges between them."""
+"""Groups polygons into faces of a boundary representation, and finds the chains of edges between the groups."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class Chain:
-    """Edges in a row with one group at the left and one, or none, at the right. A closed one ends where it begins."""
+    """Consecutive edges with one group at the left and one, or none, at the right. A closed chain ends at its begin."""
 
-    vertices: list[int]  #: of the polygons; a closed chain has the first one again at its end
+    vertices: list[int]  #: vertices of the polygons; a closed chain repeats the first one at its end
     left: int
     right: int  #: -1: none
     closed: bool
@@ -23,12 +23,12 @@ class Outlines:
 
     of_polygon: NDArray[np.int64]  #: (Q,) the group of each polygon
     chains: list[Chain]
-    loops: list[list[list[tuple[int, bool]]]]  #: of each group: its loops, as chains and whether they run forward
+    loops: list[list[list[tuple[int, bool]]]]  #: loops of each group: chains, and whether they run forward
     junctions: dict[int, set[int]]  #: the groups at each vertex where chains end
 
 
 class _Edges:
-    """Half-edges of polygons: numbered as the corners where they begin."""
+    """Half-edges of polygons, numbered by the corners where they begin."""
 
     def __init__(self, loops: NDArray[np.int64], start: NDArray[np.int64]) -> None:
         self.begin = loops
@@ -49,7 +49,7 @@ class _Edges:
 
 
 def outlines(loops: NDArray[np.int64], start: NDArray[np.int64], key: NDArray[np.int64]) -> Outlines:
-    """Connected polygons of one key are a group. loops, start: as of a PolygonMesh. key: (Q,)."""
+    """Return the groups of connected polygons with equal keys. loops, start: see PolygonMesh. key: (Q,)."""
     edges = _Edges(loops, start)
     group = _components(edges, key)
     twin_group = np.where(edges.twin >= 0, group[edges.polygon[edges.twin]], -1)
@@ -57,7 +57,7 @@ def outlines(loops: NDArray[np.int64], start: NDArray[np.int64], key: NDArray[np
     border = own != twin_group
     ends = _ends(edges, own, twin_group, border)
     chains: list[Chain] = []
-    place: dict[int, tuple[int, int]] = {}  # the chain of the first half-edge of a run, and of the last one's twin
+    place: dict[int, tuple[int, int]] = {}  # half-edge -> its chain, and 1 if it runs along the chain, else -1
     runs: list[list[list[int]]] = [[] for _ in range(int(group.max(initial=-1)) + 1)]
     closed: set[int] = set()
     for loop in _loops(edges, own, twin_group, border):
@@ -109,7 +109,7 @@ def _components(edges: _Edges, key: NDArray[np.int64]) -> NDArray[np.int64]:
 def _ends(
     edges: _Edges, own: NDArray[np.int64], twin_group: NDArray[np.int64], border: NDArray[np.bool_]
 ) -> dict[int, set[int]]:
-    """The vertices where chains end: those with other than two border edges, or two between other groups."""
+    """Return the vertices where chains end, with their groups: not two border edges of one pair of groups."""
     pairs: dict[int, list[tuple[int, int]]] = {}
     for half in np.flatnonzero(border).tolist():
         a, b = int(own[half]), int(twin_group[half])
@@ -146,6 +146,6 @@ def _loops(
 
 
 def _from_least(loop: list[int], edges: _Edges) -> list[int]:
-    """The loop from its least vertex on, so that both sides of a closed chain begin there."""
+    """Return the loop rotated to its least vertex, so that both sides of a closed chain begin there."""
     first = min(range(len(loop)), key=lambda k: int(edges.begin[loop[k]]))
     return loop[first:] + loop[:first]

@@ -1,4 +1,4 @@
-"""The direction of each round surface's parameters, and the vertices that its seam needs. Numpy only."""
+"""Chooses the seam of each round surface, and adds the vertices where borders cross it. Numpy only."""
 
 from dataclasses import replace
 
@@ -7,26 +7,26 @@ import numpy as np
 from .meeting import Curve, settle
 from .shapes import Array, Plane, Sphere, Surface, Torus, Turned, square_to, unit
 
-_WAYS = 72  # directions of a seam that are tried
+_WAYS = 72  # directions to try for a seam
 _ROUND = 2 * np.pi
 Loop = list[tuple[int, bool]]
 
 
 def ring(loop: Loop, curves: list[Curve]) -> Array:
-    """The points of a loop in its direction; the last is the first."""
+    """Return the points of a loop in its direction; the last equals the first."""
     parts = [curves[k].points if forward else curves[k].points[::-1] for k, forward in loop]
     return np.concatenate([parts[0][:1], *(part[1:] for part in parts)])
 
 
 def turns_of(shape: Turned, points: Array) -> int:
-    """How often a ring of points goes round the axis."""
+    """Return the winding number of a ring of points about the axis."""
     return int(np.rint(np.diff(np.unwrap(shape.angle(points)))[...].sum() / _ROUND))
 
 
 def framed(shape: Turned, loops: list[Loop], curves: list[Curve], middle: Array) -> Turned:
-    """The surface with its seam, or the begin of its angles, in a good place.
+    """Return the surface with its seam, or the origin of its angles, in a suitable place.
 
-    middle: a point amid the face.
+    middle: a point in the middle of the face.
     """
     rings = [ring(loop, curves) for loop in loops]
     if isinstance(shape, Sphere):
@@ -39,7 +39,7 @@ def framed(shape: Turned, loops: list[Loop], curves: list[Curve], middle: Array)
 
 
 def _sphere(shape: Sphere, rings: list[Array], middle: Array) -> Sphere:
-    """With a part that is less than half a sphere, poles and seam are elsewhere; else a pole is in a hole."""
+    """Return the sphere with poles and seam outside a part below half a sphere; else with a pole in a hole."""
     if not rings:
         return shape
     out = unit(middle - shape.point)
@@ -58,7 +58,7 @@ def _area(p: Array) -> Array:
 
 
 def _free_way(shape: Turned, around: list[Array], holes: list[Array]) -> Array:
-    """The direction of the seam: away from holes, and where each border crosses it once."""
+    """Return the direction of the seam: away from holes, and such that each border crosses it once."""
     ways = (np.arange(_WAYS) + 0.5) * _ROUND / _WAYS
     score = np.zeros(_WAYS)
     for points in [*around, *holes]:
@@ -76,7 +76,7 @@ def _free_way(shape: Turned, around: list[Array], holes: list[Array]) -> Array:
 
 
 def cut(shape: Turned, loops: list[Loop], curves: list[Curve], exact: float) -> None:
-    """Add the vertices where borders that go round a surface cross its seam."""
+    """Add vertices where borders that enclose a surface cross its seam."""
     for loop in loops:
         points = ring(loop, curves)
         if turns_of(shape, points):
@@ -108,7 +108,7 @@ def _cut(curve: Curve, angle: object, seam: Surface, exact: float) -> None:
 
 
 def _insert(curve: Curve, k: int, place: Array, exact: float) -> None:
-    """A break between the points k and k + 1; at one of them if it is very near."""
+    """Insert a break between the points k and k + 1, or at one of them if it is very near."""
     for near in (k, k + 1):
         if float(np.linalg.norm(curve.points[near] - place)) <= exact:
             if near not in curve.breaks:
@@ -123,7 +123,7 @@ def _insert(curve: Curve, k: int, place: Array, exact: float) -> None:
 
 
 def _begin_at(curve: Curve, k: int) -> None:
-    """Let a closed curve without other breaks begin at one: it needs no other vertex."""
+    """Rotate a closed curve without other breaks to begin at this break, so that it needs no other vertex."""
     closed = np.array_equal(curve.points[0], curve.points[-1])
     if (
         not closed
@@ -133,6 +133,6 @@ def _begin_at(curve: Curve, k: int) -> None:
     ):
         return
     if not curve.ids:
-        return  # it was turned before, for the surface at its other side
+        return  # it was rotated already, for the surface at its other side
     curve.points = np.concatenate([curve.points[k:], curve.points[1 : k + 1]])
     curve.breaks, curve.ids = [0, len(curve.points) - 1], {}

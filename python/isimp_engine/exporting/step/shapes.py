@@ -1,4 +1,4 @@
-"""Surfaces of faces: distance and normal of points, and parameters as OpenCASCADE has them. Numpy only."""
+"""Surfaces of faces: distance and normal of points, and OpenCASCADE's parameters. Numpy only."""
 
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -16,7 +16,7 @@ def unit(v: Array) -> Array:
 
 
 def square_to(axis: Array) -> Array:
-    """A unit vector at right angles to another."""
+    """Return a unit vector at right angles to another."""
     return unit(np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())]))
 
 
@@ -36,7 +36,7 @@ class Plane:
 
 @dataclass(frozen=True)
 class Turned:
-    """A surface about an axis. The normal is that of its parameters: u the angle from `x`, v along the profile."""
+    """A surface about an axis, with parameters u, the angle from `x`, and v, along the profile. They set the normal."""
 
     point: Array
     axis: Array
@@ -49,7 +49,7 @@ class Turned:
         return np.cross(self.axis, self.x)
 
     def polar(self, p: Array) -> tuple[Array, Array, Array]:
-        """Distance from the axis, place along it, unit vectors away from it."""
+        """Return distances from the axis, places along it, and unit vectors away from it."""
         away = p - self.point
         z = away @ self.axis
         flat = away - z[:, None] * self.axis
@@ -61,15 +61,15 @@ class Turned:
         return np.arctan2(away @ self.y, away @ self.x)
 
     def turned(self: T, x: Array) -> T:
-        """The same surface with its angles from another direction."""
+        """Return the same surface with angles measured from another direction."""
         return replace(self, x=unit(x - (x @ self.axis) * self.axis))
 
     def split(self, rho: Array, z: Array) -> tuple[Array, Array, Array]:
-        """In the half plane of the axis: signed distance and the two parts of the normal, away from and along it."""
+        """Return the signed distance, and the components of the normal away from the axis and along it."""
         raise NotImplementedError
 
     def along(self, p: Array) -> Array:
-        """The parameter v."""
+        """Return the parameter v."""
         raise NotImplementedError
 
     def distance(self, p: Array) -> Array:
@@ -82,7 +82,7 @@ class Turned:
         return np.asarray(away[:, None] * out + up[:, None] * self.axis)
 
     def poles(self) -> tuple[float | None, float | None]:
-        """The least and the largest v where the surface meets its axis; None where it doesn't."""
+        """Return the least and the largest v where the surface meets its axis; None for an end that doesn't."""
         return None, None
 
 
@@ -149,7 +149,7 @@ class Sphere(Turned):
 
 @dataclass(frozen=True)
 class Torus(Turned):
-    """A torus: `small` is the radius of its tube, `large` that of the tube's middle."""
+    """A torus: `small` is the radius of its tube, `large` the radius of the tube's middle circle."""
 
     large: float
     small: float
@@ -178,7 +178,7 @@ class Spun(Turned):
     kind = "revolution"
 
     def at(self, t: Array, order: int = 0) -> Array:
-        """(n, 2) places of the profile, or their derivatives."""
+        """Return (n, 2) points of the profile, or their derivatives."""
         return np.asarray(basis(t, self.first, self.step, len(self.poles_), order) @ self.poles_)
 
     def nearest(self, rho: Array, z: Array) -> Array:
@@ -216,7 +216,7 @@ Surface = Plane | Turned
 
 
 def basis(t: Array, first: float, step: float, count: int, order: int = 0) -> Array:
-    """(n, count) of a uniform cubic B-spline, or of its derivatives."""
+    """Return (n, count) values of the basis of a uniform cubic B-spline, or of its derivatives."""
     s = (np.asarray(t) - first) / step
     k = np.clip(np.floor(s).astype(int), 0, count - 4)
     s = s - k
@@ -233,7 +233,7 @@ def basis(t: Array, first: float, step: float, count: int, order: int = 0) -> Ar
 
 
 def circle_of(points: Array) -> tuple[Array, Array, float] | None:
-    """The centre, the unit normal and the radius of the circle of least squares; None of points on a line."""
+    """Return centre, unit normal and radius of the circle of least squares; None for points on a line."""
     own = points[:-1] if np.array_equal(points[0], points[-1]) else points
     if len(own) < 3:
         return None

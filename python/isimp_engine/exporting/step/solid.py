@@ -1,4 +1,4 @@
-"""A boundary representation of polygons, with true surfaces for round parts. Needs OpenCASCADE."""
+"""Makes a boundary representation of polygons, with true surfaces for round parts. Needs OpenCASCADE."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -24,17 +24,17 @@ from .outlines import Outlines, outlines
 from .shapes import Array, Plane, Surface, Torus, Turned, unit
 from .triangles import ears
 
-_GAP = 1e-3  # share of the diagonal: a face may be this far from the edges that it has with others
-_SHARP = 2e-5  # share of the diagonal: planes of the scan that meet no better are replaced by those of polygons
-_VOLUME = 0.015  # share of the scan's volume that true surfaces may add or take
-_EXACT = 1e-7  # share of the diagonal: places at a smaller distance are one
+_GAP = 1e-3  # share of the diagonal: largest distance of a face from its shared edges
+_SHARP = 2e-5  # share of the diagonal: planes of the scan with larger gaps are replaced by planes of polygons
+_VOLUME = 0.015  # largest change of the volume by true surfaces, share of the scan's volume
+_EXACT = 1e-7  # share of the diagonal: places at a smaller distance are equal
 _FLAT = 2e-4  # share of the diagonal: a corner between two planes that is nearer to a line is left out
 _TRIES = 12
 
 
 @dataclass
 class Made:
-    """The shape, and what became of the round parts."""
+    """The shape, and the surfaces of the round parts."""
 
     shape: Any
     faces: int
@@ -43,27 +43,27 @@ class Made:
     volume: float | None
     gap: float  #: the largest distance of an edge from a face that it bounds, scene units
     surfaces: dict[int, str]  #: the kind of the surface of each round part that has one, by its number
-    reasons: dict[int, str]  #: why others are planes
-    triangulated: int  #: polygons that are triangles
+    reasons: dict[int, str]  #: why other round parts are planes
+    triangulated: int  #: number of triangulated polygons
 
 
 @dataclass
 class _Choice:
-    """What is known of the groups until now: what can't be one face."""
+    """The simplifications after failed attempts: parts and regions that can't be one face."""
 
-    reasons: dict[int, str] = field(default_factory=dict)  # of round parts that are planes
-    own: set[int] = field(default_factory=set)  # regions whose planes are those of the polygons, not of the scan
-    apart: set[int] = field(default_factory=set)  # regions whose polygons have a plane each
+    reasons: dict[int, str] = field(default_factory=dict)  # round part -> why it becomes planes
+    own: set[int] = field(default_factory=set)  # regions with the planes of polygons in place of the scan's
+    apart: set[int] = field(default_factory=set)  # regions with a plane for each polygon
     bent: set[int] = field(default_factory=set)  # polygons that become triangles
 
     def all_triangles(self, given: Given) -> None:
-        """The last resort, which is always valid."""
+        """Make all polygons triangles. The result is always valid."""
         self.reasons |= {n: "the faces do not fit together" for n in given.patches if n not in self.reasons}
         self.bent = set(range(len(given.loops)))
 
 
 def make(poly: PolygonMesh, part: Partition | None, mesh: Mesh | None, job: Job | None = None) -> Made:
-    """Make the shape; what can't be one valid face is tried again in smaller parts, at last in triangles."""
+    """Make the shape. A part that can't be one valid face is split into smaller parts, and finally into triangles."""
     given = Given(poly, part, mesh)
     surfaces = Surfaces(given)
     choice = _Choice(dict(surfaces.reasons), apart=set(surfaces.apart))
@@ -79,7 +79,7 @@ def make(poly: PolygonMesh, part: Partition | None, mesh: Mesh | None, job: Job 
 
 
 class _Attempt:
-    """One try: its groups, their places, edges and faces."""
+    """One attempt: its groups, their places, edges and faces."""
 
     def __init__(self, given: Given, choice: _Choice, surfaces: Surfaces) -> None:
         self._given, self._choice, self._surfaces = given, choice, surfaces
@@ -99,7 +99,7 @@ class _Attempt:
         self._run()
 
     def _keys(self) -> tuple[list[NDArray[np.int64]], list[int], list[int]]:
-        """The polygons, those that are bent in triangles, with the key of the group and the polygon of each."""
+        """Return the polygons, bent ones as triangles, with the key of the group and the polygon of each."""
         given, choice = self._given, self._choice
         loops: list[NDArray[np.int64]] = []
         keys: list[int] = []
@@ -131,7 +131,7 @@ class _Attempt:
         return self._given.plane_of_polygons(members) if key < 3 * PLANES else None
 
     def _is_of_scan(self, group: int) -> bool:
-        """Whether a plane is that of the scan, not of the polygons."""
+        """Return whether a plane is fitted to the scan, not to the polygons."""
         return not {int(self._given.region[q]) for q in self._members[group]} & self._choice.own
 
     def _run(self) -> None:
@@ -144,7 +144,7 @@ class _Attempt:
             if free and any(isinstance(s, Turned) for s in sides):
                 for g in (chain.left, chain.right):
                     if isinstance(self._shape[g], Turned):
-                        self._bad[g] = "a face beside it is not planar"
+                        self._bad[g] = "an adjacent face is not planar"
                 sides = []
             flat = 0.0 if free or not sides else _FLAT * self._given.size
             self._curves.append(along(chain, self._given.places, ends, sides, flat))
@@ -164,7 +164,7 @@ class _Attempt:
                 self._face(g)
 
     def _sides(self, groups: list[int]) -> list[Surface]:
-        """The surfaces of some groups, each once."""
+        """Return the surfaces of groups, each once."""
         found: list[Surface] = []
         for g in groups:
             shape = self._shape[g] if g >= 0 else None
@@ -238,7 +238,7 @@ class _Attempt:
         return face.Reversed() if turned else face
 
     def _natural(self, group: int, shape: Turned) -> float:
-        """Positive where the polygons look along the normal of the surface."""
+        """Return a positive number if the polygons face along the normal of the surface."""
         given, members = self._given, self._members[group]
         middles = np.array([given.places[given.loops[q]].mean(axis=0) for q in members])
         return float((shape.normal(middles) * np.array([given.normal[q] for q in members])).sum())
@@ -252,7 +252,7 @@ class _Attempt:
         return Plane(points.mean(axis=0), unit(area_normal(points)))
 
     def improve(self) -> bool:
-        """Split or replace the faces that can't be made; False where nothing remains to do."""
+        """Simplify parts whose faces can't be made. Returns False if nothing remains to do."""
         choice, changed = self._choice, False
         if not self._bad:
             self._check()
@@ -262,7 +262,7 @@ class _Attempt:
                 choice.reasons[self._key[g]] = why
                 changed = True
         if changed:
-            return True  # neighbours may be sound then
+            return True  # the neighbours may be valid after that
         for g in self._bad:
             region = {int(self._given.region[q]) for q in self._members[g]}
             if self._key[g] < 2 * PLANES and not region <= choice.own:
@@ -281,7 +281,7 @@ class _Attempt:
         return changed
 
     def _parts(self) -> list[list[TopoDS_Face]]:
-        """The faces that hang together by edges."""
+        """Return the faces in groups that are connected by edges."""
         parent = {g: g for g in self._faces}
 
         def root(g: int) -> int:
@@ -300,7 +300,7 @@ class _Attempt:
         return list(parts.values())
 
     def _check(self) -> None:
-        """Find faces that are valid alone but not beside the others."""
+        """Find faces that are valid alone but not in the whole shape."""
         shape, _, _ = self._whole
         check = BRepCheck_Analyzer(shape)
         self._valid = bool(check.IsValid())
@@ -309,12 +309,12 @@ class _Attempt:
             return
         for g, face in self._faces.items():
             if not check.IsValid(face):
-                self._bad[g] = "its face is not valid beside the others"
+                self._bad[g] = "its face is not valid next to the others"
         if not self._bad:
             self._bad = {g: "the whole is not valid" for g in self._faces if self._key[g] < PLANES}
 
     def _check_volume(self) -> None:
-        """True surfaces must not be further from the volume of the scan than the polygons are."""
+        """Reject true surfaces if their volume differs more from the scan's than the volume of the polygons."""
         given, (_, _, volume) = self._given, self._whole
         if volume is None or not given.volume_of_scan or not given.volume:
             return
@@ -353,7 +353,7 @@ class _Attempt:
 
 
 def _from_seam(shape: Turned, loop: Any) -> Any:
-    """The loop from the vertex at the seam on, if it has one."""
+    """Return the loop rotated to the vertex at the seam, if it has one."""
     starts = [edge.curve.Value(edge.first if forward else edge.last) for edge, forward in loop]
     places = np.array([[p.X(), p.Y(), p.Z()] for p in starts])
     off = np.abs(shape.angle(places))
@@ -364,7 +364,7 @@ def _from_seam(shape: Turned, loop: Any) -> Any:
 
 
 def _assembled(parts: list[list[TopoDS_Face]], closed: bool) -> tuple[Any, int, float | None]:
-    """Solids where faces enclose them, shells of the others; the shape, the number of solids, and their volume."""
+    """Return the shape, the number of solids, and their volume. Faces that enclose no solid become shells."""
     build = BRep_Builder()
     whole = TopoDS_Compound()
     build.MakeCompound(whole)

@@ -42,9 +42,9 @@ def write(
     shape = made.shape if place is None else _moved(made.shape, place)
     writer = STEPControl_Writer()  # before the settings, which it resets
     for printer in Message.DefaultMessenger_s().Printers():
-        printer.SetTraceLevel(Message_Fail)  # it prints to stdout else
+        printer.SetTraceLevel(Message_Fail)  # otherwise it prints to stdout
     with _settings({"write.step.schema": "AP214IS", **dict.fromkeys(_LENGTHS, unit.upper())}):
-        length = 1000.0 if unit == "m" else 1.0  # in millimetres; OpenCASCADE 7 takes it from here
+        length = 1000.0 if unit == "m" else 1.0  # in millimetres; OpenCASCADE 7 reads it from the model
         writer.Model().SetLocalLengthUnit(length)
         writer.Model().SetWriteLengthUnit(length)
         done = writer.Transfer(shape, STEPControl_AsIs)
@@ -55,7 +55,7 @@ def write(
     header.SetName(_text(name))
     header.SetTimeStamp(TCollection_HAsciiString("1970-01-01T00:00:00"))
     header.SetOriginatingSystem(TCollection_HAsciiString(f"isimp {_core.__version__}"))
-    # OpenCASCADE takes names in one encoding only, so the file is moved to its place.
+    # OpenCASCADE accepts file names in one encoding only, so the file is copied to its place.
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / "shape.step"
         if writer.Write(str(draft)) != IFSelect_RetDone:
@@ -65,7 +65,7 @@ def write(
 
 
 def _text(text: str) -> TCollection_HAsciiString:
-    """A text of ASCII letters: versions of OpenCASCADE write others in different ways."""
+    """Return a text with ASCII letters only: versions of OpenCASCADE write other letters in different ways."""
     return TCollection_HAsciiString("".join(c if " " <= c <= "~" and c != "\\" else "_" for c in text))
 
 
@@ -77,7 +77,7 @@ def _moved(shape: Any, place: NDArray[np.float64]) -> Any:
 
 @contextmanager
 def _settings(values: dict[str, str]) -> Iterator[None]:
-    """Settings of OpenCASCADE, which all users in the process share, for a while."""
+    """Change settings of OpenCASCADE, which are global to the process, and restore them at the end."""
     before = {name: Interface_Static.CVal_s(name) for name in values}
     try:
         for name, value in values.items():
@@ -89,7 +89,7 @@ def _settings(values: dict[str, str]) -> Iterator[None]:
 
 
 def _name(model: Any, name: str) -> None:
-    """Name the product; OpenCASCADE numbers the products of a process."""
+    """Set the name of the product, since OpenCASCADE numbers the products of a process."""
     for number in range(1, model.NbEntities() + 1):
         entity = model.Value(number)
         if isinstance(entity, StepBasic_Product):
@@ -98,7 +98,7 @@ def _name(model: Any, name: str) -> None:
 
 
 def report_of(made: Made) -> dict[str, Any]:
-    """Counts of the shape, and for each round part the kind of its surface, or why its cells are planes."""
+    """Return counts of the shape, and for each round part the kind of its surface, or why its cells are planes."""
     return {
         "faces": made.faces,
         "solids": made.solids,

@@ -1,4 +1,4 @@
-"""Triangles of polygons that are not planar. Numpy only."""
+"""Cuts non-planar polygons into triangles. Numpy only."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from .shapes import Array
 
 
 def ears(points: Array) -> list[tuple[int, int, int]]:
-    """Triangles of a simple polygon, the roundest ears first, as it looks along its normal."""
+    """Return triangles of a polygon, simple in the projection along its normal: ears, the roundest first."""
     area = np.cross(points - points[0], np.roll(points, -1, axis=0) - points[0]).sum(axis=0)
     axis = area / max(float(np.linalg.norm(area)), 1e-300)
     x = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
@@ -29,7 +29,7 @@ def _turn(a: Array, b: Array, c: Array) -> float:
 
 
 def _roundness(corners: Array) -> float:
-    """Area over the longest edge squared, negative where it is turned over."""
+    """Return the area over the longest edge squared, negative for a flipped triangle."""
     a, b, c = corners
     longest = max(float(((a - b) ** 2).sum()), float(((b - c) ** 2).sum()), float(((c - a) ** 2).sum()))
     return _turn(a, b, c) / max(longest, 1e-300)
