@@ -1,4 +1,4 @@
-"""Raises a plain error if the engine is there, but for other Pythons than the one that imports it."""
+"""Raises a clear error if the engine is installed for other versions of Python than the running one."""
 
 import re
 import sys

@@ -42,7 +42,7 @@ def expect_interrupts() -> None:
 
 
 def ignore_interrupts() -> None:
-    """The work is done or given up: a later Ctrl-C changes nothing."""
+    """Ignore a later Ctrl-C, since the work is done or given up."""
     if is_begun and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 

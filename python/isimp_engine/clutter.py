@@ -1,4 +1,4 @@
-"""Regions that take many polygons, such as foliage, a sieve of holes or a heap of things on a desk."""
+"""Finds regions with many polygons, such as foliage, a sieve of holes or a heap of things on a desk."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -7,7 +7,7 @@ import numpy as np
 
 from ._core import Mesh, Partition, PolygonMesh, leave_out_regions
 
-MOST = 8  #: polygons of a region that is no clutter
+MOST = 8  #: largest number of polygons of a region that is not clutter
 
 
 @dataclass(frozen=True)
@@ -16,18 +16,18 @@ class Clutter:
 
     region: int
     polygons: int
-    center: tuple[float, float, float]  #: of its corners
+    center: tuple[float, float, float]  #: mean of its corners
 
     def as_dict(self) -> dict[str, Any]:
         return {"region": self.region, "polygons": self.polygons, "center": list(self.center)}
 
 
 def clutter(polygons: PolygonMesh) -> list[Clutter]:
-    """The regions of a PolygonMesh that take more than MOST polygons, the worst first. Cost: O(corners)."""
+    """The regions of a PolygonMesh with more than MOST polygons, the worst first. Cost: O(corners)."""
     of = np.asarray(polygons.polygon_region)
     counts = np.bincount(of) if len(of) else of
     ends = np.append(polygons.loop_start, len(polygons.loops))
-    region = np.repeat(of, np.diff(ends))  # of each corner
+    region = np.repeat(of, np.diff(ends))  # the region of each corner
     found = []
     for r in np.flatnonzero(counts > MOST):
         x, y, z = np.asarray(polygons.vertices)[np.asarray(polygons.loops)[region == r]].mean(0).tolist()

@@ -109,7 +109,7 @@ def inside_regions(mesh: Mesh, part: Partition, barriers: Pairs) -> int:
 
 
 def parted_at(mesh: Mesh, part: Partition, cuts: Pairs) -> Labels | None:
-    """(F,) the regions after splitting those that contain the end of a cut; None if there is none."""
+    """(F,) the regions after splitting regions that contain the end of a cut; None if there is no such end."""
     return _parted_at(mesh, part, _as_pairs(cuts))
 
 

@@ -1,4 +1,4 @@
-"""Whether a bound brings the regions of a drawn model nearer to it than a detail does."""
+"""Finds a bound whose regions are nearer to a drawn model than the regions of a detail."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -8,11 +8,11 @@ import numpy as np
 from ._core import Job, Mesh, Partition
 from .within import Made
 
-LEAST_TIMES = 1.5  #: a bound that is less nearer is not worth a word
-MOST_FACES = 50_000  #: a larger mesh is not tried
+LEAST_TIMES = 1.5  #: a bound is reported if its planes are at least this many times nearer
+MOST_FACES = 50_000  #: larger meshes are not examined
 _LEAST_NOISE = 0.005  # share of the mean edge: scans have .01 and more, drawn models .001 and less
 _TRIES = 7
-_FEWEST, _MOST = 0.95, 1.03  # of the regions of the partition: as many
+_FEWEST, _MOST = 0.95, 1.03  # ratios of two numbers of regions that count as equal
 
 
 @dataclass(frozen=True)
@@ -21,17 +21,17 @@ class Nearer:
 
     bound: float  #: scene units
     regions: int
-    times: float  #: mean distance of the model from its planes: that of the partition, over that of the bound
+    times: float  #: mean distance of the model from the planes of the partition, over the one from planes of the bound
 
     def as_dict(self) -> dict[str, Any]:
         return {"bound": self.bound, "regions": self.regions, "times": self.times}
 
 
 def nearer_by_bound(mesh: Mesh, part: Partition, made: Made, job: Job | None = None) -> Nearer | None:
-    """A bound that is at least LEAST_TIMES nearer than a partition of a drawn model, with as many regions.
+    """A bound whose planes are at least LEAST_TIMES nearer than those of a partition of a drawn model.
 
-    made: how the partition was made. None if there is no such bound, for a scan with noise, for a partition that was
-    not found by a detail, and above MOST_FACES faces.
+    made: how the partition was made. The numbers of regions are about equal. Returns None without such a bound, for a
+    scan with noise, for a partition that was not found by a detail, and above MOST_FACES faces.
     Cost: some partitions by a bound, about twice the time of the first partition.
     """
     told, options = part.report, made.options

@@ -26,7 +26,7 @@ from .recipe import COUNTS, RecipeError
 
 __all__ = ["COUNTS", "Recipe", "RecipeError", "parsed", "read"]
 
-#: settings of a partition that name what only an object in Blender has
+#: settings of a partition that refer to data of an object in Blender
 _OF_BLENDER = ("weights", "borders", *rcp.MARKS)
 
 
@@ -41,7 +41,7 @@ class Recipe:
     angle: float | None  #: no region crosses an edge that bends by more, in degrees
     edits: tuple[rcp.Step, ...]  #: steps after the partition
     meshing: dict[str, Any]  #: options of MeshingOptions
-    repair: dict[str, Any]  #: of CleanOptions
+    repair: dict[str, Any]  #: options of CleanOptions
     texture: int | None = None  #: keep the texture in an image of this size; 0: as dense as the scan's; None: do not
     ao: float | None = None  #: with ambient occlusion by faces up to this distance; 0: by all; None: without
     height: bool = False  #: with a height map

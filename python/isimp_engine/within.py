@@ -25,8 +25,8 @@ from ._core import (
 from .guided import Guides, Part, partition_guided
 
 SLACK = 1.5  #: the polygons may be this many times further from the scan than its regions' planes
-_NEAR = 0.97  #: of the triangles asked for: with more of them the search ends
-_AIM = 0.985  #: of the same: what the next try is to have
+_NEAR = 0.97  #: share of the wanted triangles from which the search ends
+_AIM = 0.985  #: share of the wanted triangles that the next try aims for
 _MOST_TRIES = 8
 _CHUNK = 1 << 10  # vertices that a thread measures at a time
 
@@ -97,7 +97,7 @@ class TriangleSearch:
         self.tries = 0
 
     def take(self, regions: int, triangles: int) -> bool:
-        """To be told of each try. Returns whether it is the best so far."""
+        """Records a try. Returns whether it is the best one until now."""
         self.tries += 1
         fits, known = triangles <= self.most, self._fits if triangles <= self.most else self._over
         if known is None or (regions > known[0] if fits else regions < known[0]):

@@ -1,4 +1,4 @@
-"""The loop that runs pieces of work in child processes: starts those that fit into memory and yields their endings."""
+"""Runs pieces of work in child processes: starts the pieces that fit into memory and yields their endings."""
 
 import os
 import shutil
@@ -31,8 +31,8 @@ class Children:
     jobs: int | None = None  #: largest number of children at once on this machine; None: one for each core
     dask: str | None = None  #: address of a Dask scheduler, whose workers have access to the same files
     cluster: Cluster | None = None  #: a cluster to start, in place of `dask`
-    time_limit: float | None = None  #: of each child, seconds; None: no limit
-    memory_limit: float | None = None  #: of each child, MB; None: the free memory
+    time_limit: float | None = None  #: limit of each child, seconds; None: no limit
+    memory_limit: float | None = None  #: limit of each child, MB; None: the free memory
 
     def __post_init__(self) -> None:
         if not hasattr(os, "fork"):
@@ -59,7 +59,7 @@ class Children:
 class Assignment(Generic[Key]):
     """A piece of work for a child."""
 
-    key: Key  #: what the caller knows it by
+    key: Key  #: the caller's identifier
     mb: float  #: estimated need of memory
     task: Callable[[int], dict[str, Any]]  #: the task of the child, for a number of threads
 

@@ -54,7 +54,7 @@ class Recipe:
         for index, step in self.active():
             if isinstance(step, UnlockRegions):
                 locked -= set(step.faces)
-            elif isinstance(step, LockRegions):  # and LeaveOutRegions
+            elif isinstance(step, LockRegions):  # LeaveOutRegions is a subclass
                 locked |= set(step.faces)
             elif isinstance(step, PaintFaces) and step.lock:
                 locked.add(step.faces[0] if step.onto < 0 else step.onto)
@@ -89,7 +89,7 @@ class Recipe:
         return found[-1] if found else (-1, None)
 
     def regularised(self, step: Regularise) -> Recipe:
-        """The recipe with planes snapped at its end; as it is if they are already."""
+        """The recipe with planes snapped at its end; unchanged if they are snapped already."""
         active = self.without_mesh().active()
         return self if active and isinstance(active[-1][1], Regularise) else self.then(step)
 

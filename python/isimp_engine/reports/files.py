@@ -21,10 +21,10 @@ def texts_of(
     crs: int | None = None,
     turn: NDArray[np.float64] | None = None,
 ) -> dict[str, str]:
-    """Return the content of each file of a report, by the file's name; of round parts where there are some.
+    """Return the content of each file of a report, by name. A file of round parts exists only if there are some.
 
     table: the planes, as `plane_table` returns them. crs: EPSG number of the coordinates, or None. turn: (3, 3) from
-    the coordinates of the mesh to those of the pictures; None: the same.
+    the coordinates of the mesh to the coordinates of the pictures; None: the same.
     """
     scan, model = np.asarray(mesh.vertices), np.asarray(polygons.vertices)
     if turn is not None:

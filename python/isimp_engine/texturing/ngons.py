@@ -1,14 +1,14 @@
 """N-gons in glTF, which has triangles only: the extension FB_ngon_encoding.
 
-Consecutive triangles with the same first vertex are one polygon: a fan round that vertex. A polygon that no corner
-sees as a whole becomes several.
+Consecutive triangles with the same first vertex are one polygon: a fan around that vertex. A polygon without a corner
+from which it is visible as a whole becomes several.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 NAME = "FB_ngon_encoding"
-_THIN = 1e-6  # of a polygon's area: what a triangle of a fan must have
+_THIN = 1e-6  # least area of a triangle of a fan, as a share of the polygon's area
 
 
 def fans(
@@ -17,10 +17,10 @@ def fans(
     triangles: NDArray[np.int32],
     polygon: NDArray[np.int32],
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Triangles that fill polygons, as fans where a corner sees the whole polygon: (F, 3), and the polygon of each.
+    """(F, 3) triangles that fill polygons, as fans if the whole polygon is visible from a corner, and their polygons.
 
-    places: (L, 3) of each corner, polygon after polygon. triangles, polygon: those of any triangulation by corners.
-    Polygons without a fan keep their triangles, each of which begins at another corner than the one before it.
+    places: (L, 3) of each corner, polygon after polygon. triangles, polygon: any triangulation by corners. Polygons
+    without a fan keep their triangles; consecutive triangles begin at different corners.
     """
     ends = np.append(loop_start, len(places)).astype(np.int64)
     first, count = np.searchsorted(polygon, np.arange(len(loop_start) + 1)), np.diff(ends)

@@ -23,7 +23,7 @@ def read_textured(path: str | PathLike[str], job: Job | None = None, *, threads:
     place = Path(path)
     kind = place.suffix.lower()
     if kind in COMPRESSED:
-        raise FileError(f"{place}: is compressed; decompress it first, as its images are looked for beside it")
+        raise FileError(f"{place}: is compressed; decompress it first, as its images are searched for next to it")
     if kind not in KINDS:
         raise FileError(f"{place}: is of a kind that can't be read; it must end in one of {', '.join(KINDS)}")
     with reader(place, "is damaged" if kind not in (".glb", ".gltf") else "is damaged, or not glTF 2.0"):

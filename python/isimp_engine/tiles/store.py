@@ -47,7 +47,7 @@ def _ours(path: Path) -> Iterator[None]:
         try:
             yield
         except FileNotFoundError:
-            raise EOFError("it is gone") from None
+            raise EOFError("it was removed") from None
 
 
 def save_values(folder: Path, values: dict[str, Any]) -> None:

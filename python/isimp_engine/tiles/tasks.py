@@ -20,7 +20,7 @@ from . import borders, grouped, meshing, steps, tileset
 from .splitting import split_scan
 from .store import MADE, load, of_tile, save, save_values, tile_name
 
-_CLEAN = CleanOptions(stitch=0, grid=0, threads=1)  # the borders of a tile are those of its neighbours
+_CLEAN = CleanOptions(stitch=0, grid=0, threads=1)  # tiles share their borders with their neighbours
 _FINER = 4.0  # ratio of the tolerance at which the joined tree is cut to that of the patches
 SURPLUS = 2.2  # regions before the last merging, as a multiple of a given number
 _T_JUNCTION = 1e-9  # share of the diagonal: largest distance of a T-junction from its edge without welding
