@@ -1,4 +1,4 @@
-"""Simplify many scans, each in a child process with limits on time and memory. Another run does only what is missing.
+"""Simplify many scans, each in a child process with limits on time and memory. A second run skips finished scans.
 
 INPUT is a folder, a pattern, a list of paths in a text file, or scans. Results get the names and folders of the scans;
 OUTPUT_FOLDER/results.jsonl has one row a scan, results.html shows them.
@@ -30,13 +30,17 @@ def add_options(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--format", default="obj", metavar="KIND", help="of results, as OUTPUT of simplify may end. Default: obj."
     )
-    command.add_argument("--jobs", type=int, metavar="N", help="scans at once. Default: what cores and memory allow.")
+    command.add_argument(
+        "--jobs", type=int, metavar="N", help="scans at once. Default: by cores and memory."
+    )
     add_workers(command)
     command.add_argument("--time-limit", type=float, metavar="S", help="seconds a scan may take. Default: no limit.")
-    command.add_argument("--memory-limit", type=float, metavar="MB", help="MB a scan may take. Default: what is free.")
-    command.add_argument("--retry-failed", action="store_true", help="do again what failed in an earlier run")
-    command.add_argument("--labels", action="store_true", help="write NAME.labels.npy beside each result")
-    command.add_argument("--reports", action="store_true", help="write NAME.report.json beside each result")
+    command.add_argument(
+        "--memory-limit", type=float, metavar="MB", help="MB a scan may take. Default: the free memory."
+    )
+    command.add_argument("--retry-failed", action="store_true", help="repeat the scans that failed in an earlier run")
+    command.add_argument("--labels", action="store_true", help="write NAME.labels.npy next to each result")
+    command.add_argument("--reports", action="store_true", help="write NAME.report.json next to each result")
     command.add_argument("--no-pictures", dest="pictures", action="store_false", help=f"no pictures in {NAME}")
     command.add_argument("--quiet", action="store_true", help="no progress, no summary")
 
@@ -64,7 +68,7 @@ def children_of(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def run(arguments: argparse.Namespace) -> int:
     screen = Screen() if wanted(arguments.quiet) else None
-    state = State(0, 0)  # the one that is shown last; the batch keeps it up to date
+    state = State(0, 0)  # replaced by the present state at each call of `watch`
 
     def watch(now: State) -> None:
         nonlocal state

@@ -45,7 +45,7 @@ def parser() -> argparse.ArgumentParser:
     command.add_argument(
         "--labels", type=place, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"
     )
-    command.add_argument("--report", type=place, metavar="R.json", help="what was done, in numbers; -: to stdout")
+    command.add_argument("--report", type=place, metavar="R.json", help="the numbers of the result; -: to stdout")
     command.add_argument("--quiet", action="store_true", help="no progress, no summary")
 
     command = commands.add_parser(
@@ -67,7 +67,10 @@ def parser() -> argparse.ArgumentParser:
     report.add_options(command)
 
     command = commands.add_parser(
-        "info", help="what a mesh is and what it would become", description=info.__doc__, parents=shared
+        "info",
+        help="properties of a mesh, and the polygons that it would become",
+        description=info.__doc__,
+        parents=shared,
     )
     command.set_defaults(run=info.run)
     command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF or GLB")

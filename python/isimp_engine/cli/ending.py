@@ -17,14 +17,14 @@ class Terminated(KeyboardInterrupt):
 
 @contextmanager
 def terminable() -> Iterator[None]:
-    """SIGTERM, and the end of the terminal, stop the block as Ctrl-C does."""
+    """Makes SIGTERM and the end of the terminal stop the block like Ctrl-C."""
     with _handled(_endings(), _end), _not_lost():
         yield
 
 
 @contextmanager
 def _not_lost() -> Iterator[None]:
-    """An exception that comes in a destructor ends there: its signal comes once more, a moment later."""
+    """Sends a signal again, a moment later, if its exception was raised in a destructor, where it has no effect."""
     before, timers = sys.unraisablehook, list[threading.Timer]()
 
     def hook(lost: Any) -> None:
@@ -46,10 +46,10 @@ def _not_lost() -> Iterator[None]:
 
 
 class Interrupts:
-    """Ctrl-C and SIGTERM, which come at once before the first call of `check`, and from then on when it is called.
+    """Ctrl-C and SIGTERM: they raise at once before the first call of `check`, and later only when it is called.
 
-    An exception that comes anywhere may be lost in a destructor, or end a step in the middle. A second signal comes at
-    once all the same.
+    An exception at an arbitrary place may be lost in a destructor, or end a step in the middle. A second signal raises
+    at once in any case.
     """
 
     def __init__(self) -> None:
@@ -69,7 +69,7 @@ class Interrupts:
 
 @contextmanager
 def deferrable() -> Iterator[Interrupts]:
-    """As `terminable`, but signals wait for calls of `Interrupts.check`."""
+    """Acts like `terminable`, but signals wait for calls of `Interrupts.check`."""
     interrupts = Interrupts()
     is_awaited = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     with _handled(_endings() + [signal.SIGINT] * is_awaited, interrupts.handle):

@@ -22,7 +22,7 @@ def place(text: str) -> Path | str:
 
 
 def check(path: Path) -> None:
-    """Refuse before the work a place that can't be written after it."""
+    """Check the output path before the computation."""
     if not path.resolve().parent.is_dir():
         raise UsageError(f"{path}: there is no folder {path.parent} to write to")
     if path.is_dir():
@@ -32,7 +32,7 @@ def check(path: Path) -> None:
 
 
 def show(text: str, beside: bool = False) -> None:
-    """Print a text. beside: to stderr, since stdout has another one. An error of stdout is no error of the input."""
+    """Print a text. `beside`: to stderr, since stdout has other output. An error of stdout is no error of the input."""
     stream = sys.stderr if beside else sys.stdout
     if stream is None:
         return
@@ -43,7 +43,7 @@ def show(text: str, beside: bool = False) -> None:
 
 
 def is_same(path: Path, other: Path) -> bool:
-    """Whether two names are of one file: the same path, links to it, or hard links of it."""
+    """Whether two names belong to one file: the same path, links to it, or hard links of it."""
     return path.resolve() == other.resolve() or (path.exists() and other.exists() and path.samefile(other))
 
 

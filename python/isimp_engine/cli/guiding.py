@@ -24,7 +24,7 @@ FILES = {
 
 
 def add_angle(command: argparse.ArgumentParser) -> None:
-    about = "no region crosses an edge at which INPUT bends by more than so many degrees, in [0, 180]"
+    about = "no region crosses an edge at which INPUT bends by more than A degrees, in [0, 180]"
     command.add_argument("--angle", type=float, metavar="A", help=about)
 
 

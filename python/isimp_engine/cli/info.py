@@ -1,4 +1,4 @@
-"""Say what a mesh is, what would be repaired, and how many polygons it would become. Nothing is written."""
+"""Print the properties of a mesh, the repairs that it needs, and its number of polygons. Nothing is written."""
 
 import argparse
 import json

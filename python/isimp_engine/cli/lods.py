@@ -31,7 +31,7 @@ def check(arguments: argparse.Namespace) -> None:
     """Refuse arguments that contradict levels."""
     given = [flag for flag in _COUNTS if getattr(arguments, flag) is not None]
     if given:
-        raise UsageError(f"--lods says how many regions each level has: leave out --{given[0]}")
+        raise UsageError(f"--lods sets the number of regions of each level: leave out --{given[0]}")
 
 
 def levels(task: Simplification) -> list[Simplification]:
@@ -64,7 +64,7 @@ def named(path: Path, number: int) -> Path:
 
 
 def with_halved_texture(level: Simplification, size: int, times: int) -> Simplification:
-    """The level with an image whose side is halved so many times. size: side of the first level's image."""
+    """The level with an image whose side is halved `times` times. size: side of the first level's image."""
     assert level.settings.texture is not None
     least = next(field["least"] for field in TextureOptions.fields() if field["name"] == "size")
     side = size if size == texturing.LIKE_THE_SCAN else max(int(least), size >> times)

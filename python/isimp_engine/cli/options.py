@@ -22,8 +22,8 @@ _OF_RECIPE = ("angle", "texture", "ao", "height", "tiles", "materials")  # taken
 _NEEDS = {
     "ao": ("--ao", "texture", "it is an image of the texture's material"),
     "height": ("--height", "texture", "it has the places of the texture"),
-    "tiles": ("--tiles", "texture", "it says how many images the texture has"),
-    "materials": ("--keep-materials", "texture", "it says how many images the texture has"),
+    "tiles": ("--tiles", "texture", "it sets the number of images of the texture"),
+    "materials": ("--keep-materials", "texture", "it sets the number of images of the texture"),
 }
 #: options of an engine's class whose flag has another name
 _FLAGS: dict[tuple[Options, str], str] = {(RegulariseOptions, "angle"): "regularise"}
@@ -42,7 +42,7 @@ def simplify_options() -> argparse.ArgumentParser:
     command.add_argument(
         "--keep-openings",
         action="store_true",
-        help="keep all holes and handles; else those of a noisy scan that the regions can't show are closed",
+        help="keep all holes and handles; else those that the regions can't show are closed in a noisy scan",
     )
     command.add_argument(
         "--keep-opening",
@@ -71,7 +71,7 @@ def simplify_options() -> argparse.ArgumentParser:
         const=texturing.LIKE_THE_SCAN,
         metavar="SIZE",
         help="keep the scan's texture in an image of SIZE x SIZE pixels; without SIZE: as dense as the scan's images. "
-        "Beside OUTPUT.obj come OUTPUT.mtl, OUTPUT.png and OUTPUT_normal.png; OUTPUT.glb holds all",
+        "OUTPUT.obj has the files OUTPUT.mtl, OUTPUT.png and OUTPUT_normal.png; OUTPUT.glb contains all",
     )
     command.add_argument(
         "--ao",
@@ -109,9 +109,7 @@ def simplify_options() -> argparse.ArgumentParser:
         metavar="EPSG",
         help="the number of the scan's reference system, written to CityJSON and IFC",
     )
-    command.add_argument(
-        "--unit", choices=UNITS, default="m", help="what a scene unit is in STEP. Default: %(default)s"
-    )
+    command.add_argument("--unit", choices=UNITS, default="m", help="unit of the scene in STEP. Default: %(default)s")
     command.add_argument("--recipe", type=Path, metavar="R.json", help="the steps to do, as the add-on exports them")
     return command
 

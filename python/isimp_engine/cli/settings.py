@@ -1,4 +1,4 @@
-"""What the commands of one scan do, as typed values. They are made once, of the command line and the recipe."""
+"""The settings of the commands for one scan, as typed values, made once from the command line and the recipe."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,9 +11,9 @@ Place = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Texturing:
-    """The texture that a result gets."""
+    """The texture of a result."""
 
-    size: int  #: of an image, pixels; LIKE_THE_SCAN: as dense as the scan's images
+    size: int  #: size of an image, pixels; LIKE_THE_SCAN: as dense as the scan's images
     tiles: int | None = None  #: number of images; None: as many as the density of the scan needs
     materials: bool = False  #: images of their own for each of the scan's materials
     height: bool = False  #: a height map
@@ -42,7 +42,7 @@ class Settings:
     recipe: Recipe | None
     keep_openings: bool
     kept_places: list[Place]  #: places of openings that stay open
-    clutter: str  #: one of CLUTTER: what becomes of regions that take many polygons
+    clutter: str  #: one of CLUTTER: treatment of regions with many polygons
     angle: float | None  #: degrees; no region crosses an edge that bends by more
     texture: Texturing | None
     crs: int | None  #: EPSG number

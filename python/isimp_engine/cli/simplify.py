@@ -96,7 +96,7 @@ def run(task: Simplification) -> Done:
         if task.report:
             outputs.write_text(task.report, json.dumps(report, indent=2, allow_nan=False) + "\n")
         outputs.commit()
-    if not task.quiet:  # where the report is on stdout, it is alone there
+    if not task.quiet:  # a report on stdout must be the only output there
         show("\n".join(summary(source, done)), beside=task.report == STDOUT)
     return done[0]
 
@@ -115,7 +115,7 @@ class Regions:
     meshing: MeshingOptions
     regular: RegulariseOptions | None
     made: Made | None  #: how the partition was made; None if it was edited since
-    nearer: Nearer | None  #: a bound that would bring the regions of a drawn model nearer to it
+    nearer: Nearer | None  #: a bound with regions nearer to a drawn model
 
 
 @dataclass(frozen=True)
@@ -309,7 +309,7 @@ def check_places(task: Simplification) -> list[Path]:
 
 
 def peak_mb() -> float | None:
-    """The peak memory of this process until now; None if the system has no such number."""
+    """The peak memory of this process; None if the system has no such number."""
     try:
         import resource
     except ImportError:  # Windows

@@ -23,7 +23,7 @@ def whole(name: str, text: str) -> int:
     field = next(field for field in TextureOptions.fields() if field["name"] == name)
     wanted = f"must be a whole number {field['range']}, got {text!r}"
     if name == "size":
-        wanted = f"SIZE {wanted}; --texture without SIZE goes behind OUTPUT"
+        wanted = f"SIZE {wanted}; write --texture without SIZE after OUTPUT"
     try:
         number = int(text)
     except ValueError:
@@ -34,8 +34,8 @@ def whole(name: str, text: str) -> int:
 
 
 def distance(text: str) -> float:
-    """An argument that gives how far away faces may be that keep light off."""
-    wanted = f"DISTANCE must be a finite length above 0, got {text!r}; --ao without DISTANCE goes behind OUTPUT"
+    """An argument with the largest distance of faces that occlude light."""
+    wanted = f"DISTANCE must be a finite length above 0, got {text!r}; write --ao without DISTANCE after OUTPUT"
     try:
         length = float(text)
     except ValueError:

@@ -60,7 +60,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
     )
     add_workers(command)
     command.add_argument(
-        "--work", type=Path, metavar="FOLDER", help="for intermediate results; stays. Default: beside OUTPUT, removed."
+        "--work", type=Path, metavar="FOLDER", help="for intermediate results; stays. Default: next to OUTPUT, removed."
     )
     command.add_argument(
         "--labels",
@@ -68,14 +68,16 @@ def add_options(command: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="one int32 region per face of each tile's file, TILE.npy; -1: none",
     )
-    command.add_argument("--jobs", type=int, metavar="N", help="tiles at once. Default: what cores and memory allow.")
+    command.add_argument(
+        "--jobs", type=int, metavar="N", help="tiles at once. Default: by cores and memory."
+    )
     faces = f"faces of the tiles that one scan is cut into. Default: {TILE_FACES:,}."
     command.add_argument("--tile-faces", type=int, default=TILE_FACES, metavar="N", help=faces)
     command.add_argument("--smooth", type=float, metavar="X", help="as of simplify. Default: 0.5.")
     command.add_argument("--leave-out", type=float, metavar="X", help="as of simplify. Default: 0.001.")
     command.add_argument("--seed", type=int, metavar="N", help="as of simplify; merging draws no random numbers")
     command.add_argument("--planar", action="store_true", default=None, help="make every polygon planar")
-    command.add_argument("--report", type=place, metavar="R.json", help="what was done, in numbers; -: to stdout")
+    command.add_argument("--report", type=place, metavar="R.json", help="the numbers of the result; -: to stdout")
     command.add_argument("--quiet", action="store_true", help="no progress, no summary")
 
 
@@ -91,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
         if now.before and not told:
             if screen is not None:
                 screen.clear()
-            print(f"isimp: goes on from an earlier run, which did {now.before:,} steps", file=sys.stderr)
+            print(f"isimp: continues an earlier run, which did {now.before:,} steps", file=sys.stderr)
         told, state = True, now
         if screen is not None:
             screen.draw(lambda: progress(now))
@@ -128,7 +130,7 @@ def run(arguments: argparse.Namespace) -> int:
         print("isimp:", " ".join(str(error).split()), file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt as error:
-        said = f"interrupted while {_WORDS.get(state.step, 'starting')}; the same command goes on from there"
+        said = f"interrupted while {_WORDS.get(state.step, 'starting')}; the same command continues from there"
         print(f"isimp: {said}", file=sys.stderr)
         return TERMINATED if isinstance(error, Terminated) else INTERRUPTED
     if not arguments.quiet:

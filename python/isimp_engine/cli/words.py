@@ -176,7 +176,7 @@ def left_out(parts: int, area: float) -> Iterator[str]:
 
 def more_proxies(used: int, asked: int) -> Iterator[str]:
     if used > asked:
-        yield f"  {used:,} proxies used, since the parts need them; {asked:,} were asked for"
+        yield f"  {used:,} proxies used, since the parts need them; {asked:,} were requested"
 
 
 def polygons(out: dict[str, Any], regions: int) -> str:

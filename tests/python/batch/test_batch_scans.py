@@ -169,7 +169,7 @@ def test_as_many_at_once_as_cores_and_memory_allow(tmp_path, monkeypatch):
         for number in range(2):
             assert workers.threads(5000, 100) == 4, "a limit bounds what is needed"
             workers.start(number, {}, 5000)
-        assert workers.threads(1, 100) == 0, "two jobs were asked for"
+        assert workers.threads(1, 100) == 0, "two jobs were requested"
     with local.Local(tmp_path, None, nursery.Limits(), ODD, threads=4) as workers:
         monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
         for number in range(2):

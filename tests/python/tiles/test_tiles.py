@@ -197,7 +197,7 @@ def test_a_run_that_was_killed_goes_on_and_gives_the_same_bits(tmp_path, four, s
     assert not (tmp_path / "a.ply").exists()
     done = isimp(*command[3:])
     assert done.returncode == 0, done.stderr
-    assert done.stderr.startswith("isimp: goes on from an earlier run, which did ")
+    assert done.stderr.startswith("isimp: continues an earlier run, which did ")
     assert len(done.stderr.splitlines()) == 1
     assert (tmp_path / "a.ply").read_bytes() == polygons
     assert labels_in(tmp_path / "a.labels") == labels
@@ -378,10 +378,10 @@ def test_ctrl_c_ends_it_and_the_next_run_goes_on(tmp_path, whole):
     process.send_signal(signal.SIGINT)
     said = process.communicate(timeout=20)[1]
     assert process.returncode == 130
-    assert said.splitlines()[-1].endswith("; the same command goes on from there")
+    assert said.splitlines()[-1].endswith("; the same command continues from there")
     done = isimp(*command[3:])
     assert done.returncode == 0
-    assert "goes on from an earlier run" in done.stderr
+    assert "continues an earlier run" in done.stderr
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.obj", "in"]
 
 
