@@ -4,7 +4,7 @@
             [--detail X | --tolerance T | --bound T | --proxies N | --recipe R.json] [--picture P.png] [--table T.csv]
 
 IN is any format that Blender reads, or .off. OUT are .obj, .ply, .glb, in the axes of IN, or .blend, which keeps the
-scan and its coloured regions. Ends with 0; 2 for wrong usage; 3 for a scan that can't be used, and a line saying why.
+scan and its coloured regions. Ends with 0; 2 for wrong usage; 3 for an unusable scan, and a line with the reason.
 A table T.csv may collect many scans: each run adds a row with its result, or with the reason of its failure.
 """
 
@@ -135,7 +135,7 @@ def exists(name):
 
 
 def read(options):
-    """Brings the scan into the scene, active and selected, and returns its object."""
+    """Imports the scan, active and selected, and returns its object."""
     path = options.input.resolve()
     if not path.is_file():
         raise Problem(f"there is no file '{options.input}'")
@@ -276,7 +276,7 @@ def write(path, options):
 
 
 def make_room(path):
-    """Makes the folder of a file to be, and sees that it can be written, as some of Blender's own writers don't say."""
+    """Makes the folder of an output, and checks that it can be written. Some writers of Blender report no error."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         existed = path.exists()
@@ -357,7 +357,7 @@ def add_row(path, row):
 
 
 def what_came(scan, result):
-    """The row of a scan that became polygons."""
+    """The row of a scan with polygons."""
     numbers = of_addon("isimp.blender.scene.store").numbers(scan)
     return {
         "regions": numbers["regions"],

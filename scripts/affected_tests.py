@@ -1,6 +1,6 @@
 """The tests that a change touches, by place: ctest|pytest BUILD_DIR COMMIT -> a pattern of labels, or paths.
 
-native/src/MODULE, and what includes its headers    tests/cpp/MODULE, tests/python/engine/test_{MODULE,FILE}.py
+native/src/MODULE, and files with its headers       tests/cpp/MODULE, tests/python/engine/test_{MODULE,FILE}.py
 native/include, native/bindings                     tests/python/engine and project
 python/isimp_engine/children                        tests/python/batch and tiles
 python/isimp_engine/{batch,tiles}                   tests/python of that name

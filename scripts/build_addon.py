@@ -26,7 +26,7 @@ import wheels
 ROOT = Path(__file__).resolve().parent.parent
 ADDON = ROOT / "addon" / "isimp"
 RECIPE = ROOT / "python" / "isimp_engine" / "recipe"
-PLATFORMS = {  # of wheels, and their names in Blender
+PLATFORMS = {  # platforms of wheels, and their names in Blender
     r"(many)?linux.*_x86_64": "linux-x64",
     r"(many)?linux.*_aarch64": "linux-arm64",
     r"macosx_.*_arm64": "macos-arm64",
@@ -117,7 +117,7 @@ def installed_wheel(folder: Path) -> Path:
 
 
 def wheel_for(kind: str, wheel: Path, folder: Path) -> Path | None:
-    """The wheel for a kind of zip: the modules that its Blenders need. None if the wheel has none of them.
+    """The wheel for a kind of zip: the modules that its Blenders need; None if the wheel has none of them.
 
     A wheel of a single Python is taken whole.
     """

@@ -59,7 +59,7 @@ def units(tops: Iterable[str]) -> dict[str, dict[str, list[Path]]]:
 
 
 def first_sentence(text: str) -> str:
-    """Of a comment's text: up to a full stop, a blank or an indented line; a long one up to a colon or semicolon."""
+    """The first sentence of a comment: up to a full stop, a blank or an indented line; if long, up to a colon."""
     paragraph = " ".join(re.split(r"\n\s*\n|\n\s{2,}", text.strip())[0].split())
     sentence = re.split(r"(?<!e\.g)(?<!i\.e)\.(?=\s|$)", paragraph)[0]
     if len(sentence) > LONG:

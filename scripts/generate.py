@@ -93,7 +93,7 @@ def table_of(kind: type) -> str:
 
 
 def settings_of(kind: type) -> list[dict[str, Any]]:
-    """The options that are settings of recipes; of repairs those that the panel shows."""
+    """The options that are settings of recipes; options of repairs only if the panel shows them."""
     is_repair = kind is engine.CleanOptions
     return [field for field in kind.fields() if field["name"] not in MACHINE and (field["label"] or not is_repair)]
 

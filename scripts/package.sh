@@ -18,7 +18,7 @@
 # ISIMP_THIRD_PARTY: a folder that scripts/headers.py made before. ISIMP_WEBSITE: the address for the extension's manifest.
 #
 # On Debian and x86-64 with GCC it links with the C library of Debian 11 (scripts/sysroot.py), so that the wheels run on
-# systems as old as that. Elsewhere they run on systems as new as this one, and the wheels' names say which.
+# systems as old as that. Elsewhere they run on systems as new as this one, and the wheels' names contain it.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 

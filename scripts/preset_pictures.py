@@ -1,4 +1,4 @@
-"""Makes the small pictures on the cards of presets from those of docs/images: the regions of each, without the ground.
+"""Makes the small pictures on the cards of presets from pictures in docs/images: their regions, without the ground.
 
 python scripts/preset_pictures.py     (needs Pillow)
 """

@@ -210,7 +210,7 @@ cpp_tests() { # BUILD_DIR CMAKE_OPTION...
   ctest --test-dir "$build" -j2 --timeout 600 --output-on-failure --output-junit "$results/ctest.xml"
 }
 
-run_stage() { # NAME: its output goes to a log, its counts to out/test/NAME.counts
+run_stage() { # NAME: writes its output to a log, its counts to out/test/NAME.counts
   local name=$1 started=$SECONDS log=$out/test/$1.log code counts
   results=$out/test/$name
   rm -rf "$results"

@@ -60,7 +60,7 @@ def _error(q, p):
 
 
 def _best_place(q, u, v):
-    """The place of the least quadric; the best of the ends and the middle where that is not well determined."""
+    """The place of the least quadric; the best of the ends and the middle if that place is ill-conditioned."""
     a, b, c, d, e, f, g, h, i, _ = q
     m0, m1, m2 = e * h - f * f, c * f - b * h, b * f - c * e
     det = a * m0 + b * m1 + c * m2

@@ -1,4 +1,4 @@
-"""Twins of what people scan: cartons, one on a table, open buildings, rooms, a hall in chunks, grids of drawn houses.
+"""Makes twins of real scans: cartons, one on a table, open buildings, rooms, a hall in chunks, grids of drawn houses.
 
 Each is made from numbers, the same on every run. Lengths are metres.
 """
@@ -75,7 +75,7 @@ def _grid(low: np.ndarray, high: np.ndarray, cell: float) -> np.ndarray:
 
 
 def open_building(seed: int = 1, cell: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
-    """Walls and a roof as multi-view stereo leaves them: a ragged lower rim, holes, and debris that stands in them."""
+    """Walls and a roof like results of multi-view stereo: a ragged lower rim, holes, and debris in them."""
     rng = np.random.default_rng(seed)
     low = np.array([-2.0, -2.0, -3.0])
     grid = _grid(low, np.array([16.0, 12.0, 12.0]), cell)
@@ -184,7 +184,7 @@ def chunks(
 
 
 def house(seed: int):
-    """Signed distance of a drawn house and its box: a body, and what `seed` adds to it.
+    """Signed distance of a drawn house and its box: a body, and parts that depend on `seed`.
 
     The ridge of a wing ends well below the eave, so that a scan shows whether the wall above it is one.
     """
@@ -308,10 +308,10 @@ SIDES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (
 
 
 def _cases() -> list[list[tuple[tuple[int, int], ...]]]:
-    """By which corners of a cube are inside: triangles, each of three edges of the cube as pairs of corners.
+    """Triangles for each set of inner corners of a cube, each of three edges of the cube as pairs of corners.
 
-    Round each side of the cube a line leaves where the walk comes out and enters where it goes in, so that inner
-    corners across a diagonal stay apart; sides of two neighbours agree.
+    Around each side of the cube, lines connect edges that leave the inside with the edges that enter it next, so that
+    inner corners across a diagonal stay separate. Common sides of two cubes agree.
     """
     cases = []
     for case in range(256):
@@ -322,7 +322,7 @@ def _cases() -> list[list[tuple[tuple[int, int], ...]]]:
                 a, b = side[k], side[(k + 1) % 4]
                 if inside[a] or not inside[b]:
                     continue
-                j = (k + 1) % 4  # from where the walk goes in to where it comes out again
+                j = (k + 1) % 4  # from the edge that enters the inside to the next one that leaves it
                 while inside[side[(j + 1) % 4]]:
                     j = (j + 1) % 4
                 c, d = side[j], side[(j + 1) % 4]

@@ -60,9 +60,9 @@ def ball(radius, centre=(0, 0, 0)):
 
 
 def turned(heights, radii, smooth=True):
-    """A solid of revolution round z, by its radius over the height."""
+    """A solid of revolution around z, by its radius over the height."""
     heights, radii = np.asarray(heights, float), np.asarray(radii, float)
-    slopes = np.gradient(radii, heights) if smooth else None  # of cubic Hermite curves
+    slopes = np.gradient(radii, heights) if smooth else None  # slopes of cubic Hermite curves
 
     def radius(z):
         z = np.clip(z, heights[0], heights[-1])

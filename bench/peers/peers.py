@@ -22,8 +22,8 @@ from tests.shared.polygon_judge import distances, judge
 ROOT = Path(__file__).resolve().parents[2]
 MESHES = ("bunny", "armadillo_86k", "fandisk", "castle", "frankfurt")
 SAMPLES = 3000
-# Runs in Blender: planar decimation to about so many polygons. The angle grows by half until few enough are left, then
-# the range is halved. On large scans wide angles take minutes: no try follows one that took longer than `PATIENCE`.
+# Runs in Blender: planar decimation to about a number of polygons. The angle grows by half until few enough are left,
+# then the range is halved. On large scans wide angles take minutes: no try follows one longer than `PATIENCE`.
 PATIENCE = 20  # seconds of the processor
 DECIMATE = """
 import math, sys, time, bpy, numpy as np

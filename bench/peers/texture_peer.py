@@ -7,9 +7,9 @@ Python has Blender as a module (bpy), or `blender -b --factory-startup --python 
 Debian's Blender 3.4 baked black images where this was tried; bpy 4.5 does not.
 
 Cycles bakes emission from the scan to the polygons with 4 samples, at extrusions of 0.5, 1 and 2 % of the diagonal.
-Views are those of `quality/texture.py`; a close-up of each shows a quarter of the width, around the point of the scan
-nearest to the eye. Seconds are processor time: of `engine.texture` without a normal map, and of Cycles' bake operator.
-`--site` names folders with numpy and Pillow where Blender's Python lacks them.
+Views are the same as in `quality/texture.py`; a close-up of each shows a quarter of the width, around the point of the
+scan nearest to the eye. Seconds are processor time: of `engine.texture` without a normal map, and of Cycles' bake
+operator. `--site` names folders with numpy and Pillow where Blender's Python lacks them.
 """
 
 import argparse

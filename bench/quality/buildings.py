@@ -107,7 +107,7 @@ def scan_row(name: str, mesh: engine.Mesh, proxies: int) -> None:
         f"regularised: directions {free.report['directions']} -> {snapped.report['directions']}, rms "
         f"{snapped.report['rms_added'] / (snapped.report['rms'] - snapped.report['rms_added']):+.1%}, "
         f"whole {regular.report['whole']:.2f}, faces a polygon {len(regular.loop_start) / len(before.loop_start):.2f}, "
-        f"planes let go {regular.report['planes_let_go']}, new defects "
+        f"planes released {regular.report['planes_let_go']}, new defects "
         f"{sum(regular.report[f] - before.report[f] for f in DEFECTS)}, distance {changes(both, near)}, "
         f"time {t2 / t0:.2f}"
     )

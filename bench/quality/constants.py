@@ -13,7 +13,7 @@ Defaults of options are changed without a build.
 Columns, changes in % of the value of now, geometric means over the meshes of `MESHES`:
   distance    of the scan's vertices from the polygons, mean
   planarity   distance of corners from their polygon's plane, mean by area
-  polygons    made of the regions asked for
+  polygons    made from the requested regions
   concave     polygons with a corner above 190 degrees
   found       regions that `detail` finds at its default
   time        of the processor, partition and polygons together

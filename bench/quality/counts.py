@@ -8,8 +8,8 @@ other meshes are made. Tables:
   for 300 regions   polygons of scans with many small openings, all kept and by default; distance is the mean of the
                     scan's vertices from the polygons, in % of the diagonal
   by detail         polygons a region, at each detail of the slider
-  said, made        the estimate of `expected_polygons`, and the polygons made
-  openings          handles of noisy scans before and after closing what N regions can't show; the real ones should stay
+  expected, made    the estimate of `expected_polygons`, and the polygons made
+  openings          handles of noisy scans before and after closing, for N regions; the real ones should stay
   rooms             polygons of a room with many tunnels of one cell through a wall, and of the same room without
   houses            two houses with tunnels, pinholes and specks, as multi-view stereo makes them
   coarse meshes     the number found by detail on a mesh of few triangles, and split in four one to three times
@@ -74,7 +74,7 @@ def by_detail(data):
 def foreseen(data):
     """The estimate of `expected_polygons`, and the polygons made, of all scans, with openings closed as by default."""
     numbers = (30, 100, 300, 1000)
-    print(f"\n| scan | {' | '.join(f'said, made for {n}' for n in numbers)} |\n|{'---|' * (1 + len(numbers))}")
+    print(f"\n| scan | {' | '.join(f'expected, made for {n}' for n in numbers)} |\n|{'---|' * (1 + len(numbers))}")
     errors = []
     for path in sorted(data.glob("[bns]*/*.ply")):
         arrays, cells = engine.read(path), []
@@ -144,7 +144,7 @@ def rooms():
 
 def houses():
     """Regions left out, polygons and closedness, compared with the same house without errors."""
-    print("\n| house | asked | regions | polygons | a region | closed | specks left out | without errors |")
+    print("\n| house | requested | regions | polygons | a region | closed | specks left out | without errors |")
     print("|---|---|---|---|---|---|---|---|")
     for scale in (1, 2):
         arrays, plain = shapes.mvs_house(scale), engine.clean(*shapes.mvs_house(scale, errors=False))

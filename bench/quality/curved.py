@@ -1,11 +1,11 @@
-"""Measures round parts (`PartitionOptions.curved`) on shapes whose truth is known, beside the partition without them.
+"""Measures round parts (`PartitionOptions.curved`) on known shapes, compared with the partition without them.
 
     python -m bench.quality.curved [--only column,vase] [--noise 0,0.001,0.003] [--seeds 1,2,3] [--json OUT.json]
     python -m bench.quality.curved --scans FOLDER [--only scan/bunny_69k.ply]
 
 `isimp_engine` must be importable. A row is the mean of the seeds. Both columns of a pair come from the same run.
 
-  found right  share of the truly curved area that is in curved patches; of their area what is truly curved
+  found right  share of the truly curved area that is in curved patches; share of their area that is truly curved
   axis radius  error of the best patch for each true part: degrees; %
   polygons     with round parts, and without: the quotient
   mean p99     distance of the scan's vertices from the polygons: the quotient

@@ -1,4 +1,4 @@
-"""What people scan: cartons, open buildings, rooms, chunks, grids and drawn houses, by the command as it comes.
+"""Measures the command with its defaults on real objects: cartons, open buildings, rooms, chunks, grids, drawn houses.
 
     python -m bench.quality.real [--only carton,room] [--data DIR] [--json OUT] [--against OLD] [-- FLAGS]
     python -m bench.quality.real --houses 1:31

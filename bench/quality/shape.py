@@ -10,7 +10,7 @@ above each, and the summary lists which of the limits of `LIMITS` are kept. Time
 quarter, once and four times as many faces; the summary has the columns of the first and the last over the columns of
 the one between.
 
-Columns, of polygons unless said otherwise:
+Columns, of polygons unless another object is named:
   corners   a polygon, mean
   conc      % with a corner above 190 degrees
   strong    % that miss more than 10 % of their convex hull

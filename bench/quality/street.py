@@ -13,7 +13,7 @@ Columns:
   regions, polygons
   mean, p99 distance of the scan's vertices from the polygons, % of the diagonal
   whole     share of the polygons that stayed one, with planar
-  let go    snapped planes that polygons do not keep to
+  freed     snapped planes that polygons do not keep to
   dirs      directions of planes
   slanted   share of the length of edges inside upright walls of more than 20 square metres that is neither level nor
             upright within 4 degrees
@@ -38,7 +38,7 @@ from isimp_engine.within import scan_distances
 DETAIL, REACH = 0.049, 0.098  # metres
 WINDOW, REVEAL, WALL = (0.5, 6.0), (0.1, 0.5), 20.0  # square metres
 SQUARE, SLANT = 12.0, 4.0  # degrees
-HEAD = "houses noise           windows  of  reveals  of  tri regions polygons   mean    p99  whole  let go dirs"
+HEAD = "houses noise           windows  of  reveals  of  tri regions polygons   mean    p99  whole   freed dirs"
 
 
 def face_areas(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:

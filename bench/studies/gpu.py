@@ -4,7 +4,7 @@
 
 First the tests of the parallel parts are run, plainly and under each of compute-sanitizer's tools, where they and it
 are found (--tests: the folder with test_parallel and its kin, as stage `cuda` of scripts/test.sh builds them). Then
-every parallel method is timed on every back end on made-up surfaces of so many faces, against `lloyd` and the default
+every parallel method is timed on every back end on generated surfaces of --faces faces, against `lloyd` and the default
 method on one thread of the processor; labels are compared, as they must be the same on all back ends. Times are wall
 times: of the first partition of a mesh, which loads the surface, and of a further one, which finds it there (the least
 of --repeat). FOLDER gets checks.csv and times.csv; the questions to the device and the answers are printed. Needs the
@@ -34,7 +34,7 @@ AIM = 20  # times lloyd's speed, of the queued method with a device, at a millio
 
 
 def ring(faces: int) -> engine.Mesh:
-    """A closed, bumpy ring of about so many faces, in no helpful order."""
+    """A closed, bumpy ring of about `faces` faces, in random order."""
     around = max(8, round((faces / 4) ** 0.5) * 2)
     across = max(6, faces // (2 * around))
     u, v = np.meshgrid(np.arange(around) / around, np.arange(across) / across, indexing="ij")

@@ -22,7 +22,7 @@ from bench.studies import window_times
 # Functions of Blender's, by the ends of their names. Functions called by way of RNA, such as `update_from_editmode`,
 # are not seen.
 BLENDERS = ("foreach_get", "foreach_set", "GPUBatch.draw", "attr_fill")
-LAYER_UPDATE = "_view_layer_update"  # of bpy.ops: changed data is evaluated
+LAYER_UPDATE = "_view_layer_update"  # function of bpy.ops that evaluates changed data
 
 
 class Pieces:

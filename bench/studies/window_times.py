@@ -39,7 +39,7 @@ def start(scan, site, scenario=None):
 
 
 class Clock(threading.local):
-    """Processor time of the window's thread by owner, since the last `told`; inner calls count for their own owner."""
+    """Processor time of the window's thread by owner, since the last report; inner calls count for their own owner."""
 
     def __init__(self):
         self.spent, self.longest, self.inside = {}, 0.0, []
@@ -81,7 +81,7 @@ def by_threads() -> dict:
 
 
 class Work:
-    """Processor time in the engine and outside it while a recipe is replayed, since the last `told`.
+    """Processor time in the engine and outside it while a recipe is replayed, since the last report.
 
     The engine works on threads of its own, which end with the call: their time is the time of the process minus the
     time of the threads that were there before.

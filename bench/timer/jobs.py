@@ -98,7 +98,7 @@ class Runner:
         self.failed: list[str] = []
 
     def command(self, job: Job) -> list[str] | None:
-        """None if the program or the mesh is not there."""
+        """Return the command of a job; None if the program or the mesh is missing."""
         made = job.mesh.startswith("made:")
         mesh = job.mesh if made or self.data is None else str(self.data / job.mesh)
         if not made and not Path(mesh).exists():

@@ -27,7 +27,7 @@ class Row:
 
 
 def per_round(result: Result, case: str, clock: str = "cpu_ms") -> list[float]:
-    """For each round the median over its runs of the time of one run."""
+    """The median time of a run, by round."""
     return [median(run[clock][0] for run in runs) for runs in result["cases"][case]]
 
 
