@@ -30,9 +30,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--format", default="obj", metavar="KIND", help="of results, as OUTPUT of simplify may end. Default: obj."
     )
-    command.add_argument(
-        "--jobs", type=int, metavar="N", help="scans at once. Default: by cores and memory."
-    )
+    command.add_argument("--jobs", type=int, metavar="N", help="scans at once. Default: by cores and memory.")
     add_workers(command)
     command.add_argument("--time-limit", type=float, metavar="S", help="seconds a scan may take. Default: no limit.")
     command.add_argument(

@@ -68,9 +68,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="one int32 region per face of each tile's file, TILE.npy; -1: none",
     )
-    command.add_argument(
-        "--jobs", type=int, metavar="N", help="tiles at once. Default: by cores and memory."
-    )
+    command.add_argument("--jobs", type=int, metavar="N", help="tiles at once. Default: by cores and memory.")
     faces = f"faces of the tiles that one scan is cut into. Default: {TILE_FACES:,}."
     command.add_argument("--tile-faces", type=int, default=TILE_FACES, metavar="N", help=faces)
     command.add_argument("--smooth", type=float, metavar="X", help="as of simplify. Default: 0.5.")

@@ -35,7 +35,7 @@ def test_a_single_bump_is_off_by_its_height_where_it_is():
     assert outcome.region_distance.max() == pytest.approx(outcome.numbers["away_max"])
 
 
-def test_more_regions_are_nearer_and_the_numbers_say_why_polygons_were_divided():
+def test_more_regions_are_nearer_and_numbers_have_the_reasons_of_divided_polygons():
     few, many = (meshed(*shapes.bumpy(20), proxies=proxies) for proxies in (4, 60))
     assert many.numbers["away_mean"] < 0.5 * few.numbers["away_mean"]
     assert set(few.numbers["split"]) >= {"split_for_holes", "split_for_repair"}

@@ -33,7 +33,7 @@ def test_a_step_is_measured_by_the_scans_size():
     assert loss(51_000, UTM) is None
 
 
-def test_lengths_are_those_seen():
+def test_lengths_include_the_scale_of_the_object():
     """A scan in millimetres, scaled to metres; one that is stretched along the axis that is far from zero."""
     lost = loss(5000, 1000 * UTM, scale=(0.001, -0.001, 0.001))
     assert (lost.step, lost.away) == (0.512, pytest.approx(4.6e6, rel=1e-5))
@@ -41,7 +41,7 @@ def test_lengths_are_those_seen():
 
 
 @pytest.mark.parametrize("box", [((0, 0, np.nan), (1, 1, 1)), ((0, 0, 0), (np.inf, 1, 1)), ((7, 7, 7), (7, 7, 7))])
-def test_of_what_has_no_size_nothing_is_said(box):
+def test_an_object_without_size_has_no_loss(box):
     assert float_loss.loss(*box) is None
 
 

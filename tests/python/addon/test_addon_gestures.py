@@ -103,7 +103,7 @@ def test_a_brush_smaller_than_a_face_paints_the_face(grid):
     assert stroke.release() == Wish("erase", (cell(0.55, 0.35),))
 
 
-def test_a_stroke_dropped_or_beside_the_scan_paints_nothing(grid):
+def test_a_stroke_cancelled_or_off_the_scan_paints_nothing(grid):
     stroke = Stroke(*grid, radius=0.2)
     stroke.press(None, DOWN)
     assert stroke.release() is None
@@ -157,7 +157,7 @@ def test_a_cut_without_a_line_splits_where_it_was_pressed(begin, moves, wanted):
 
 
 @pytest.mark.parametrize("begin", [None, NONE])
-def test_nothing_is_split_beside_the_regions(begin):
+def test_nothing_is_split_off_the_regions(begin):
     cut = Cut()
     cut.press(begin)
     assert cut.release() is None
@@ -177,7 +177,7 @@ def test_nothing_is_split_beside_the_regions(begin):
         ({}, [(60.0, 0.0), (-10.0, 0.0)], ("shrink", 2)),
     ],
 )
-def test_sizing_goes_as_far_as_the_mouse(held, moves, wanted):
+def test_sizing_follows_the_distance_of_the_mouse(held, moves, wanted):
     tool = Sizing(ring=5.0)
     tool.press(A, (100.0, 50.0), **held)
     for x, y in moves:
@@ -185,7 +185,7 @@ def test_sizing_goes_as_far_as_the_mouse(held, moves, wanted):
     assert tool.wish == (None if wanted is None else Wish(wanted[0], (A.face,), rings=wanted[1]))
 
 
-def test_sizing_beside_the_regions_does_nothing():
+def test_sizing_off_the_regions_does_nothing():
     for begin in (None, NONE):
         tool = Sizing(ring=5.0)
         tool.press(begin)
@@ -228,7 +228,7 @@ def test_faces_are_joined_over_long_ways_and_in_any_order():
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_joined_faces_are_those_of_a_plain_search(seed):
+def test_joined_faces_equal_a_plain_search(seed):
     rng = np.random.default_rng(seed)
     pairs = rng.integers(0, 60, (50, 2))
     chosen = np.sort(rng.choice(60, 45, replace=False))
@@ -254,6 +254,6 @@ def test_joined_faces_are_those_of_a_plain_search(seed):
         ([80], (), []),
     ],
 )
-def test_a_stroke_goes_over_regions_and_touches_others(faces, locked, wanted):
+def test_a_stroke_covers_regions_and_touches_others(faces, locked, wanted):
     label = np.repeat([0, 1, 2, 3, -1], [20, 20, 40, 1, 19])
     assert painted_over(list(faces), label, np.array(locked, int)) == wanted

@@ -51,7 +51,7 @@ SPLIT = rcp.Partition(proxies=8)
         ((SPLIT, rcp.AddProxy(face=900)), "There is no face 900: the mesh has 800 faces"),
     ],
 )
-def test_a_failure_speaks_of_what_was_pointed_at(steps, said):
+def test_a_failure_names_the_clicked_place(steps, said):
     error = failure(*steps)
     assert messages.failed(error, names_step=False) == said
     assert messages.failed(error, names_step=True).startswith(f"Step {len(steps)}, ")
@@ -87,7 +87,7 @@ def test_one_and_many():
     assert "3 more than requested" in messages.partitioned({"triangles": 12, "regions": 4, "asked": 1})
 
 
-def test_hand_edits_are_those_that_a_partition_drops():
+def test_hand_edits_are_the_steps_that_a_partition_drops():
     edits = (rcp.AddProxy(face=1), rcp.PaintFaces(faces=(1, 2)), rcp.Partition(proxies=2, faces=(1, 2)))
     recipe = rcp.Recipe((SPLIT, *edits, rcp.Mesh()))
     assert messages.hand_edits(recipe) == 3
@@ -104,7 +104,7 @@ def test_what_mesh_does_again_is_no_edit_by_hand():
     assert messages.hand_edits(recipe, regularises=False) == 2
 
 
-def test_the_estimate_tells_that_planar_polygons_are_more():
+def test_the_estimate_warns_that_planar_polygons_are_more():
     numbers = {"regions": 4, "expected": {"polygons": 5, "regions": 4}}
     assert messages.expected(numbers).startswith("Mesh will make about 5 polygons, 1 more than regions")
     assert messages.expected(numbers, snaps=True).startswith("Mesh will make about 5 polygons, more to be planar")

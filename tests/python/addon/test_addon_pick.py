@@ -24,7 +24,7 @@ def plain_cast(vertices, triangles, origin, direction):
     return (int(np.flatnonzero(hit)[np.argmin(far[hit])]), far[hit].min()) if hit.any() else None
 
 
-def test_rays_meet_what_they_should(soup):
+def test_rays_meet_the_right_triangles(soup):
     surface, rng, met = Surface(*soup), np.random.default_rng(5), 0
     for _ in range(200):
         origin, direction = rng.uniform(-2, 2, 3), rng.normal(size=3)
@@ -50,7 +50,7 @@ def test_rays_along_an_axis(axis, sign):
     assert np.abs(surface.normal(0)).argmax() == axis
 
 
-def test_a_brush_covers_what_is_within(soup):
+def test_a_brush_covers_the_triangles_within_its_radius(soup):
     surface = Surface(*soup)
     corners = soup[0].astype(float)[soup[1]]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

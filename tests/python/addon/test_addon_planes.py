@@ -86,7 +86,7 @@ def test_regularise_replaces_an_earlier_one_but_for_planes_set_after_it():
     assert regular.then(edit).regularised(second).steps == (*BEGIN.steps, edit, second)
 
 
-def test_regularise_tells_what_became_of_the_planes(house, session):
+def test_regularise_reports_the_planes(house, session):
     before = session.replay(house, BEGIN)
     after = session.replay(house, BEGIN.then(rcp.Regularise()))
     assert np.array_equal(after.face_region, before.face_region)
@@ -153,7 +153,7 @@ def test_planes_hang_on_faces_so_they_come_back_in_another_partition(house, sess
     assert abs(normal[2]) < 1e-12
 
 
-def test_a_plane_that_needs_too_much_fails_and_says_by_how_much(house, session):
+def test_a_plane_that_needs_too_much_fails_with_the_amount(house, session):
     wall = face_along(session, house, BEGIN, 0)
     far = BEGIN.then(rcp.AlignPlanes(faces=(wall,), to="upright", direction=(0.3, 0.0, 1.0), length=0.001))
     with pytest.raises(StepFailed, match=r"needs [\d.]+, allowed 0.001") as failed:
@@ -177,7 +177,7 @@ def test_one_region_is_not_parallel_to_itself(house, session):
     assert messages.reason(failed.value.reason) == "this region is at right angles to the plane that it should have"
 
 
-def test_a_plane_that_leans_says_so_and_what_snapping_moves(house, session):
+def test_a_leaning_plane_has_its_angle_and_the_effect_of_snapping(house, session):
     up = np.array([0.0, 0.0, 2.0])
     turn = np.radians(2.1)
     spread = np.diag([0.0, 1.0, 4.0])  # a wall that faces along x, 4 units high in the root mean square
@@ -215,7 +215,7 @@ def test_directions_have_hues_and_planes_shades():
     assert regularity.direction_colors(normal[:0], offset[:0], held[:0], offset[:0]).shape == (0, 4)
 
 
-def test_the_preview_is_what_mesh_will_make_and_has_colours_of_directions(house):
+def test_the_preview_equals_mesh_and_has_colours_of_directions(house):
     session = Session()
     region = session.replay(house, BEGIN).face_region
     snapped = sketch.draw(session, house, region, BEGIN, rcp.Mesh(), Watch(), rcp.Regularise())

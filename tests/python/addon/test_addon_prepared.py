@@ -13,7 +13,7 @@ from isimp.session import Session, engine
 from session_scans import scan_of
 
 
-def test_the_cache_is_bounded_and_keeps_what_was_used_last():
+def test_the_cache_is_bounded_and_keeps_the_values_used_last():
     cache = Cache(budget=10)
     for key in "abc":
         cache.put(key, key.upper(), 4)

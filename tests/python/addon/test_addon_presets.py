@@ -54,7 +54,7 @@ def test_a_low_poly_figure_has_fewer_polygons_than_a_figure():
     assert 0 < 1.5 * few < many
 
 
-def test_a_generated_mesh_has_the_planes_of_what_it_shows():
+def test_a_generated_mesh_has_the_planes_of_its_shape():
     """An occupancy grid of a house that is turned against it."""
     outcome = Session().replay(scan_of(*real_scans.grid_house(3, turn=31.0)), BY_NAME["generated"].recipe)
     assert outcome.numbers["repairs"]["smoothed_vertices"] > 0

@@ -47,7 +47,7 @@ def test_json_gives_back_every_kind_of_step():
     assert Recipe.from_json(Recipe().to_json(indent=2)) == Recipe()
 
 
-def test_a_texture_follows_polygons_and_goes_with_them():
+def test_a_texture_follows_polygons_and_is_removed_with_them():
     meshed = Recipe((Partition(proxies=6),)).then(Mesh())
     textured = meshed.then(rcp.Texture(size=64))
     assert [step.kind for step in textured.steps] == ["partition", "mesh", "texture"]
@@ -63,12 +63,12 @@ def test_a_texture_follows_polygons_and_goes_with_them():
         rcp.Texture(size=8)
 
 
-def test_json_is_what_people_can_write():
+def test_json_can_be_written_by_hand():
     text = '{"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 6}, {"step": "mesh", "chord_tolerance": 1}]}'
     assert Recipe.from_json(text) == Recipe((Partition(proxies=6), Mesh(chord_tolerance=1)))
 
 
-def test_steps_saved_before_a_setting_was_there_mean_what_they_meant():
+def test_steps_saved_before_a_setting_existed_keep_their_meaning():
     for step, name, value in ((Partition(proxies=6), "smooth", 0.0), (Mesh(), "join_junctions", 0.0)):
         saved = step.to_dict()
         assert rcp.step_from_dict(saved) == step
@@ -142,12 +142,12 @@ def test_steps_saved_before_a_setting_was_there_mean_what_they_meant():
         ),
     ],
 )
-def test_what_cannot_be_read_says_where_and_why(text, message):
+def test_an_unreadable_recipe_has_the_place_and_the_reason(text, message):
     with pytest.raises(RecipeError, match=message):
         Recipe.from_json(text)
 
 
-def test_then_starts_anew_at_a_partition_and_keeps_mesh_last():
+def test_then_starts_over_at_a_partition_and_keeps_mesh_last():
     recipe = Recipe().then(Partition(proxies=3)).then(AddProxy(face=1)).then(Mesh())
     assert [step.kind for step in recipe.steps] == ["partition", "add_proxy", "mesh"]
     assert [step.kind for step in recipe.then(DeleteProxy(face=1)).steps] == ["partition", "add_proxy", "delete_proxy"]
@@ -168,7 +168,7 @@ def test_a_partition_keeps_the_steps_that_led_to_locked_regions():
         assert Recipe((first, dataclasses.replace(locks, enabled=False))).then(first).steps == (first,)
 
 
-def test_a_changed_partition_comes_after_what_was_locked_since():
+def test_a_changed_partition_follows_the_last_lock():
     first, more, lock, after = Partition(proxies=3), AddProxy(face=2), rcp.LockRegions(faces=(8,)), AddProxy(face=5)
     new = Partition(proxies=9)
     assert Recipe((first, more, after)).changed(0, new).steps == (new, more, after), "nothing is locked"
@@ -181,7 +181,7 @@ def test_a_changed_partition_comes_after_what_was_locked_since():
     assert Recipe((first, lock, after)).changed(2, more).steps == (first, lock, more)
 
 
-def test_a_partition_of_a_part_follows_what_there_is_and_replaces_itself():
+def test_a_partition_of_a_part_follows_other_steps_and_replaces_itself():
     whole, part = Partition(proxies=3), Partition(proxies=5, faces=(1, 2))
     recipe = Recipe((whole,)).then(part)
     assert recipe.steps == (whole, part)
@@ -190,7 +190,7 @@ def test_a_partition_of_a_part_follows_what_there_is_and_replaces_itself():
     assert Partition(faces=(3,)).describe() == "Partition face 3 at detail 0.005"
 
 
-def test_what_is_given_says_how_many():
+def test_the_given_count_selects_count_by():
     assert (Partition().count_by, Partition().adaptivity) == ("detail", 0.25)
     for name in rcp.COUNTS:
         assert Partition(**{name: 2 if name in ("proxies", "triangles") else 0.5}).count_by == name
@@ -212,7 +212,7 @@ def test_the_layers_that_a_recipe_needs():
     }
 
 
-def test_keys_depend_on_what_comes_before_and_not_on_steps_switched_off():
+def test_keys_depend_on_earlier_steps_and_not_on_steps_switched_off():
     first, second = Partition(proxies=3), AddProxy(face=1)
     keys = Recipe((first, second)).prefix_keys()
     assert Recipe((first,)).prefix_keys() == keys[:1]
@@ -235,7 +235,7 @@ def test_a_recipe_without_its_mesh():
     assert not Recipe((*regions.steps, Mesh(enabled=False))).ends_in_mesh()
 
 
-def test_every_step_says_what_it_does():
+def test_every_step_describes_itself():
     words = [step.describe() for step in FULL.steps]
     assert len(set(words)) == len(words)
     assert "Paint 3 faces into the region at face 3, locked" in words

@@ -52,7 +52,7 @@ def scan(quads):
     return each_triangle(quads)
 
 
-def test_partition_labels_every_face_and_tells_its_numbers(scan):
+def test_partition_labels_every_face_and_has_numbers(scan):
     outcome = Session().replay(scan, SIDES)
     assert np.unique(outcome.face_region).tolist() == list(range(6))
     assert outcome.face_region.dtype == np.int32
@@ -69,7 +69,7 @@ def test_faces_with_many_corners_keep_every_region(quads):
     assert np.unique(outcome.face_region).tolist() == list(range(60))
 
 
-def test_a_face_goes_where_most_of_its_area_is():
+def test_a_face_belongs_to_the_region_with_most_of_its_area():
     """Two faces of a triangle each, and one of two: 8 of area in region 1, 6.3 in region 2."""
     vertices = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0], [5, 0, 3], [9, 0, 3]], float)
     triangles = np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2], [4, 5, 2]], np.int32)
@@ -253,7 +253,7 @@ def test_a_step_switched_off_does_nothing(scan):
         (rcp.DeleteLeast(times=99), "Step 2, Delete 99 of least error: only . of 99 can be done"),
     ],
 )
-def test_a_step_that_cannot_be_done_says_which_and_why_and_keeps_what_came_before(scan, step, message):
+def test_a_failed_step_has_its_index_and_reason_and_keeps_the_previous_outcome(scan, step, message):
     session = Session()
     good = session.replay(scan, SIDES)
     with pytest.raises(StepFailed, match=message) as caught:
@@ -263,7 +263,7 @@ def test_a_step_that_cannot_be_done_says_which_and_why_and_keeps_what_came_befor
 
 
 @pytest.mark.parametrize("step", [AddProxy(face=1), DeleteProxy(face=1), Mesh()])
-def test_steps_without_regions_ask_for_a_partition(scan, step):
+def test_steps_without_regions_need_a_partition(scan, step):
     with pytest.raises(StepFailed, match="a Partition step must come first"):
         Session().replay(scan, Recipe((step,)))
 
@@ -295,7 +295,7 @@ def test_stop_is_heard_and_progress_only_rises(scan):
     assert watch.progress == pytest.approx(1.0)
 
 
-def test_what_is_known_is_told_without_work(scan):
+def test_known_outcomes_need_no_work(scan):
     session, recipe = Session(), Recipe((Partition(proxies=30), AddProxy(face=11)))
     assert session.known(scan, recipe) is None
     outcome = session.replay(scan, recipe)
@@ -316,7 +316,7 @@ def test_where_weights_are_higher_there_are_more_regions_while_their_number_stay
     assert above == sorted(set(above)), above
 
 
-def test_weights_changed_are_not_taken_for_those_before(scan):
+def test_changed_weights_do_not_use_the_cached_outcome(scan):
     session, recipe = Session(), Recipe((Partition(proxies=30, weights="w"), Mesh()))
     flat = replace(scan, layers={"w": np.zeros(scan.face_count, np.float32)})
     hilly = replace(scan, layers={"w": np.linspace(0, 1, scan.face_count, dtype=np.float32)})
@@ -352,7 +352,7 @@ GUIDES = {
 
 
 @pytest.mark.parametrize("option", GUIDES)
-def test_no_step_makes_a_region_cross_what_is_marked(quads, option):
+def test_no_step_makes_a_region_cross_a_marked_edge(quads, option):
     scan, side = replace(quads, layers=GUIDES[option](quads)), halves(quads)
     marked = {option: "groups" if option == "borders" else True}
     session, recipe = Session(), Recipe((Partition(proxies=12, **marked),))
@@ -416,7 +416,7 @@ def test_a_part_is_split_alone_and_the_rest_keeps_its_regions_and_colours(scan):
     assert set(np.flatnonzero(alone.face_region >= 0)) == set(faces)
 
 
-def test_a_later_partition_keeps_what_is_locked(quads):
+def test_a_later_partition_keeps_locked_regions(quads):
     session, recipe = Session(), Recipe((PLAIN, rcp.PaintFaces(faces=STROKE, lock=True)))
     painted = session.replay(quads, recipe)
     color = painted.region_color[painted.face_region[100]]
@@ -442,7 +442,7 @@ def test_the_part_that_is_not_locked_is_cut_off_once(quads, monkeypatch):
     assert len(made) == 1
 
 
-def test_a_bound_that_the_polygons_would_not_keep_makes_the_regions_anew(quads, monkeypatch):
+def test_a_bound_violated_by_polygons_makes_another_partition(quads, monkeypatch):
     monkeypatch.setattr(engine.within, "SLACK", 0.8)  # nearer than the regions' own planes have to be
     session, recipe = Session(), Recipe((Partition(bound=0.1),))
     loose, meshed = session.replay(quads, recipe), session.replay(quads, recipe.then(Mesh()))

@@ -118,7 +118,7 @@ def test_the_edges_of_some_polygons():
     assert len(sketch.edges_of([], loops, start)) == 0
 
 
-def test_heat_goes_from_flat_to_bent():
+def test_heat_runs_from_flat_to_bent():
     share = sketch.heat(np.array([0.0, 0.025, 0.05, 9.0]), diagonal=10.0)
     assert share.tolist() == [0.0, 0.5, 1.0, 1.0]
     colors = sketch.heat_colors(share)
@@ -127,7 +127,7 @@ def test_heat_goes_from_flat_to_bent():
     assert sketch.heat(np.ones(2), 0.0).tolist() == [0.0, 0.0]
 
 
-def test_short_lines_are_fainter_but_never_gone():
+def test_short_lines_are_fainter_but_always_visible():
     assert sketch.strength(0) == sketch.strength(4) == 0.15
     assert sketch.strength(54) == sketch.strength(500) == 1
     assert 0.15 < sketch.strength(20) < sketch.strength(40) < 1

@@ -15,7 +15,7 @@ def merges(area, directions, locked=(), share=0.5):
     return slivers.merges(LABEL, PAIRS, area, np.array(directions) * area[:, None], np.array(locked, int), share)
 
 
-def test_a_sliver_goes_to_the_neighbour_with_the_most_similar_plane():
+def test_a_sliver_merges_with_the_neighbour_with_the_most_similar_plane():
     assert merges([4, 0.1, 4, 4, 4], [UP, SIDE, SIDE, UP, UP]) == [(2, 1)]
     assert merges([4, 0.1, 4, 4, 4], [SIDE, SIDE, UP, UP, UP]) == [(0, 1)]
 

@@ -38,7 +38,7 @@ def test_a_jagged_border_becomes_shorter_and_a_straight_one_stays():
     assert length(made, pairs) - SIDE <= 0.5 * (length(jagged, pairs) - SIDE)
 
 
-def test_only_what_is_inside_changes_and_neither_locked_regions_nor_faces_in_none():
+def test_only_faces_inside_change_and_neither_locked_regions_nor_faces_in_none():
     pairs, (row, column) = grid()
     jagged = (column >= 15 + 3 * (row % 4 < 2)).astype(np.int32)
     inside = row < 10
@@ -51,7 +51,7 @@ def test_only_what_is_inside_changes_and_neither_locked_regions_nor_faces_in_non
     assert np.array_equal(smoothed(none, pairs, inside, np.zeros(1, bool), 10), none)
 
 
-def test_smoothing_asks_every_round_whether_to_go_on():
+def test_smoothing_polls_every_round():
     pairs, (_, column) = grid()
     label, everywhere, asked = (column >= 15).astype(np.int32), np.ones(SIDE * SIDE, bool), []
     smoothed(label, pairs, everywhere, np.zeros(2, bool), 7, lambda: asked.append(1))
@@ -126,7 +126,7 @@ def jagged():
     return session, scan, recipe, np.flatnonzero((label == 0) | (label == 1))
 
 
-def test_the_step_gives_a_comb_back_and_says_so(jagged):
+def test_the_step_smooths_a_comb_and_describes_itself(jagged):
     session, scan, recipe, faces = jagged
     before = session.replay(scan, recipe)
     step = rcp.SmoothFaces(faces=tuple(faces.tolist()))

@@ -19,7 +19,7 @@ def figure():
 
 
 @pytest.mark.parametrize("symmetry", ["x", "found"])
-def test_the_numbers_tell_the_axis_and_what_mirrors(figure, symmetry):
+def test_the_numbers_have_the_axis_and_the_mirrored_parts(figure, symmetry):
     step = Partition(proxies=40, symmetry=symmetry)
     regions = Session().replay(figure, Recipe((step,))).numbers
     assert regions["symmetry"] == "X"
@@ -36,7 +36,7 @@ def test_an_edit_keeps_the_axis_and_not_the_number(figure):
     assert "mirrored_regions" not in numbers
 
 
-def test_where_no_plane_is_found_that_is_told():
+def test_a_missing_mirror_plane_is_reported():
     lumpy = scan(lump=1.2)
     numbers = Session().replay(lumpy, Recipe((Partition(proxies=300, symmetry="found"),))).numbers
     assert numbers["symmetry"] == "none"

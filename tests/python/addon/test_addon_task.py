@@ -33,7 +33,7 @@ def test_progress_is_that_of_the_job_within_its_part():
     assert watch.progress == pytest.approx(1.0)
 
 
-def test_parts_within_a_share_go_no_further():
+def test_parts_within_a_share_stay_inside_it():
     watch = Watch()
     with watch.share(0.0, 0.6), watch.part("steps", 0.5, 1.0, Job(0.5)):
         assert watch.progress == pytest.approx(0.45)
@@ -61,7 +61,7 @@ def test_a_task_brings_its_result():
     assert task.result == 42
 
 
-def test_a_task_that_is_stopped_says_so():
+def test_a_stopped_task_has_the_status_stopped():
     begun = threading.Event()
 
     def work(watch):
@@ -82,7 +82,7 @@ def test_a_task_that_fails_keeps_the_reason():
     assert isinstance(task.error, ZeroDivisionError)
 
 
-def test_time_left_is_told_once_it_can_be():
+def test_time_left_is_described_once_it_is_known():
     now, go = [0.0], threading.Event()
 
     def work(watch):

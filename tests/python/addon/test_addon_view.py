@@ -26,7 +26,7 @@ TO_OKLAB = [
 
 
 @pytest.mark.parametrize("vision", DICHROMACY)
-def test_base_colours_are_told_apart_by_everyone(vision):
+def test_base_colours_differ_for_all_kinds_of_vision(vision):
     seen = np.clip(view.PALETTE[: view.BASE_COLORS, :3] @ np.array(DICHROMACY[vision]).T, 0, 1)
     lab = np.cbrt(seen @ np.array(TO_LMS).T) @ np.array(TO_OKLAB).T
     distance = np.linalg.norm(lab[:, None] - lab[None], axis=2) + np.eye(len(lab))
@@ -82,7 +82,7 @@ def test_a_region_that_meets_one_of_its_colour_gives_way_to_the_older():
     assert after[2] == 2
 
 
-def test_where_kept_colours_leave_no_room_all_are_given_anew():
+def test_kept_colours_are_replaced_if_they_leave_no_room():
     size = len(view.PALETTE)
     hub = np.stack([np.arange(size), np.full(size, size)], axis=1)  # the new region touches one of every colour
     after = view.assign_colors(size + 1, hub, np.append(np.arange(size), -1))
@@ -115,4 +115,4 @@ def test_corners_have_the_colour_of_their_face_in_memory_that_is_used_again(tabl
     other = view.corner_colors(table, np.array([5, 24], np.uint8), corners, pool)
     assert not np.shares_memory(other, made)  # which was not returned
     pool.give(other)
-    assert len(view.corner_colors(table, np.array([5], np.uint8), 3, pool)) == 3  # of another scan
+    assert len(view.corner_colors(table, np.array([5], np.uint8), 3, pool)) == 3  # not reused

@@ -122,7 +122,7 @@ def test_two_wheels_of_a_platform_are_refused_since_blender_takes_one_blindly(tm
         build_addon.main(["--wheel", str(wheel), str(other), "--out", str(tmp_path)])
 
 
-def test_the_legacy_zip_has_the_libraries_where_the_engine_looks(tmp_path):
+def test_the_legacy_zip_has_the_libraries_where_the_engine_loads_them(tmp_path):
     wheel = fake_wheel(tmp_path)
     with zipfile.ZipFile(wheel, "a") as archive:
         archive.writestr("isimp.libs/libgomp-1.so", "library")

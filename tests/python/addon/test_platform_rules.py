@@ -1,4 +1,4 @@
-"""What extensions.blender.org asks of an extension."""
+"""The rules of extensions.blender.org for extensions."""
 
 import zipfile
 

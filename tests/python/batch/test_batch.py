@@ -24,7 +24,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs f
 # The output of a run
 
 
-def test_results_are_those_of_simplify_in_the_folders_of_the_scans(scans, tmp_path):
+def test_results_equal_simplify_in_the_folders_of_the_scans(scans, tmp_path):
     out = tmp_path / "out"
     done = isimp("batch", scans, out, "--proxies", 6, "--labels", "--reports")
     assert (done.returncode, done.stderr) == (0, "")
@@ -46,7 +46,7 @@ def test_results_are_those_of_simplify_in_the_folders_of_the_scans(scans, tmp_pa
     assert 5 < row["peak_mb"] < 5000
 
 
-def test_a_second_run_does_only_what_is_missing(scans, tmp_path, log):
+def test_a_second_run_does_only_missing_scans(scans, tmp_path, log):
     out = tmp_path / "out"
 
     def run(**keywords):
@@ -70,7 +70,7 @@ def test_a_second_run_does_only_what_is_missing(scans, tmp_path, log):
     assert run(options={"proxies": 7}, format="ply") == 0
 
 
-def test_more_scans_are_added_to_those_of_before(scans, tmp_path, log):
+def test_more_scans_are_added_to_earlier_ones(scans, tmp_path, log):
     batch.run(scans / "a.ply", tmp_path / "out", work=ODD)
     outcome = batch.run(scans, tmp_path / "out", work=ODD)
     assert log() == ["a", "b", "c"]
@@ -115,7 +115,7 @@ def test_memory_of_the_engine_is_limited_too(tmp_path):
     assert whys(outcome) == {"wide.ply": "over the memory limit of 60 MB"}
 
 
-def test_failed_ones_are_done_again_only_when_asked(scans, tmp_path, log):
+def test_failed_scans_are_repeated_only_on_request(scans, tmp_path, log):
     scan(scans / "crash.ply")
     out = tmp_path / "out"
     assert whys(batch.run(scans, out, work=ODD)) == {"crash.ply": "ended by signal 11"}
@@ -127,7 +127,7 @@ def test_failed_ones_are_done_again_only_when_asked(scans, tmp_path, log):
     assert rows_by_name(out)["crash.ply"]["status"] == "ok"
 
 
-def test_the_command_ends_with_4_and_shows_what_failed(scans, tmp_path):
+def test_the_command_ends_with_4_and_shows_failed_scans(scans, tmp_path):
     (scans / "bad.obj").write_text("v 0 0 0\nf 1 2 9\n")
     done = isimp("batch", scans, tmp_path / "out", "--proxies", 6)
     assert done.returncode == 4
@@ -165,7 +165,7 @@ def is_running(pid):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks at processes in /proc")
-def test_a_driver_that_is_killed_twice_loses_what_was_running(tmp_path, monkeypatch):
+def test_a_driver_that_is_killed_twice_loses_only_running_scans(tmp_path, monkeypatch):
     starts = tmp_path / "log"
     for number in range(8):
         scan(tmp_path / "in" / f"slow{number}.ply")
@@ -221,7 +221,7 @@ def test_work_that_can_not_be_loaded_is_said_once(scans, tmp_path, capfd):
 
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_an_interrupted_command_keeps_its_rows_and_can_go_on(scans, tmp_path, number, status):
+def test_an_interrupted_command_keeps_its_rows_and_can_continue(scans, tmp_path, number, status):
     """The command waits for a scan that is a pipe until the signal comes."""
     os.mkfifo(tmp_path / "pipe.ply")
     (tmp_path / "list.txt").write_text("# some scans\nin/a.ply\n\npipe.ply\n")
@@ -312,7 +312,7 @@ def test_a_pipeline_of_ones_own_may_use_the_children(tmp_path):
         assert [(number, ending.why) for number, ending in found] == [(5, "stopped")]
 
 
-def test_children_end_without_a_word_when_nobody_waits_for_them(tmp_path, capfd):
+def test_children_end_silently_when_their_parent_has_ended(tmp_path, capfd):
     for number in range(3):
         (tmp_path / str(number)).mkdir()
     with batch.Nursery(ODD) as children:

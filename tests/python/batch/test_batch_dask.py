@@ -32,7 +32,7 @@ def make_scans(folder, *names):
     return folder
 
 
-def test_without_the_package_it_is_said_what_to_install(tmp_path, monkeypatch):
+def test_without_the_package_the_message_names_it(tmp_path, monkeypatch):
     scans = make_scans(tmp_path / "in", "a.ply")
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(batch.BatchError, match=r"--dask needs the package distributed: pip install 'isimp\[batch\]'"):

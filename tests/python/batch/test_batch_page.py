@@ -32,7 +32,7 @@ def test_problems_come_first_on_the_page(scans, tmp_path):
     assert not list((tmp_path / "out" / ".isimp-batch" / "pictures").iterdir()), "pictures of former results go"
 
 
-def test_defects_come_before_what_is_well():
+def test_defects_come_before_sound_results():
     good = {"name": "a", "status": "ok", "manifold": True, "bent": 0, "warnings": []}
     bent, bad = good | {"name": "b", "bent": 3, "manifold": False}, {"name": "c", "status": "failed"}
     assert [row["name"] for row in page.in_order([good, bent, bad])] == ["c", "b", "a"]
@@ -71,7 +71,7 @@ def test_pictures_of_bad_meshes():
     assert (picture.draw(vertices, triangles[:0], np.ones((1, 3)), nothing) == 255).all()
 
 
-def test_progress_tells_rate_and_time_left():
+def test_progress_has_rate_and_time_left():
     from isimp_engine.cli.batch import duration, progress
 
     state = batch.State(scans=1200, before=100, done=20, failed=2, running=["b/x.ply", "c.ply"], seconds=60, share=0.1)

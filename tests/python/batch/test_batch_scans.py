@@ -65,7 +65,7 @@ def test_scans_of_patterns_lists_and_several_places(scans, tmp_path, monkeypatch
     assert found(scans / "list.txt").keys() == {"in/a.ply", "more/a.ply"}
 
 
-def test_a_scan_of_a_list_that_is_gone_is_a_row(scans, tmp_path):
+def test_a_missing_scan_of_a_list_is_a_row(scans, tmp_path):
     (scans / "list.txt").write_text("a.ply\ngone.ply\n")
     outcome = batch.run(scans / "list.txt", tmp_path / "out")
     assert [row["status"] for row in outcome.rows] == ["ok", "failed"]
@@ -129,7 +129,7 @@ def test_what_is_wrong_with_the_whole_is_2_and_changes_nothing(scans, tmp_path):
         batch.run(scans, out, options={"proxies": 3, "detail": 0.1})
 
 
-def test_options_of_one_file_are_not_those_of_a_batch():
+def test_options_of_one_file_are_refused_for_a_batch():
     done = isimp("batch", "in", "out", "--weights", "w.npy")
     assert done.returncode == 2
     assert "--weights" in done.stderr

@@ -68,7 +68,7 @@ def test_nothing_to_do_is_refused():
     )
 
 
-def test_the_command_takes_what_the_tasks_say():
+def test_the_command_accepts_the_arguments_of_the_tasks():
     for settings in ({"scans": "/in/a.ply;/in"}, {"scans": "/in", "tiles": True}):
         for each in commands(**settings):
             arguments = parser().parse_args(each["args"])

@@ -119,7 +119,7 @@ def nodes_are(value):
     return damage
 
 
-#: {what: (damage, the line of text)}; with all these the steps can't be read
+#: {name: (damage, the line of text)}; with any of these the steps can't be read
 UNREADABLE = {
     "its own parent": (self_parent, "form a circle"),
     "a circle of two": (circle, "form a circle"),

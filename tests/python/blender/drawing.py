@@ -4,7 +4,7 @@ import bpy
 
 
 class Recorder:
-    """A layout that takes note of what is drawn on it: texts, and controls by kind and name."""
+    """A layout that records everything drawn on it: texts, and controls by kind and name."""
 
     def __init__(self, drawn):
         object.__setattr__(self, "drawn", drawn)

@@ -69,7 +69,7 @@ def test_the_faces_of_a_region_are_selected(mode):
     assert selected(scan) == np.flatnonzero(region == region[3]).tolist()
 
 
-def test_selecting_a_region_without_a_face_says_what_to_do():
+def test_selecting_a_region_without_a_face_has_a_remedy():
     scan = scans.cube(cells=4)
     bpy.ops.isimp.partition(proxies=6)
     scans.select_faces(scan)
@@ -133,7 +133,7 @@ def test_a_face_pushed_along_its_normal_stays_flat(sculpture):
     ],
     ids=["bevel", "subdivide", "inset", "poke", "triangulate"],
 )
-def test_modelling_goes_on(sculpture, change):
+def test_modelling_continues(sculpture, change):
     corners = len(sculpture.data.loops)
     edit(sculpture, max(sculpture.data.polygons, key=lambda face: face.area).index)
     assert change() == {"FINISHED"}

@@ -34,7 +34,7 @@ OPTIONS = ["seams", "sharp", "materials", "borders"] + (["face_sets"] if bpy.app
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
 @pytest.mark.parametrize("option", OPTIONS)
-def test_regions_keep_to_what_is_marked(scan, option, mode):
+def test_regions_respect_marked_edges(scan, option, mode):
     bpy.ops.object.mode_set(mode=mode)
     step = Partition(proxies=6, **{option: "groups" if option == "borders" else True})
     assert bpy.ops.isimp.replay(recipe=Recipe((step,)).to_json()) == {"FINISHED"}
@@ -70,7 +70,7 @@ def test_partition_keeps_locked_regions(scan):
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
-def test_the_panel_s_settings_say_what_is_kept_to(scan, mode):
+def test_the_panel_s_settings_list_the_barriers(scan, mode):
     bpy.ops.object.mode_set(mode=mode)
     bpy.ops.isimp.partition(proxies=6, seams=True)
     bpy.ops.object.mode_set(mode="OBJECT")
@@ -80,7 +80,7 @@ def test_the_panel_s_settings_say_what_is_kept_to(scan, mode):
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
-def test_only_the_selected_faces_are_split_anew(scan, mode):
+def test_only_the_selected_faces_are_split_again(scan, mode):
     bpy.ops.isimp.partition(proxies=6)
     before = scans.regions(scan)
     side = np.flatnonzero(before == before[0])

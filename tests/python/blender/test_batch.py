@@ -20,7 +20,7 @@ pytestmark = [
 
 
 def export(kind, path, name="Scan"):
-    """Writes a cube, off centre so that axes tell, in some format."""
+    """Writes a cube in some format, off centre so that axes differ."""
     scan = scans.cube(name=name, cells=5)
     scan.location = (3, 0, 0.5)
     bpy.context.view_layer.update()
@@ -59,7 +59,7 @@ def run(*arguments):
 
 
 @pytest.mark.parametrize("kind", [".blend", ".obj", ".ply", ".stl", ".off", ".glb", ".fbx"])
-def test_every_format_goes_in(kind, tmp_path):
+def test_every_format_can_be_read(kind, tmp_path):
     scan, out = tmp_path / f"cube{kind}", tmp_path / "out.blend"
     export(kind, scan)
     assert run(scan, out, "--proxies", 6) == 0
@@ -89,7 +89,7 @@ def corners(points):
 
 
 @pytest.mark.parametrize("kind", [".obj", ".ply"])
-def test_meshes_keep_the_axes_of_what_was_read(kind, tmp_path):
+def test_meshes_keep_the_axes_of_the_input(kind, tmp_path):
     scan = tmp_path / f"cube{kind}"
     export(kind, scan)
     assert run(scan, tmp_path / "out.obj", tmp_path / "out.ply", "--proxies", 6) == 0
@@ -161,7 +161,7 @@ def test_a_picture_of_a_scan_far_away_shows_it(tmp_path):
 RECIPE = {"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 6}, {"step": "add_proxy", "face": 3}]}
 
 
-def test_a_recipe_says_what_is_done(tmp_path):
+def test_a_recipe_defines_the_steps(tmp_path):
     export(".ply", tmp_path / "cube.ply")
     (tmp_path / "r.json").write_text(json.dumps(RECIPE))
     assert run(tmp_path / "cube.ply", tmp_path / "out.blend", "--recipe", tmp_path / "r.json") == 0
@@ -203,13 +203,13 @@ def test_a_tolerance_or_a_detail_finds_the_number(way, tmp_path):
     assert len(faces) == 6
 
 
-def test_two_ways_to_say_the_number_are_refused(tmp_path, capsys):
+def test_two_settings_of_the_number_are_refused(tmp_path, capsys):
     export(".ply", tmp_path / "cube.ply")
     assert run(tmp_path / "cube.ply", tmp_path / "out.obj", "--proxies", 6, "--detail", 0.1) == 3
     assert "--proxies and --detail each set the number of" in capsys.readouterr().err
 
 
-def test_a_table_has_a_row_for_each_scan_and_says_why_nothing_came_of_one(tmp_path):
+def test_a_table_has_a_row_for_each_scan_with_the_reason_of_a_failure(tmp_path):
     export(".ply", tmp_path / "cube.ply")
     (tmp_path / "points.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n")
     table, more = tmp_path / "made" / "table.csv", ("--proxies", 6, "--table")
@@ -242,13 +242,13 @@ def test_what_cannot_be_written_is_said_in_one_line(name, tmp_path, capfd):
     assert not any("Traceback" in line for line in said)
 
 
-def test_what_a_writer_in_python_says_is_one_line():
+def test_an_error_of_a_writer_in_python_is_one_line():
     message = 'Error: Python: Traceback (most recent call last):\n  File "a.py", line 1, in b\nOSError: full\n'
     assert batch.said(message + "Location: a.py:3\n") == "OSError: full"
     assert batch.said("Error: one thing\n and another\n") == "one thing and another"
 
 
-def test_glb_goes_out(tmp_path):
+def test_glb_can_be_written(tmp_path):
     export(".ply", tmp_path / "cube.ply")
     assert run(tmp_path / "cube.ply", tmp_path / "out.glb", "--proxies", 6) == 0
     bpy.data.batch_remove(list(bpy.data.objects))

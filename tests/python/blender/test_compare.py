@@ -66,7 +66,7 @@ def test_a_textured_scan_is_compared_with_its_images():
         assert len(side.slots) == len(side.points) // 3
 
 
-def test_nothing_is_drawn_of_objects_that_are_gone():
+def test_nothing_is_drawn_of_deleted_objects():
     made = compared()
     assert made.stands()
     bpy.data.objects.remove(bpy.data.objects[made.names[0]])

@@ -58,7 +58,7 @@ def holds(block, value) -> bool:
 
 
 @pytest.mark.parametrize("what", damage.UNREADABLE)
-def test_what_cannot_be_read_is_said_and_kept_and_partition_starts_anew(what, tmp_path, silent):
+def test_unreadable_steps_are_reported_and_kept_and_partition_starts_over(what, tmp_path, silent):
     hurt, why = damage.UNREADABLE[what]
     scan = made()
     hurt(scan)
@@ -100,7 +100,7 @@ def test_a_file_saved_in_edit_mode_is_opened(what, tmp_path, silent):
 
 
 @pytest.mark.parametrize("what", damage.READABLE)
-def test_what_is_wrong_beside_the_steps_does_no_harm(what, tmp_path, silent):
+def test_foreign_values_next_to_the_steps_do_no_harm(what, tmp_path, silent):
     scan = made()
     damage.READABLE[what](scan)
     scan = reopened(tmp_path / "damaged.blend")
@@ -121,7 +121,7 @@ def test_what_is_wrong_beside_the_steps_does_no_harm(what, tmp_path, silent):
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
 @pytest.mark.parametrize("what", ["a step of a later version", "a state of points", "a number in place of all"])
-def test_starting_anew_is_undone_and_redone(what, mode, tmp_path, silent):
+def test_starting_over_is_undone_and_redone(what, mode, tmp_path, silent):
     scan = made()
     damage.UNREADABLE[what][0](scan)
     scan = reopened(tmp_path / "damaged.blend")
@@ -145,7 +145,7 @@ def test_starting_anew_is_undone_and_redone(what, mode, tmp_path, silent):
     assert seen() == after
 
 
-def test_a_recipe_that_fails_at_once_leaves_what_cannot_be_read(silent):
+def test_a_recipe_that_fails_at_once_leaves_unreadable_steps(silent):
     scan = made()
     damage.UNREADABLE["broken JSON"][0](scan)
     before = damage.dump(scan.data)["nodes"]
@@ -196,7 +196,7 @@ def test_steps_of_a_state_that_was_moved_aside_are_not_forgotten(monkeypatch, si
     assert len(scan.data.isimp.nodes) <= 6
 
 
-def test_undo_brings_back_what_there_was_to_say_of_the_same_steps(silent):
+def test_undo_restores_the_former_numbers_of_the_same_steps(silent):
     scan = scans.cube(cells=4)
     scans.push("cube")
     recipe = Recipe((Partition(proxies=6, weights="w"),)).to_json()
@@ -211,7 +211,7 @@ def test_undo_brings_back_what_there_was_to_say_of_the_same_steps(silent):
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
-def test_a_version_that_can_read_what_was_kept_takes_it_back(mode, tmp_path, silent):
+def test_a_version_that_can_read_the_kept_steps_restores_them(mode, tmp_path, silent):
     scan = made()
     node, regions = damage.last(scan.data), scans.regions(scan).tolist()
     name, text = node["name"], node["step"]
@@ -329,7 +329,7 @@ def test_panel_settings_that_are_none(silent):
     del panel["isimp"]
 
 
-def test_a_setting_beyond_what_the_panel_can_hold_is_kept_in_the_steps(silent):
+def test_a_setting_beyond_the_limits_of_the_panel_is_kept_in_the_steps(silent):
     scan = scans.cube(cells=4)
     step = Partition(count_by="proxies", proxies=6, seed=2**40, tolerance=1e300, bound=1e-9)
     bpy.ops.isimp.replay(recipe=Recipe((step,)).to_json())

@@ -43,7 +43,7 @@ def written(monkeypatch, do):
     return len(faces)
 
 
-def test_an_edit_writes_the_neighbourhood_and_gives_what_object_mode_gives(scan, monkeypatch):
+def test_an_edit_writes_the_neighbourhood_and_equals_object_mode(scan, monkeypatch):
     count, made = written(monkeypatch, lambda: bpy.ops.isimp.add_proxy(face=20)), seen(scan)
     assert 0 < count < len(scan.data.polygons) / 2
     scans.mode("OBJECT")

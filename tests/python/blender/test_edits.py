@@ -66,7 +66,7 @@ def test_each_edit_is_a_step_to_undo(parted, call, settings, wanted):
     assert steps()[1].kind in rcp.KINDS.values()
 
 
-def test_edits_at_what_is_selected(parted):
+def test_edits_act_on_the_selection(parted):
     scans.select_faces(scan(), 3, 7, 120)
     bpy.ops.isimp.merge()
     assert (count(), len(steps())) == (5, 2)
@@ -199,7 +199,7 @@ def test_regions_are_chosen_one_by_one(parted):
     for face in (120, 290):
         pointed.collect(parted, face)
     assert pointed.faces(parted) == (0, 120, 290)
-    pointed.collect(parted, 131)  # of a region that is chosen
+    pointed.collect(parted, 131)  # a face of a chosen region
     assert (pointed.faces(parted), pointed.face(parted)) == ((0, 290), 290)
     pointed.note(parted, -1)
     assert (pointed.faces(parted), pointed.region(parted)) == ((), -1)

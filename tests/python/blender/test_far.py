@@ -157,7 +157,7 @@ def test_undo_takes_place_and_vertices_back_together():
     assert seen() == second
 
 
-def test_partition_says_once_what_was_lost(capfd):
+def test_partition_reports_lost_detail_once(capfd):
     scan = far_cube()
     lines = text.lost_detail(scan, bpy.context.scene.unit_settings)
     assert len(lines) == 1

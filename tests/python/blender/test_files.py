@@ -188,7 +188,7 @@ def test_a_round_part_is_a_true_surface_in_step_and_a_row_of_the_report(tmp_path
     assert float(row["radius"]) == pytest.approx(2, rel=0.01)
 
 
-def test_step_says_what_it_needs_before_the_work(file, tmp_path, monkeypatch):
+def test_step_names_the_missing_package_before_the_work(file, tmp_path, monkeypatch):
     meshed(file)
     with pytest.raises(RuntimeError, match=r"must end in \.step or \.stp"):
         OPS.export_step(filepath=str(tmp_path / "tower.dxf"))
@@ -198,7 +198,7 @@ def test_step_says_what_it_needs_before_the_work(file, tmp_path, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == [file.name]
 
 
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of Blender's own exporter
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # by Blender's own exporter
 @pytest.mark.parametrize("kind", [".glb", ".obj", ".city.json"])
 def test_levels_of_detail_are_written_each_to_its_file(file, tmp_path, kind):
     scan = meshed(file)

@@ -226,7 +226,7 @@ def test_faces_added_later_make_a_partition_necessary():
     assert bpy.ops.isimp.mesh() == {"FINISHED"}
 
 
-def test_defects_are_told_by_kind_and_unused_vertices_are_none():
+def test_defects_are_listed_by_kind_without_unused_vertices():
     from isimp.blender.texts import text
 
     scan = scans.cube(cells=4)

@@ -1,4 +1,4 @@
-"""Colours that Blender is told of later than they are written (late.py); the window tests see them drawn."""
+"""Colours that are reported to Blender later than they are written (late.py); window tests check the drawing."""
 
 import bpy
 import numpy as np
@@ -43,7 +43,7 @@ def test_many_faces_or_unknown_colours_make_no_patch(written):
     assert late.patch_of(scan, None, painted(color, 1)) is None
 
 
-def test_patches_add_up_until_blender_is_told(written, monkeypatch):
+def test_patches_add_up_until_the_report_to_blender(written, monkeypatch):
     obj, scan, color = written
     told = []
     monkeypatch.setattr(mesh_io, "tell", lambda mesh: told.append(mesh.name))
@@ -78,7 +78,7 @@ def test_a_change_of_the_mesh_by_others_is_noticed(written):
     assert late.shown(obj) is None
 
 
-def test_a_write_on_another_mesh_tells_of_the_first_one(written, monkeypatch):
+def test_a_write_on_another_mesh_reports_the_first_one(written, monkeypatch):
     obj, scan, color = written
     late.note(obj, 1, painted(color, 9), late.patch_of(scan, color, painted(color, 9)))
     told = []

@@ -67,7 +67,7 @@ def registered():
     return sorted(name for name in dir(bpy.types) if "isimp" in name.lower())
 
 
-def test_the_add_on_goes_without_a_trace_and_comes_back_20_times(addon):
+def test_the_add_on_unregisters_without_a_trace_and_registers_again_20_times(addon):
     before = handlers(), registered()
     for _ in range(20):
         addon.unregister()
@@ -81,7 +81,7 @@ def test_the_add_on_goes_without_a_trace_and_comes_back_20_times(addon):
     assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
 
 
-def test_the_command_does_what_that_of_the_package_does(tmp_path, capfd):
+def test_the_command_equals_the_package_s_command(tmp_path, capfd):
     (tmp_path / "tri.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
     assert command.run(["info", str(tmp_path / "tri.off")]) == 0
     assert "1 face" in capfd.readouterr().out
@@ -145,7 +145,7 @@ def test_an_edit_of_the_scan_is_noticed(capfd):
 
 
 @pytest.mark.skipif(not bpy.context.window, reason="needs a window, which the background has")
-def test_the_workspace_is_made_once_and_gone_to():
+def test_the_workspace_is_made_once_and_opened():
     bpy.ops.wm.read_homefile(use_factory_startup=True)
     names = set(bpy.data.workspaces.keys())
     assert bpy.ops.isimp.workspace() == {"FINISHED"}

@@ -30,7 +30,7 @@ def outward(obj):
     return np.einsum("ij,ij->", a - points.mean(axis=0), np.cross(b - a, c - a)) > 0
 
 
-def test_the_result_is_a_valid_mesh_of_polygons_beside_the_hidden_scan():
+def test_the_result_is_a_valid_mesh_of_polygons_next_to_the_hidden_scan():
     scan = scans.dimple(scans.cube())
     before = scans.geometry(scan.data)
     result = simplify(proxies=14)
@@ -72,7 +72,7 @@ def test_partition_from_the_result_works_on_its_scan():
     assert len(np.unique(scans.regions(scan))) == 9
 
 
-def test_a_result_that_was_deleted_is_made_anew():
+def test_a_deleted_result_is_made_again():
     scan = scans.cube()
     bpy.data.objects.remove(simplify())
     scan.hide_set(False)
@@ -133,7 +133,7 @@ def test_the_result_lies_where_the_scan_is_seen(scale, parented):
     assert outward(result) == turned
 
 
-def test_regions_are_those_of_the_shape_as_seen():
+def test_regions_belong_to_the_visible_shape():
     """A scan squeezed by its transform and one squeezed for good get the same regions."""
     squeezed, applied = scans.dimple(scans.cube(name="A")), scans.dimple(scans.cube(name="B"))
     squeezed.scale = (1, 1, 0.25)

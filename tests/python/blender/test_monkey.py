@@ -19,7 +19,7 @@ def monkey(monkeypatch):
     return module
 
 
-def test_nothing_breaks_whatever_is_pressed(monkey, tmp_path):
+def test_random_actions_break_nothing(monkey, tmp_path):
     one = monkey.Monkey(7, tmp_path / "log")
     assert one.run(400) == []
     assert one.refused < 300, "most presses do something"

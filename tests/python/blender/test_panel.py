@@ -63,7 +63,7 @@ def test_a_preset_of_one_scan_is_not_that_of_the_next():
     assert group().detail == pytest.approx(0.02)
 
 
-def test_settings_stay_while_another_kind_of_object_is_looked_at_or_the_scan_renamed():
+def test_settings_stay_while_another_object_is_active_or_the_scan_is_renamed():
     scan = scans.cube()
     look_at(scan)
     group().detail = 0.02
@@ -250,7 +250,7 @@ def test_the_size_is_that_of_the_engine():
 
 
 @pytest.mark.parametrize("language", ["en", "de"])
-def test_buttons_beside_each_other_have_room_for_their_names(language, monkeypatch):
+def test_buttons_next_to_each_other_have_room_for_their_names(language, monkeypatch):
     """At the width at which Blender opens the sidebar: 25 letters of a line with an icon."""
     from isimp import language as speech
     from isimp.blender import translations
@@ -288,7 +288,7 @@ def test_colours_are_one_choice():
     assert not any((shown.heat, shown.away, shown.directions))
 
 
-def test_the_panel_of_the_last_operation_shows_what_matters():
+def test_the_panel_of_the_last_operation_shows_the_main_settings():
     scans.cube()
     bpy.ops.isimp.partition(proxies=6)
     found = {}
@@ -358,7 +358,7 @@ def test_the_report_is_short_and_its_tooltip_has_the_reasons(width, polygons):
     assert not polygons or any(alert for _, _, alert in alerts), "what was promised and not kept is seen"
 
 
-def test_the_tooltip_of_the_report_tells_the_distance_and_the_flatness():
+def test_the_tooltip_of_the_report_has_the_distance_and_the_flatness():
     scan = scans.dimple(scans.cube())
     bpy.ops.isimp.partition(proxies=12)
     bpy.ops.isimp.mesh()
@@ -373,7 +373,7 @@ def numbers_away(numbers):
     return f"{text.amount(numbers, 'away_max', 'METRIC', 1.0)} at most"
 
 
-def test_partition_says_how_many_edits_it_drops_and_what_brings_them_back(capfd):
+def test_partition_names_the_number_of_edits_that_it_drops_and_the_remedy(capfd):
     scan = scans.dimple(scans.cube())
     bpy.ops.isimp.partition(proxies=12)
     assert "dropped" not in capfd.readouterr().out
@@ -485,7 +485,7 @@ def test_a_view_that_clips_the_scan_can_show_all_of_it(size):
 
 
 def test_a_row_of_the_table_of_options_makes_a_property():
-    """The third of the places of tests/python/project/test_add_option.py that nobody writes."""
+    """The third of the places of tests/python/project/test_add_option.py that is derived."""
     row = rcp.REGULARISE["angle"]._replace(label="Crisp", tip="How crisp it is", most=2.0)
     step = types.SimpleNamespace(crispness=0.5)
 

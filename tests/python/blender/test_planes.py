@@ -94,7 +94,7 @@ def test_regularise_and_each_alignment_are_one_step_to_undo(mode):
     assert plane(scan, front)[1] == 1
 
 
-def test_alignments_are_at_what_is_selected_and_the_active_face_leads():
+def test_alignments_act_on_the_selection_and_the_active_face_leads():
     scan = parted()
     side, back, top = (face_along(scan, *axis) for axis in ((1, 0, 0), (-1, 0, 0), (0, 0, 1)))
     scans.mode("EDIT")
@@ -175,7 +175,7 @@ def test_one_plain_line_for_wrong_use(capfd):
     capfd.readouterr()
 
 
-def test_a_plane_that_can_not_be_kept_is_marked_and_says_by_how_much():
+def test_a_plane_that_can_not_be_kept_is_marked_with_the_amount():
     scan = parted()
     top = face_along(scan, 0, 0, 1)
     bpy.context.scene.unit_settings.system = "METRIC"
@@ -194,7 +194,7 @@ def test_a_plane_that_can_not_be_kept_is_marked_and_says_by_how_much():
     assert store.load(scan).steps[1].length == pytest.approx(0.001)
 
 
-def test_the_line_of_the_panel_tells_what_became_of_the_planes():
+def test_the_line_of_the_panel_describes_the_planes():
     scan = parted()
     assert text.planes_line(store.numbers(scan), "METRIC", 1.0) == "As scanned"
     OPS.regularise(length=0.1)
@@ -228,7 +228,7 @@ def test_a_changed_setting_runs_regularise_again():
     assert (before, store.numbers(scan)["directions"]) == (3, 5)
 
 
-def test_mesh_regularises_first_if_the_panel_says_so():
+def test_mesh_regularises_first_if_the_panel_has_it_on():
     scan = parted()
     bpy.context.window_manager.isimp.regularise.length = 0.1
     OPS.mesh(regularise=True)
@@ -268,7 +268,7 @@ def test_every_button_of_the_panel_is_drawn():
     assert bpy.context.window_manager.isimp.align.length == 0
 
 
-def test_the_hover_text_tells_how_far_a_plane_leans():
+def test_the_hover_text_has_the_angle_of_a_plane():
     from isimp.blender.tools import under
 
     scan = parted()

@@ -50,7 +50,7 @@ def test_threads_reach_the_meshing_too(monkeypatch):
     assert asked == [3]
 
 
-def test_a_back_end_that_is_gone_is_not_asked_for(monkeypatch):
+def test_a_missing_back_end_is_not_used(monkeypatch):
     wish = type("Wish", (preferences._Default,), {"backend": "cuda"})
     monkeypatch.setattr(preferences, "get", lambda context: wish)
     monkeypatch.setattr(preferences, "_BACKENDS", ("cpu",))

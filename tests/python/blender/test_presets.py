@@ -26,7 +26,7 @@ def fresh():
 
 
 @pytest.mark.parametrize("preset", given.PRESETS, ids=lambda preset: preset.name)
-def test_a_preset_sets_what_makes_its_kind_of_scan_and_no_more(preset):
+def test_a_preset_sets_the_settings_of_its_kind_of_scan_and_no_more(preset):
     group = settings.group(bpy.context, rcp.Partition)
     group.proxies, group.weights = 123, "Density"
     bpy.ops.isimp.preset(name=preset.name)
@@ -52,7 +52,7 @@ def test_no_preset_is_named_before_one_is_chosen():
     assert presets.title(bpy.context) == "Figure"
 
 
-def test_a_preset_is_what_partition_does():
+def test_a_preset_equals_partition_with_its_settings():
     scans.cube(cells=10)
     bpy.ops.isimp.preset(name="cad")
     panel = settings.group(bpy.context, rcp.Partition)

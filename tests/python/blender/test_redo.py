@@ -168,7 +168,7 @@ def seen():
 
 
 @pytest.mark.parametrize(("name", "make", "first", "then"), CHANGES)
-def test_a_setting_changed_after_the_operator_gives_what_it_gives_at_once(name, make, first, then):
+def test_a_setting_changed_after_the_operator_equals_setting_it_at_once(name, make, first, then):
     """The steps of F9: undo, then again with the other setting."""
     made, once = [], None
     for settings in ([first, then], [then]):

@@ -25,7 +25,7 @@ def test_partition_writes_regions_and_colours(quads):
 
 
 @pytest.mark.parametrize("quads", [False, True])
-def test_neighbours_are_told_apart(quads):
+def test_neighbours_have_different_colours(quads):
     scan = scans.dimple(scans.cube(quads=quads, cells=8))
     partition(proxies=40)
     label, color, pairs = scans.regions(scan), scans.colors(scan), scans.face_pairs(scan.data)
@@ -46,7 +46,7 @@ def test_a_new_region_leaves_the_colours_of_the_others():
     assert (scans.colors(scan)[kept] == color[kept]).all()
 
 
-def test_settings_are_those_of_the_last_partition():
+def test_settings_show_the_last_partition():
     scan = scans.dimple(scans.cube())
     partition(proxies=12, seed=1, method="lloyd")
     first = scans.regions(scan)
@@ -73,7 +73,7 @@ def test_add_and_delete_at_the_selected_faces(mode):
     assert scan.mode == mode
 
 
-def test_edit_mode_gives_what_object_mode_gives():
+def test_edit_mode_equals_object_mode():
     labels = []
     for mode in ("OBJECT", "EDIT"):
         scan = scans.dimple(scans.cube(name=mode))

@@ -141,7 +141,7 @@ def test_edits_in_edit_mode_count_before_it_is_left():
     assert scans.coordinates(first.data)[:, 0].max() == pytest.approx(2)
 
 
-def test_a_result_of_an_earlier_version_is_kept_as_nothing_tells_whether_it_was_edited():
+def test_a_result_of_an_earlier_version_is_kept_as_its_edits_are_unknown():
     _, first = simplified()
     first.isimp.made = ""
     bpy.ops.isimp.mesh()
@@ -235,7 +235,7 @@ def test_render_colours_taken_by_an_earlier_version_are_given_back():
     assert colors[colors.render_color_index].name == "Col"
 
 
-def test_the_digest_tells_of_each_kind_of_edit():
+def test_the_digest_changes_with_each_kind_of_edit():
     _, result = simplified()
     seen = {results.digest(result)}
     for edit in (move_vertex, mark_seam, assign_material, unwrap, bevel):

@@ -60,7 +60,7 @@ def test_a_step_moved_and_deleted(edited):
     assert (steps()[1:], count()) == ((AddProxy(face=70),), 9)
 
 
-def test_the_last_step_deleted_leaves_the_scan_as_it_was(edited):
+def test_deleting_the_last_step_restores_the_scan(edited):
     geometry = scans.geometry(edited.data)
     for _ in range(2):
         bpy.ops.isimp.step_delete("EXEC_DEFAULT", True, step=1)
@@ -114,7 +114,7 @@ def test_two_scans_keep_their_own(edited):
     assert len(store.load(edited).steps) == 3
 
 
-def test_a_recipe_goes_to_another_scan_by_file_and_by_clipboard(edited, tmp_path):
+def test_a_recipe_is_copied_to_another_scan_by_file_and_by_clipboard(edited, tmp_path):
     bpy.ops.isimp.recipe_export(filepath=str(tmp_path / "mine"))
     recipe = store.load(edited)
     assert Recipe.from_json((tmp_path / "mine.json").read_text()) == recipe
@@ -134,7 +134,7 @@ def test_a_recipe_with_polygons_is_replayed_to_polygons():
     assert len(bpy.context.object.data.polygons) == 6
 
 
-def test_a_recipe_of_which_a_step_fails_shows_what_could_be_done():
+def test_a_recipe_with_a_failed_step_shows_the_steps_before_it():
     scans.cube(cells=4)
     recipe = Recipe((Partition(proxies=6), AddProxy(face=99999), Mesh()))
     bpy.ops.isimp.replay(recipe=recipe.to_json())

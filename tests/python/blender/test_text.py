@@ -19,7 +19,7 @@ SAID = "Region 3 · 12.3% of the area · flat to 2 mm"  # 43 letters
         (50, 60, ["Region 3", "12.3% of the area", "flat to 2 mm"], 10),  # no room at all
     ],
 )
-def test_words_beside_the_mouse_stay_where_they_are_seen(wanted, right, lines, at):
+def test_text_next_to_the_mouse_stays_visible(wanted, right, lines, at):
     assert text.beside(SAID, lambda words: 10 * len(words), wanted, right, 10) == (lines, at)
 
 

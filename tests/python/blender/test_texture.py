@@ -213,7 +213,7 @@ def test_a_recipe_with_a_texture_makes_it(tmp_path):
     assert bpy.context.object != scan
 
 
-def test_mesh_says_why_there_is_no_texture():
+def test_mesh_reports_why_there_is_no_texture():
     scan = textured_cube()
     scan.modifiers.new("wide", "CAST")
     result = simplify()

@@ -44,7 +44,7 @@ BEGINS += ("\nvoid main", "\n  if (gl_FragCoord", "\n  if ((gl_FragCoord", "\n  
 
 
 @pytest.mark.parametrize("path", ui_strings.sources(), ids=lambda path: path.stem)
-def test_each_sentence_goes_through_the_translation(path):
+def test_each_sentence_is_translated(path):
     unsaid = ui_strings.unsaid(path)
     assert [text for text in unsaid if text not in NO_MESSAGES and not text.startswith(BEGINS)] == []
 
@@ -66,7 +66,7 @@ def test_entries_have_the_same_places_for_values():
         assert sorted(re.findall(r"{\w*}", english)) == sorted(re.findall(r"{\w*}", german)), english
 
 
-def test_entries_keep_what_is_no_language():
+def test_entries_keep_codes_bullets_and_line_breaks():
     """Names of keys that are the same, menu paths of code, bullets and line breaks; no full stop at the end."""
     for english, german in translations.read("de").items():
         assert german.strip() == german != "", english
@@ -117,7 +117,7 @@ def test_reports_and_lines_of_the_panel_are_german(german, capfd):
     assert "8 Regionen -> 9 Regionen" in capfd.readouterr().out
 
 
-def test_a_report_that_is_passed_on_says_error_once(german, tmp_path):
+def test_a_forwarded_report_has_one_error_prefix(german, tmp_path):
     scans.cube(cells=2)
     recipe = tmp_path / "recipe.json"
     recipe.write_text('{"isimp_recipe": 1, "steps": [{"step": "melt"}]}')

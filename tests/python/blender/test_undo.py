@@ -54,7 +54,7 @@ def test_every_step_is_undone_and_redone(mode):
     assert scan().mode == mode
 
 
-def test_steps_go_on_from_where_undo_led():
+def test_steps_continue_from_the_state_after_undo():
     scans.dimple(scans.cube(cells=5))
     scans.mode("EDIT")
     scans.push("mode")

@@ -47,7 +47,7 @@ def test_more_regions_where_it_was_painted(scan, name, mode):
     assert store.load(scan).steps[0].weights == name
 
 
-def test_edits_and_polygons_go_on_from_weighted_regions(scan):
+def test_edits_and_polygons_start_from_weighted_regions(scan):
     bpy.ops.isimp.partition(proxies=30, weights="Group")
     bpy.ops.isimp.add_proxy(face=3)
     bpy.ops.isimp.mesh()
@@ -67,7 +67,7 @@ def test_what_is_offered(scan):
     assert not {"isimp_region", "isimp_color"} & set(weights.names(scan))
 
 
-def test_a_scan_without_them_is_not_asked_for_those_of_another(scan):
+def test_a_scan_without_weights_ignores_those_of_another(scan):
     panel = bpy.context.window_manager.isimp.partition
     panel.weights = scan.vertex_groups[0].name
     panel_changes.follow(bpy.context)

@@ -194,7 +194,7 @@ def test_a_wrong_use_gives_one_plain_line_and_changes_nothing(make, use, said):
 
 
 @pytest.mark.parametrize(("make", "name", "said"), [use[1:] for use in BUTTONS], ids=[use[0] for use in BUTTONS])
-def test_a_button_that_cannot_be_pressed_says_why(make, name, said):
+def test_a_disabled_button_has_the_reason(make, name, said):
     make()
     assert not getattr(OPS, name).poll()
     with pytest.raises(RuntimeError) as caught:

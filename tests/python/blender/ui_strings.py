@@ -73,7 +73,7 @@ def drawn(path) -> set:
 
 
 def said(path) -> set:
-    """Texts of messages: in `said` and `own`, and the nouns in `count` and `noun`, for one thing and for many."""
+    """Texts of messages: arguments of `own` and `said`, and the nouns in `count` and `noun`, singular and plural."""
     found = set()
     for call in _calls(ast.parse(path.read_text(encoding="utf-8"))):
         texts = [part.value for part in call.args if isinstance(part, ast.Constant) and isinstance(part.value, str)]

@@ -277,7 +277,7 @@ def test_an_old_file_stays_when_the_run_fails(scan, tmp_path):
     assert out.read_text() == "precious"
 
 
-def test_info_says_what_the_mesh_is_and_what_would_be_repaired(tmp_path):
+def test_info_prints_the_properties_of_a_mesh_and_its_repairs(tmp_path):
     vertices, triangles = shapes.cube()
     triangles = [*triangles.tolist(), [0, 0, 1], triangles[3].tolist()]
     path = tmp_path / "a.ply"

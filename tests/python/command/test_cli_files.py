@@ -38,7 +38,7 @@ def test_labels_are_not_written_to_stdout(scan, tmp_path):
 
 
 @posix
-def test_a_device_a_pipe_and_a_link_to_one_stay_what_they_are(scan, tmp_path):
+def test_devices_pipes_and_links_to_them_are_not_replaced(scan, tmp_path):
     null, pipe = tmp_path / "null.ply", tmp_path / "pipe.ply"
     null.symlink_to("/dev/null")
     assert simplify(scan, null).returncode == 0

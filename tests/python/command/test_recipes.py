@@ -46,7 +46,7 @@ def test_every_preset_of_the_add_on_can_be_used():
         engine.MeshingOptions(**found.meshing)
 
 
-def test_recipes_of_earlier_versions_mean_what_they_meant():
+def test_recipes_of_earlier_versions_keep_their_meaning():
     old = {"step": "partition", "proxies": 9, "seed": 1, "leave_out": 0.001}
     found = recipes.parsed({"isimp_recipe": 1, "steps": [old, {"step": "mesh"}]})
     assert (found.partition["smooth"], found.repair["stitch"], found.close_openings) == (0.0, 0.0, False)
@@ -179,7 +179,7 @@ def test_the_command_and_batches_regularise_as_a_recipe_says(tmp_path):
         ({"isimp_recipe": 1, "steps": [3]}, "step 1: not a step: 3"),
     ],
 )
-def test_what_can_not_be_used_says_why(values, words):
+def test_an_unusable_recipe_has_a_reason(values, words):
     with pytest.raises(recipes.RecipeError, match=words):
         recipes.parsed(values)
 

@@ -100,7 +100,7 @@ def soup(poly):
     return poly.vertices, *engine.triangulate(poly.vertices, poly.loops, poly.loop_start)
 
 
-def test_areas_are_those_of_trimesh():
+def test_areas_equal_trimesh():
     trimesh = pytest.importorskip("trimesh")
     _, _, poly, table = noisy()
     vertices, triangles, polygon = soup(poly)
@@ -110,7 +110,7 @@ def test_areas_are_those_of_trimesh():
         assert row["area"] == pytest.approx(area[row["region"]], rel=1e-5)
 
 
-def test_distances_are_those_of_open3d():
+def test_distances_equal_open3d():
     open3d = pytest.importorskip("open3d")
     mesh, _, poly, table = noisy()
     vertices, triangles, _ = soup(poly)
@@ -124,7 +124,7 @@ def test_distances_are_those_of_open3d():
     assert (table.away[~same] < theirs[~same]).all()
 
 
-def test_distances_are_those_of_trimesh():
+def test_distances_equal_trimesh():
     trimesh = pytest.importorskip("trimesh")
     mesh, _, poly, table = noisy()
     vertices, triangles, _ = soup(poly)

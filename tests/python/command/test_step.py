@@ -110,7 +110,7 @@ def test_a_noisy_scan_gives_the_solid_that_was_scanned(name: str, tmp_path: Path
     assert told["planes"] == []
 
 
-def test_axes_and_radii_are_those_of_the_plate(tmp_path: Path, read: Any) -> None:
+def test_axes_and_radii_equal_the_plate(tmp_path: Path, read: Any) -> None:
     mesh, part, poly = scanned("plate")
     engine.write(tmp_path / "plate.stp", poly, partition=part, mesh=mesh)
     holes = [surface.Cylinder() for kind, surface in read(tmp_path / "plate.stp").surfaces if kind == "Cylinder"]
@@ -176,7 +176,7 @@ def test_bent_polygons_become_triangles_of_a_valid_solid(tmp_path: Path, read: A
     assert len(found.surfaces) == told["faces"] > len(poly.loop_start)
 
 
-def test_a_part_without_a_valid_face_is_planes_and_the_report_says_why(tmp_path: Path, read: Any) -> None:
+def test_a_part_without_a_valid_face_is_planes_and_the_report_has_the_reason(tmp_path: Path, read: Any) -> None:
     mesh, part, poly = scanned("dome", seed=7)  # the sphere's cells reach an edge of the block
     told = engine.write(tmp_path / "a.step", poly, partition=part, mesh=mesh)
     assert told["true_surfaces"] == []

@@ -78,7 +78,7 @@ def test_a_can_is_a_prism(part):
         found.colour  # noqa: B018
 
 
-def test_a_can_far_from_zero_tells_its_place(part):
+def test_a_can_far_from_zero_has_its_place(part):
     vertices, triangles = can()
     far = engine.partition(engine.Mesh(vertices + [1e6, 0, 0], triangles), ROUND)
     assert far.curved[0].point[0] == pytest.approx(1e6, abs=1e-3)
@@ -205,7 +205,7 @@ def test_pipes_and_their_bend_meet_in_shared_corners():
         assert now == pytest.approx(was, abs=1e-9)
 
 
-def test_what_is_left_of_regions_beside_a_dome_stays_flat():
+def test_remains_of_regions_next_to_a_dome_stay_flat():
     vertices, triangles = round_shapes.made(round_shapes.shapes()["dome"], 40)
     mesh = engine.clean(round_shapes.with_noise(vertices, 0.003, 1), triangles)
 
@@ -257,7 +257,7 @@ def test_what_can_not_be_had_together_is_refused(mesh, other):
 
 
 def tilted(radius, low, high, degrees, towards, at):
-    """A closed cylinder whose axis is so far from upright."""
+    """A closed cylinder whose axis leans by this angle."""
     lids, side = np.arange(1, 5) / 5, np.linspace(low, high, 17)
     vertices, triangles = turned(
         [(radius * r, low) for r in lids] + [(radius, z) for z in side] + [(radius * r, high) for r in lids[::-1]], 48

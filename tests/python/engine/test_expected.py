@@ -23,14 +23,14 @@ def foreseen(mesh, **options):
 
 
 @pytest.mark.parametrize("proxies", [30, 100, 300])
-def test_a_smooth_scan_gets_about_what_is_said(proxies):
+def test_a_smooth_scan_gets_about_the_expected_number(proxies):
     expected, made = foreseen(engine.clean(*shapes.bumpy(60)), proxies=proxies)
     assert expected["regions"] == made["regions"] == proxies
     assert expected["polygons"] == pytest.approx(made["polygons"], rel=0.1)
 
 
 @pytest.mark.parametrize("proxies", [30, 60, 120])
-def test_a_room_with_tunnels_gets_about_what_is_said_and_handles_are_named(proxies):
+def test_a_room_with_tunnels_gets_about_the_expected_number_and_handles_are_named(proxies):
     expected, made = foreseen(engine.clean(*shapes.room(16)), proxies=proxies)
     assert expected["polygons"] == pytest.approx(made["polygons"], rel=0.3)
     assert expected["polygons"] > expected["regions"]
@@ -66,7 +66,7 @@ def test_the_report_has_it_and_info_can_leave_the_meshing_out(tmp_path):
     assert (exact["polygons"], exact["estimated"]) == (report["output"]["polygons"], False)
 
 
-def test_the_panel_says_it_until_the_polygons_are_there():
+def test_the_panel_shows_the_estimate_until_the_polygons_exist():
     session, scan = Session(), scan_of(*shapes.room(16))
     steps = rcp.Recipe((rcp.Partition(proxies=30, close_openings=False),))
     numbers = session.replay(scan, steps).numbers

@@ -15,7 +15,7 @@ def merged(vertices, triangles, **more):
     return engine.merge_flat(engine.Mesh(vertices, triangles), **more)
 
 
-def test_vertices_are_those_of_the_scan():
+def test_vertices_equal_the_scan():
     vertices, triangles = shapes.facade()
     mesh = engine.clean(vertices, triangles)
     poly, region = engine.merge_flat(mesh)

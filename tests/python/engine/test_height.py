@@ -43,7 +43,7 @@ def made_of(vertices, triangles, **options):
 
 
 @pytest.mark.parametrize("up", [1, -1])
-def test_heights_are_those_of_the_scan(up):
+def test_heights_equal_the_scan(up):
     vertices, triangles = hill()
     poly, made = made_of(vertices * [1, 1, up], triangles)
     grey, span = made.layers["height"], made.factors["height"]

@@ -43,7 +43,7 @@ def test_polygons_are_as_many_and_as_sound_as_at_zero(size, offset):
         home = mesh.vertices[poly.source_vertex]
         assert np.linalg.norm(poly.vertices - home, axis=1).max() <= 0.0101 * mesh.report["diagonal"]
     assert abs(found[1][0] - found[0][0]) <= 0.02 * found[0][0]
-    for one, other in ((0, 1), (1, 0)):  # as sets, to what rounding at the offset allows
+    for one, other in ((0, 1), (1, 0)):  # as sets, up to the rounding at the offset
         low, high = found[one][1].min(axis=0), found[one][1].max(axis=0)
         np.testing.assert_allclose(low, found[other][1].min(axis=0), atol=0.02 * size)
         np.testing.assert_allclose(high, found[other][1].max(axis=0), atol=0.02 * size)

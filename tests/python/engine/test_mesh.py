@@ -59,7 +59,7 @@ def test_copies_the_callers_arrays():
         ([[0, 1], [2]], "a list"),
     ],
 )
-def test_refuses_other_vertices_naming_what_it_got_and_wants(vertices, got):
+def test_refuses_other_vertices_and_names_the_shapes(vertices, got):
     wanted = "vertices must be an array of shape (V, 3) and float32 or float64, got "
     with pytest.raises(engine.InvalidInput, match=f"^{re.escape(wanted + got)}$"):
         engine.Mesh(vertices, HALVES)

@@ -28,7 +28,7 @@ def sheet(corners=3, n=40, times=20):
     vertices, triangles = shapes.plane(n)
     places = [f"{x:.17g} {y:.17g} {z:.17g}" for x, y, z in vertices]
     faces = triangles.tolist()
-    if corners == 0:  # of all sizes, including none and one corner
+    if corners == 0:  # polygons of all sizes, including none and one corner
         faces = [[(7 * k + j) % len(vertices) for j in range(k % 7)] for k in range(len(triangles))]
     return places, [" ".join(map(str, [len(face), *face])) for face in faces] * times
 

@@ -298,7 +298,7 @@ UP, DOWN, SIDE = (0, 0, 1), (0, 0, -1), (1, 0, 0)
         (DOWN, True, [DOWN], True),
         (DOWN, False, [UP], True),
         (DOWN, False, [DOWN], False),  # the guess is wrong
-        (DOWN, False, [DOWN, UP, SIDE], True),  # these say nothing
+        (DOWN, False, [DOWN, UP, SIDE], True),  # these contradict each other
         (DOWN, False, [DOWN, DOWN, SIDE], False),  # most of these face its way
         (UP, False, [DOWN], False),
     ],

@@ -1,4 +1,4 @@
-"""What people scan, by generated twins: openings, rims, triangles, sharp edges, chunks, grids."""
+"""Generated twins of real scans: openings, rims, triangles, sharp edges, chunks, grids."""
 
 import json
 import pickle
@@ -50,11 +50,11 @@ def test_a_cover_is_no_excuse_for_polygons_that_meet():
     assert part.region_count == 2
     report = engine.polygonize(mesh, part).report
     assert (report["excused"], report["intersecting"]) == (0, 1)
-    assert report["polygons"] <= 3  # none is split for what no split can change
+    assert report["polygons"] <= 3  # no region is split for a defect that a split can't change
 
 
 def cube_without(gone):
-    """A cube of 4,800 faces without those whose middle satisfies a condition, closed."""
+    """A cube of 4,800 faces without the faces whose middle satisfies a condition, closed."""
     vertices, faces = real_scans.carton(size=(0.07, 0.07, 0.07), bulge=0.0, rounding=0.0)
     return engine.clean(vertices, faces[~gone(vertices[faces].mean(1))], engine.CleanOptions(fill_holes=np.inf))
 
@@ -143,7 +143,7 @@ def test_rounded_edges_of_a_box_become_sharp():
     mesh = engine.Mesh(*real_scans.carton(bulge=0.0, rounding=0.006))
     fine = {"detail": 0.0025}
     assert engine.partition(mesh, engine.PartitionOptions(**fine, snap=False)).region_count > 12
-    assert engine.partition(mesh, engine.PartitionOptions(**fine)).region_count == 6  # its sides are flat but for noise
+    assert engine.partition(mesh, engine.PartitionOptions(**fine)).region_count == 6  # its sides are flat with noise
     sharp = engine.partition(mesh, engine.PartitionOptions(**fine, sharp_edges=0.0))
     assert sharp.region_count == 6
     assert len(engine.polygonize(mesh, sharp).vertices) == 8
@@ -262,7 +262,7 @@ def test_the_sides_of_a_plate_are_no_strips_of_an_edge():
 
 
 def pierced_wall(width):
-    """A noisy wall with a hole as wide as that, and a tube of that width that stands beside it."""
+    """A noisy wall with a hole of this width, and a tube of this width next to it."""
     wall, faces = real_scans.sheet((0, 0, 0), (2, 0, 0), (0, 2, 0), 40, 40)
     wall[:, 2] += np.random.default_rng(1).normal(0, 0.002, len(wall))
     middle = wall[faces].mean(1)

@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[3]
 HEADERS = ROOT / "native" / "include"
 RECIPE = ROOT / "python" / "isimp_engine" / "recipe"
 ABOUT = "How crisp it is."
-#: of each class of options: its header, and the member and the row that the new ones come before
+#: by class of options: its header, and the member and the row before which the new ones are inserted
 CASES = {
     engine.PartitionOptions: ("partition/options.h", "  double leave_out = ", '      field("leave_out"'),
     engine.RegulariseOptions: ("regular/regularise.h", "  bool even_spacing = ", '      field("even_spacing"'),

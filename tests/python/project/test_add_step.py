@@ -1,4 +1,4 @@
-"""The promise of CONTRIBUTING.md for a step of recipes: what follows from its class and its row of `APPLY`."""
+"""The promise of CONTRIBUTING.md for a step of recipes: features that follow from its class and its row of `APPLY`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from session_scans import scan_of
 
 ROOT = Path(__file__).resolve().parents[3]
 SOURCES = [path for folder in ("addon/isimp", "python/isimp_engine") for path in (ROOT / folder).rglob("*.py")]
-#: files that may name a step, beside the operators: its class, its names, and what it does, costs and is called
+#: files that may name a step, except operators: its class, its names, its application, its time and its label
 NAMED_IN = r"python/isimp_engine/(recipe/\w+|recipes)|addon/isimp/(applying|messages|session)"
 IN_BLENDER = r"addon/isimp/blender/(operators/\w+|controls/settings)"
 #: steps with settings in the panel, presets or the view, which name them; and Blender's or the engine's own words

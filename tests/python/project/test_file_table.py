@@ -1,4 +1,4 @@
-"""The tables of files are those that scripts/file_table.py writes."""
+"""The tables of files equal the output of scripts/file_table.py."""
 
 import subprocess
 from pathlib import Path

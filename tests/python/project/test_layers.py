@@ -38,7 +38,7 @@ PRIVATE = {"CGAL": {"mesh", "meshing"}, "OpenMesh": {"thesis"}, "thrust": {"para
 
 
 def modules(inner=False):
-    """The engine's modules and their declared dependencies in CMake; with `inner`, those on inner headers."""
+    """The engine's modules and their declared dependencies in CMake; inner: dependencies on inner headers."""
     text = (NATIVE / "CMakeLists.txt").read_text()
     uses = {}
     for name, rest in re.findall(r"^\s*isimp_module\((\w+)([^)]*)\)", text, re.MULTILINE):  # once for each branch

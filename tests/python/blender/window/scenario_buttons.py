@@ -54,7 +54,7 @@ def twins(hand, name, lesser):
 
 
 def chosen(hand, name, **settings):
-    """What an entry of a menu does."""
+    """The action of an entry of a menu."""
     with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
         getattr(bpy.ops.isimp, name.split(".")[1])("INVOKE_DEFAULT", True, **settings)
     yield from hand.settle()

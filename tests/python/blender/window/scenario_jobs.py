@@ -15,7 +15,7 @@ from student import Student, words
 
 import isimp
 
-PLACE = np.array([412_345.0, 5_765_432.0, 61.0])  # of the surveyor's house, in metres of UTM
+PLACE = np.array([412_345.0, 5_765_432.0, 61.0])  # place of the surveyor's house, in metres of UTM
 
 
 class User(Student):
@@ -39,7 +39,7 @@ class User(Student):
         yield from self.hand.settle(120)
 
     def begins(self):
-        """A new file with the first cube gone; the scan is imported by the caller."""
+        """A new file without the default cube; the caller imports the scan."""
         for obj in list(bpy.data.objects):
             bpy.data.objects.remove(obj)
         self.does("Delete the default cube.")

@@ -8,7 +8,7 @@ import isimp
 
 
 def open_all():
-    """Has all sections open from the beginning; before the add-on is switched on."""
+    """Opens all sections from the beginning; called before the add-on is switched on."""
     from isimp.blender import panel
 
     for cls in panel.CLASSES:

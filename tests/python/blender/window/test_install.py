@@ -73,7 +73,7 @@ def test_the_installed_addon_works_with_the_engine_it_brings(installed):
     assert f"engine at {installed / 'addons' / 'isimp' / 'isimp_engine'}" in done.stdout
 
 
-def test_without_an_engine_the_addon_says_so(installed, tmp_path):
+def test_without_an_engine_the_addon_reports_it(installed, tmp_path):
     shutil.copytree(installed / "addons" / "isimp", tmp_path / "addons" / "isimp")
     shutil.rmtree(tmp_path / "addons" / "isimp" / "isimp_engine")
     script = "import bpy; bpy.ops.isimp.partition(proxies=6)"

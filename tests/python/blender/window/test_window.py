@@ -59,4 +59,4 @@ def test_scenario(scenario):
         log.seek(0)
         said = log.read()
         assert code == 0, said[-4000:]
-        assert "Traceback" not in said, said[-4000:]  # of a timer, which nothing else reports
+        assert "Traceback" not in said, said[-4000:]  # a timer's traceback is reported nowhere else
