@@ -173,7 +173,7 @@ def a_step(draw):
 
 
 def test_a_thousand_stored_recipes_of_all_kinds():
-    """Every one is read or refused in a line; none raises, and none runs for ever."""
+    """Every one is read or refused in a line; none raises, and none runs forever."""
     draw, read, refused = random.Random(18), 0, set()
     for _ in range(1000):
         ids = range(1, draw.randrange(2, 8))

@@ -40,7 +40,7 @@ def scene(addon):
 
 @pytest.hookimpl(trylast=True)
 def pytest_unconfigure(config):
-    # bpy 4.5 from PyPI waits for ever in a destructor when Python ends.
+    # bpy 4.5 from PyPI never returns from a destructor when Python ends.
     if bpy is not None and not bpy.app.binary_path:
         sys.stdout.flush()
         sys.stderr.flush()

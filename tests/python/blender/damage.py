@@ -43,7 +43,7 @@ def dump(block):
 
 
 def kept(block) -> list:
-    """All data that was moved aside."""
+    """Return all data that the add-on has moved to another name."""
     return [plain(block[name]) for name in block.keys() if name.startswith("isimp.kept")]  # noqa: SIM118
 
 

@@ -79,7 +79,7 @@ def obj_points(path):
 
 
 def ply_points(path):
-    """Read by Blender, except by 3.4, whose reader leaves them as they are in any case."""
+    """Return the points of a file without rotation, read by the engine of the add-on."""
     session = next(module for name, module in sys.modules.items() if name.split(".")[-2:] == ["isimp", "session"])
     return np.asarray(session.engine.read(str(path))[0])
 

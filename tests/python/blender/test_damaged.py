@@ -49,7 +49,7 @@ def layer(scan, name):
 
 
 def holds(block, value) -> bool:
-    """Whether a value that was in the file is there still, where it was or moved aside; of a list, all of it."""
+    """Return whether a value of the file exists, in its place or moved by the add-on; of a list, every item."""
     now, aside = damage.dump(block), repr(damage.kept(block))
     found = value.get("nodes") if isinstance(value, dict) else value
     if isinstance(found, list) and found and all(isinstance(node, dict) for node in found):

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs a termina
 
 @pytest.fixture(scope="module")
 def big_scan(tmp_path_factory):
-    """A file large enough that the command is still at work when it is interrupted."""
+    """A file large enough that the command is working when it is interrupted."""
     path = tmp_path_factory.mktemp("big") / "big.ply"
     vertices, triangles = shapes.bumpy(500)
     head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\n"

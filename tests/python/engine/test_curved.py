@@ -14,7 +14,7 @@ from isimp_engine import cli
 
 
 def turned(profile, steps=96):
-    """A closed solid of revolution round z; profile: (radius, height) from the bottom to the top."""
+    """A closed solid of revolution around z; profile: (radius, height) from the bottom to the top."""
     profile = np.asarray(profile, float)
     angle = np.arange(steps) * 2 * np.pi / steps
     rho, z = profile.T
@@ -287,7 +287,7 @@ def columns():
 
 
 def distance(mesh, part, patch):
-    """From the planes of the cells of a round part, root mean square over the middles of its faces."""
+    """Return the root mean square distance of the face centers of a round part from the planes of its cells."""
     middle = mesh.vertices[mesh.triangles].mean(1)
     region = part.face_region
     mine = np.isin(region, patch.regions)

@@ -113,7 +113,7 @@ def neighbour(surface, part, face):
 
 
 def check_locks(kind, face, before, after):
-    """Locked regions are unchanged and still locked, except that one which is painted onto may gain faces."""
+    """Locked regions remain locked and unchanged, except that painting onto one may add faces."""
     if kind == "unlock":
         return
     target = before.face_region[face] if kind == "paint onto" else -1

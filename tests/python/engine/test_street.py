@@ -10,7 +10,7 @@ from bench.quality import street as bench
 
 @pytest.fixture(scope="module")
 def rows():
-    """Rows of three houses, 65,760 faces: as they are, and with snapped planes and planar polygons."""
+    """Rows of three houses, 65,760 faces: unchanged, and with snapped planes and planar polygons."""
     return bench.Judge(houses.street(3)).rows()
 
 
