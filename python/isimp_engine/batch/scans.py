@@ -85,7 +85,7 @@ def _without_repeats(pairs: Sequence[tuple[str, Path]]) -> dict[str, Path]:
 
 
 def _with_outputs(scans: Sequence[Scan], suffix: str) -> list[Scan]:
-    """Set the paths of results: as for the scans; the scan's suffix stays if two would be equal otherwise."""
+    """Set the paths of results after the scans' paths. The scan's suffix stays if two would else be equal."""
     short = [str(PurePosixPath(inner(scan.name)).with_suffix(suffix)) for scan in scans]
     times = Counter(name.casefold() for name in short)
     outputs = [
@@ -167,7 +167,7 @@ def _in_folder(folder: Path, besides: Path | None) -> Iterator[Path]:
 
 
 def _is_folder(entry: os.DirEntry[str]) -> bool:
-    """Return whether an entry is a folder, or a link to one. A link that leads to itself is none."""
+    """Return whether an entry is a folder or a link to one. A link to itself is no folder."""
     try:
         return entry.is_dir()
     except OSError:

@@ -44,7 +44,7 @@ class Option(NamedTuple):
 
     @property
     def unset(self) -> Any:
-        """The default of a setting; settings are never None."""
+        """The default of a setting, which is never None."""
         if not self.is_optional:
             return self.default
         if self.kind == "int":

@@ -271,7 +271,7 @@ def map_name(text: str, place: str = "") -> str:
 
 
 def is_nameable(name: str) -> bool:
-    """Whether a file of this name is found again where OBJ and MTL files name it."""
+    """Whether a file of this name is found again if OBJ and MTL files refer to it."""
     line = b"map_Kd " + os.fsencode(name)
     return [line] == line.splitlines() and map_name(_text(line.split(None, 1)[-1])) == name and "\\" not in name
 
