@@ -164,12 +164,12 @@ class DeviceFlooder final : public Flooder {
       const auto* centre = reinterpret_cast<const Normal*>(proxies.centre.data());
       const HostGrid host(proxies.centre);
       const Readable<Normal> centres(memory_, {centre, proxies.seed.size()});
-      const std::vector<std::int32_t> host_in_part = seeds_in_components(proxies);
+      const std::vector<std::int32_t> host_in_component = seeds_in_components(proxies);
       const Readable<std::int32_t> start(memory_, host.start), region(memory_, host.region),
-          in_part(memory_, host_in_part);
+          in_component(memory_, host_in_component);
       const Grid grid{brute ? nullptr : start.data(), region.data(), host.side};
-      const ChooseNear choose{view,           place_.data(), centres.data(), component_.data(),
-                              in_part.data(), nearest,       regions_,       grid};
+      const ChooseNear choose{view,     place_.data(), centres.data(), component_.data(), in_component.data(), nearest,
+                              regions_, grid};
       const std::int64_t slice = std::max<std::int64_t>(1 << 10, (1 << 24) / (brute ? regions_ : 64));
       for (std::int64_t i = 0; i < count_; i += slice) {
         job.poll();

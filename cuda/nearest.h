@@ -40,10 +40,10 @@ struct Candidates {
 
 struct ChooseNear {
   View view;
-  const float* place;             ///< (3 N) the faces' centres
-  const Normal* centre;           ///< (R) the regions'
-  const std::int32_t* component;  ///< (N); null if there is one component
-  const std::int32_t* in_part;    ///< (C) number of regions of each component
+  const float* place;                ///< (3 N) the faces' centres
+  const Normal* centre;              ///< (R) the regions'
+  const std::int32_t* component;     ///< (N); null if there is one component
+  const std::int32_t* in_component;  ///< (C) number of regions of each component
   std::int32_t nearest, regions;
   Grid grid;  ///< null for brute force
 
@@ -52,7 +52,7 @@ struct ChooseNear {
     Candidates near;
     near.found = 0;
     near.region[0] = 0;  // at least one is found, which compilers can't see
-    near.wanted = component == nullptr ? regions : in_part[component[i]];
+    near.wanted = component == nullptr ? regions : in_component[component[i]];
     if (near.wanted > nearest) near.wanted = nearest;
     if (near.wanted == 0) return;  // its component was left out
     if (grid.start == nullptr) {

@@ -127,8 +127,8 @@ py::tuple faces_of(const KeptMesh& mesh) {
   return py::make_tuple(record, neighbour, mesh_face, length);
 }
 
-tiles::Components read_components(const Table<std::int32_t>& component, const Table<std::int32_t>& need) {
-  tiles::Components c;
+tiles::JoinedComponents read_components(const Table<std::int32_t>& component, const Table<std::int32_t>& need) {
+  tiles::JoinedComponents c;
   const auto of = rows<std::int32_t>(component, "component"), least = rows<std::int32_t>(need, "need");
   c.component.assign(of.begin(), of.end());
   c.need.assign(least.begin(), least.end());
@@ -172,7 +172,7 @@ void bind_detail(py::module_& m) {
          Job* job) {
         const auto pair = rows<std::array<std::int32_t, 2>>(pairs, "pairs");
         const tiles::JoinedGraph graph{read_sums(sums), {pair.begin(), pair.end()}, {}};
-        const tiles::Components c = read_components(component, need);
+        const tiles::JoinedComponents c = read_components(component, need);
         const tiles::FoundRegions found =
             call(job, [&](Job& j) { return tiles::find_regions(graph, c, tolerance, noise, snap, cost, j); });
         return py::make_tuple(found.regions, found.cost, found.snapped);
@@ -186,8 +186,8 @@ void bind_merging(py::module_& m) {
       "_tile_components",
       [](const Table<double>& sums, const Table<std::int32_t>& pairs, const Table<double>& lengths,
          const Table<std::uint8_t>& open, std::int32_t proxies, double leave_out) {
-        tiles::Components c = tiles::find_components(read_graph(sums, pairs, lengths), rows<std::uint8_t>(open, "open"),
-                                                     proxies, leave_out);
+        tiles::JoinedComponents c = tiles::find_components(read_graph(sums, pairs, lengths),
+                                                           rows<std::uint8_t>(open, "open"), proxies, leave_out);
         return py::make_tuple(owned(std::move(c.component)), owned(std::move(c.need)), c.left_out, c.area_left_out);
       },
       "sums"_a, "pairs"_a, "lengths"_a, "open"_a, "proxies"_a, "leave_out"_a, "See tiles.find_components.");
@@ -197,7 +197,7 @@ void bind_merging(py::module_& m) {
          const Table<std::int32_t>& component, const Table<std::int32_t>& need, std::int32_t target, double smooth,
          double error, std::int32_t proxies, Job* job) {
         const auto graph = read_graph(sums, pairs, lengths);
-        const tiles::Components c = read_components(component, need);
+        const tiles::JoinedComponents c = read_components(component, need);
         return owned(call(job, [&](Job& j) { return tiles::merge(graph, c, target, {smooth, error, proxies}, j); }));
       },
       "sums"_a, "pairs"_a, "lengths"_a, "component"_a, "need"_a, "target"_a, "smooth"_a, "error"_a, "proxies"_a,
@@ -208,7 +208,7 @@ void bind_merging(py::module_& m) {
          const Table<std::int32_t>& component, const Table<std::int32_t>& need, const Table<std::uint8_t>& border,
          std::int32_t target, double limit, const Price& weight, Job* job) {
         const auto graph = read_graph(sums, pairs, lengths);
-        const tiles::Components c = read_components(component, need);
+        const tiles::JoinedComponents c = read_components(component, need);
         const auto at_border = rows<std::uint8_t>(border, "border");
         const auto& [smooth, error, proxies, area] = weight;
         const tiles::BorderPrice price{smooth, error, proxies, area};

@@ -38,22 +38,22 @@ Partition improve(const Mesh& mesh, const Partition& partition, Job& job) {
   Edit edit(mesh, partition);
   const FaceGraph& graph = edit.graph;
   Job::Part stage(job, "improving", 0.0, 1.0);
-  std::vector<std::int32_t> region_of, part;
+  std::vector<std::int32_t> region_of, component;
   if (const std::int32_t loose = find_unconnected(edit.surface, partition.face_region, partition.region_count());
       loose != kNone)
     throw InvalidInput("region " + std::to_string(loose) +
                        " is in several pieces: only connected regions can be improved");
   Regions regions = free_regions(edit, region_of);
   if (region_of.empty()) return partition;
-  const Parts parts = find_parts(edit.surface, partition.region_count(), 0.0, job);
-  for (const std::int32_t r : region_of) part.push_back(edit.surface.component()[partition.region_seed[r]]);
+  const Components components = find_components(edit.surface, partition.region_count(), 0.0, job);
+  for (const std::int32_t r : region_of) component.push_back(edit.surface.component()[partition.region_seed[r]]);
   const double before = regions.error();
   Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, border_weight_of(partition, graph),
                                      Threads(1), edit.surface.relative_weight());
   for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
   relaxation.run(kSweeps, job);
   job.report(0.3);
-  Teleport(graph, parts, regions, std::move(part), relaxation).run(kTries, 1.0, job);
+  Teleport(graph, components, regions, std::move(component), relaxation).run(kTries, 1.0, job);
   if (regions.error() >= before) return partition;
   for (std::int32_t i = 0; i < graph.size(); ++i)
     if (regions.label[i] >= 0) edit.labels.set(i, region_of[regions.label[i]]);

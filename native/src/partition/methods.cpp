@@ -7,6 +7,7 @@
 
 #include "borders/relax.h"
 #include "bound/bound.h"
+#include "components.h"
 #include "density/adaptivity.h"
 #include "density/noise.h"
 #include "hierarchy/optimise.h"
@@ -15,7 +16,6 @@
 #include "isimp/core/options.h"
 #include "isimp/partition/regions.h"
 #include "make_partition.h"
-#include "parts.h"
 
 namespace isimp {
 namespace {
@@ -56,9 +56,10 @@ bool needs_hierarchy(const PartitionOptions& options) {
 
 Partition by_number(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job) {
   const Threads threads(options.threads);
-  const Parts parts = find_parts(surface, *options.proxies, options.leave_out, job, hierarchy.parts);
-  const Regions regions = optimise(surface, hierarchy, parts, options.smooth, threads, job);
-  Partition result = make_partition(surface, parts, regions, {regions.error()}, threads, job);
+  const Components components =
+      find_components(surface, *options.proxies, options.leave_out, job, hierarchy.components);
+  const Regions regions = optimise(surface, hierarchy, components, options.smooth, threads, job);
+  Partition result = make_partition(surface, components, regions, {regions.error()}, threads, job);
   result.smooth = options.smooth;
   return result;
 }
@@ -71,9 +72,9 @@ Partition by_bound(const Surface& surface, const PartitionOptions& options, Job&
     hierarchy = hierarchy_for_bound(surface, job, options.threads);
   }
   const Job::Part fitting(job, "fitting planes", 0.1, 1.0);
-  const Parts parts = find_parts(surface, 1, options.leave_out, job, hierarchy.parts);
-  const BoundedRegions bounded = bounded_regions(surface, hierarchy, parts, *options.bound, job);
-  Partition result = make_partition(surface, parts, bounded.regions, {bounded.regions.error()}, threads, job);
+  const Components components = find_components(surface, 1, options.leave_out, job, hierarchy.components);
+  const BoundedRegions bounded = bounded_regions(surface, hierarchy, components, *options.bound, job);
+  Partition result = make_partition(surface, components, bounded.regions, {bounded.regions.error()}, threads, job);
   result.proxies_asked = result.region_count();
   result.bound = *options.bound;
   result.noise = options.noise ? *options.noise : estimate_noise(surface.mesh(), Threads(options.threads), job);
@@ -105,7 +106,7 @@ Partition by_detail(const Surface& surface, const DetailTree& tree, const Partit
     relax_borders(graph, regions, weight, kSmoothSweeps, threads, job, surface.relative_weight());
     tree.merge_again(surface, cut, regions, threads, job);
   }
-  Partition result = make_partition(surface, tree.parts(), regions, {regions.error()}, threads, job);
+  Partition result = make_partition(surface, tree.components(), regions, {regions.error()}, threads, job);
   result.proxies_asked = result.region_count();
   result.tolerance = tolerance;
   result.noise = tree.noise();
@@ -127,12 +128,12 @@ Partition on_original_weights(const Surface& surface, Partition of_reweighted, c
   for (std::int32_t i = 0; i < graph.size(); ++i) regions.label[i] = of_reweighted.face_region[graph.mesh_face[i]];
   regions.sum.resize(of_reweighted.region_sum.size());
   sum_regions(graph, regions, job, threads);
-  Parts parts;
-  parts.asked = of_reweighted.proxies_asked;
-  parts.needed = of_reweighted.proxies_needed;
-  parts.left_out = of_reweighted.parts_left_out;
-  parts.area_left_out = of_reweighted.area_left_out;
-  Partition result = make_partition(surface, parts, regions, {regions.error()}, threads, job);
+  Components components;
+  components.asked = of_reweighted.proxies_asked;
+  components.needed = of_reweighted.proxies_needed;
+  components.left_out = of_reweighted.parts_left_out;
+  components.area_left_out = of_reweighted.area_left_out;
+  Partition result = make_partition(surface, components, regions, {regions.error()}, threads, job);
   if (of_reweighted.bound > 0) {
     result.region_normal = std::move(of_reweighted.region_normal);
     result.region_offset = std::move(of_reweighted.region_offset);

@@ -4,16 +4,16 @@
 #include <string>
 #include <utility>
 
+#include "components.h"
 #include "isimp/core/check.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/threads.h"
 #include "isimp/partition/regions.h"
 #include "make_partition.h"
-#include "parts.h"
 
 namespace isimp {
 
-Partition make_partition(const Surface& surface, const Parts& parts, const Regions& regions,
+Partition make_partition(const Surface& surface, const Components& components, const Regions& regions,
                          std::vector<double> history, const Threads& threads, Job& job) {
   const FaceGraph& graph = surface.graph();
   Partition result;
@@ -35,10 +35,10 @@ Partition make_partition(const Surface& surface, const Parts& parts, const Regio
   result.error = regions.error() * graph.area;
   result.history = std::move(history);
   for (double& error : result.history) error *= graph.area;
-  result.proxies_asked = parts.asked;
-  result.proxies_needed = parts.needed;
-  result.parts_left_out = parts.left_out;
-  result.area_left_out = parts.area_left_out;
+  result.proxies_asked = components.asked;
+  result.proxies_needed = components.needed;
+  result.parts_left_out = components.left_out;
+  result.area_left_out = components.area_left_out;
   result.guided = surface.guided();
   return result;
 }
@@ -102,9 +102,9 @@ Partition partition_from(const Surface& surface, std::span<const std::int32_t> f
   if (count == 0) throw InvalidInput("no face is in a region");
   regions.sum.resize(static_cast<std::size_t>(count));
   sum_regions(graph, regions, job);
-  Parts parts = find_parts(surface, 1, 0.0, job);
-  parts.asked = count;
-  return make_partition(surface, parts, regions, {regions.error()}, Threads(1), job);
+  Components components = find_components(surface, 1, 0.0, job);
+  components.asked = count;
+  return make_partition(surface, components, regions, {regions.error()}, Threads(1), job);
 }
 
 Partition inherited(Partition part, const Partition& before) {

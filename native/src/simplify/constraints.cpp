@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "components.h"
 #include "isimp/core/errors.h"
-#include "parts.h"
 
 namespace isimp {
 namespace {
@@ -13,9 +13,9 @@ namespace {
 /// Clears the faces of components that partitions leave out.
 void close_left_out(const Mesh& mesh, std::int32_t proxies, double leave_out, std::vector<std::uint8_t>& is_open,
                     Job& job) {
-  const Parts all = find_parts(mesh, proxies, leave_out, job);
+  const Components components = find_components(mesh, proxies, leave_out, job);
   for (std::size_t f = 0; f < is_open.size(); ++f)
-    if (!all.parts[mesh.component()[f]].kept) is_open[f] = 0;
+    if (!components.all[mesh.component()[f]].kept) is_open[f] = 0;
 }
 
 void check_faces(const Mesh& mesh, std::span<const std::int32_t> faces) {

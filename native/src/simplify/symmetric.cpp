@@ -11,13 +11,13 @@
 #include "borders/local.h"
 #include "borders/relax.h"
 #include "closest_faces.h"
+#include "components.h"
 #include "density/noise.h"
 #include "isimp/core/check.h"
 #include "isimp/core/threads.h"
 #include "isimp/core/to_integer.h"
 #include "isimp/simplify/mirror.h"
 #include "make_partition.h"
-#include "parts.h"
 
 namespace isimp {
 namespace {
@@ -82,11 +82,11 @@ class Symmetriser {
 
   /// The half with more of the surface is split; the other one follows it.
   void choose_sides() {
-    const Parts parts = find_parts(mesh_, options_.proxies.value_or(1), options_.leave_out, job_);
+    const Components components = find_components(mesh_, options_.proxies.value_or(1), options_.leave_out, job_);
     std::array<double, 2> areas{};
     std::array<std::vector<std::int32_t>, 2> sides;
     for (std::int32_t f = 0; f < mesh_.face_count(); ++f) {
-      if (!parts.parts[mesh_.component()[f]].kept) continue;
+      if (!components.all[mesh_.component()[f]].kept) continue;
       const int side = mirror_.height(middle(f)) < 0 ? 1 : 0;
       sides[side].push_back(f);
       areas[side] += area(f);
@@ -370,10 +370,10 @@ class Symmetriser {
     Partition result = partition_from(surface_, label_, job_);
     take_how_found(result, how_);
     if (options_.proxies) result.proxies_asked = *options_.proxies;
-    const Parts parts = find_parts(surface_, options_.proxies.value_or(1), options_.leave_out, job_);
-    result.proxies_needed = parts.needed;
-    result.parts_left_out = parts.left_out;
-    result.area_left_out = parts.area_left_out;
+    const Components components = find_components(surface_, options_.proxies.value_or(1), options_.leave_out, job_);
+    result.proxies_needed = components.needed;
+    result.parts_left_out = components.left_out;
+    result.area_left_out = components.area_left_out;
     result.symmetry = mirror_.relative_to(-mesh_.origin());
     return result;
   }

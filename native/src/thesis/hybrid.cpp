@@ -67,7 +67,7 @@ Guides guides_of(const Surface& surface, std::span<const std::int32_t> coarse_of
   return guides;
 }
 
-Coarse make_coarse(const Surface& surface, const Decimated& all, const Parts& parts, Job& job) {
+Coarse make_coarse(const Surface& surface, const Decimated& all, const Components& components, Job& job) {
   const Mesh& mesh = surface.mesh();
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
@@ -75,7 +75,7 @@ Coarse make_coarse(const Surface& surface, const Decimated& all, const Parts& pa
   for (const Triangle& t : all.triangles) {
     Triangle mine{};
     // A face by its first corner: a component of the mesh is left out as a whole, also if barriers divide it.
-    if (!parts.parts[surface.component()[Mesh::face(mesh.vertex_halfedge()[all.vertex[t[0]]])]].kept) continue;
+    if (!components.all[surface.component()[Mesh::face(mesh.vertex_halfedge()[all.vertex[t[0]]])]].kept) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int32_t dense = all.vertex[t[k]];
       if (coarse_of[dense] == kNone) {
@@ -95,11 +95,11 @@ Coarse make_coarse(const Surface& surface, const Decimated& all, const Parts& pa
 /// The starts of the coarse mesh's proxies on the dense one.
 class Carrier {
  public:
-  Carrier(const Surface& surface, const Parts& parts) : surface_(surface), parts_(parts) {
+  Carrier(const Surface& surface, const Components& components) : surface_(surface), components_(components) {
     taken_.assign(static_cast<std::size_t>(surface.graph().size()) + 1, false);
     taken_.back() = true;  // the sentinel is no face to start at
     for (std::int32_t i = 0; i < surface.graph().size(); ++i)
-      if (!parts.parts[component(i)].kept) taken_[i] = true;
+      if (!components.all[component(i)].kept) taken_[i] = true;
   }
 
   void carry(const Coarse& coarse, const Partition& part) {
@@ -155,13 +155,13 @@ class Carrier {
     return static_cast<std::int32_t>(std::find(taken_.begin(), taken_.end(), false) - taken_.begin());
   }
 
-  /// Barriers may leave parts so small that no coarse face lies in them.
+  /// Barriers may leave components so small that no coarse face lies in them.
   void give_to_empty_components() {
-    std::vector<std::int32_t> count(parts_.parts.size(), 0), first(parts_.parts.size(), 0);
+    std::vector<std::int32_t> count(components_.all.size(), 0), first(components_.all.size(), 0);
     for (std::int32_t i = surface_.graph().size() - 1; i >= 0; --i) first[component(i)] = i;
     for (const std::int32_t seed : seeds) ++count[component(seed)];
     for (std::size_t c = 0; c < count.size(); ++c) {
-      if (!parts_.parts[c].kept || count[c] > 0) continue;
+      if (!components_.all[c].kept || count[c] > 0) continue;
       const auto most = std::max_element(count.begin(), count.end()) - count.begin();
       std::size_t r = seeds.size() - 1;
       while (component(seeds[r]) != most) --r;
@@ -173,7 +173,7 @@ class Carrier {
   }
 
   const Surface& surface_;
-  const Parts& parts_;
+  const Components& components_;
   std::vector<bool> taken_;  // (n + 1)
 };
 
@@ -181,17 +181,18 @@ class Carrier {
 
 Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOptions& options, Job& job) {
   const Job::Part stage(job, "partitioning", 0.0, 1.0);
-  const Parts parts = find_parts(surface, *options.proxies, options.leave_out, job);
-  const Coarse coarse = make_coarse(surface, all, parts, job);
-  if (coarse.mesh.face_count() < parts.regions())
+  const Components components = find_components(surface, *options.proxies, options.leave_out, job);
+  const Coarse coarse = make_coarse(surface, all, components, job);
+  if (coarse.mesh.face_count() < components.regions())
     throw InvalidInput("the mesh has " + std::to_string(coarse.mesh.face_count()) + " faces left at fraction " +
-                       std::to_string(all.fraction) + ", too few for " + std::to_string(parts.regions()) + " regions");
+                       std::to_string(all.fraction) + ", too few for " + std::to_string(components.regions()) +
+                       " regions");
   PartitionOptions plain = options;
   const bool faithful = options.connect == Connect::flood;
   plain.method = faithful ? Method::lloyd : Method::hierarchy;
-  plain.proxies = parts.regions();
+  plain.proxies = components.regions();
   plain.leave_out = 0.0;
-  Carrier carrier(surface, parts);
+  Carrier carrier(surface, components);
   {
     const Job::Part rounds(job, "flooding", 0.0, 0.9);
     const Surface coarse_surface(coarse.mesh, coarse.guides, job);
@@ -214,7 +215,7 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
     const BorderWeight weight{0.5 * light_border_weight(regions.error()).edge};
     relax_borders(surface.graph(), regions, weight, kSweeps, threads, job);
   }
-  return make_partition(surface, parts, regions, {regions.error()}, threads, job);
+  return make_partition(surface, components, regions, {regions.error()}, threads, job);
 }
 
 }  // namespace isimp

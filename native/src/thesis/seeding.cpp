@@ -8,15 +8,15 @@ namespace isimp {
 namespace {
 
 /// The graph's faces by component, each in rising order; those of component c at [start[c], start[c + 1]).
-struct FacesByPart {
+struct FacesByComponent {
   std::vector<std::int32_t> start, face;
 };
 
-FacesByPart faces_by_part(const Surface& surface, const Parts& parts) {
+FacesByComponent faces_by_component(const Surface& surface, const Components& components) {
   const FaceGraph& graph = surface.graph();
-  FacesByPart by;
-  by.start.assign(parts.parts.size() + 1, 0);
-  for (std::size_t c = 0; c < parts.parts.size(); ++c) by.start[c + 1] = by.start[c] + parts.parts[c].sum.faces;
+  FacesByComponent by;
+  by.start.assign(components.all.size() + 1, 0);
+  for (std::size_t c = 0; c < components.all.size(); ++c) by.start[c + 1] = by.start[c] + components.all[c].sum.faces;
   by.face.resize(static_cast<std::size_t>(graph.size()));
   std::vector<std::int32_t> fill = by.start;
   for (std::int32_t i = 0; i < graph.size(); ++i) by.face[fill[surface.component()[graph.mesh_face[i]]]++] = i;
@@ -77,9 +77,9 @@ void draw_by_weight(std::span<const std::int32_t> faces, std::span<const float> 
 
 }  // namespace
 
-std::vector<std::int32_t> random_seeds(const Surface& surface, const Parts& parts,
+std::vector<std::int32_t> random_seeds(const Surface& surface, const Components& components,
                                        const std::vector<std::int32_t>& share, std::uint64_t seed, Job& job) {
-  const FacesByPart by = faces_by_part(surface, parts);
+  const FacesByComponent by = faces_by_component(surface, components);
   job.poll();
   Random random(seed);
   std::vector<bool> taken(by.face.size(), false);
@@ -87,8 +87,8 @@ std::vector<std::int32_t> random_seeds(const Surface& surface, const Parts& part
   for (std::size_t c = 0; c < share.size(); ++c) {
     const std::int32_t faces = by.start[c + 1] - by.start[c];
     if (!surface.weight().empty()) {
-      const auto of_part = std::span(by.face).subspan(by.start[c], static_cast<std::size_t>(faces));
-      draw_by_weight(of_part, surface.weight(), share[c], random, seeds);
+      const auto of_component = std::span(by.face).subspan(by.start[c], static_cast<std::size_t>(faces));
+      draw_by_weight(of_component, surface.weight(), share[c], random, seeds);
       continue;
     }
     // Floyd's way to draw distinct numbers: one draw each.
@@ -102,9 +102,9 @@ std::vector<std::int32_t> random_seeds(const Surface& surface, const Parts& part
   return seeds;
 }
 
-std::vector<std::int32_t> farthest_seeds(const Surface& surface, const Parts& parts,
+std::vector<std::int32_t> farthest_seeds(const Surface& surface, const Components& components,
                                          const std::vector<std::int32_t>& share, std::uint64_t seed, Job& job) {
-  const FacesByPart by = faces_by_part(surface, parts);
+  const FacesByComponent by = faces_by_component(surface, components);
   Random random(seed);
   std::vector<std::int32_t> seeds;
   const auto total = static_cast<double>(std::accumulate(share.begin(), share.end(), 0LL));

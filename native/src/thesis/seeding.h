@@ -4,9 +4,9 @@
 #include <random>
 #include <vector>
 
+#include "components.h"
 #include "isimp/core/job.h"
 #include "isimp/partition/surface.h"
-#include "parts.h"
 
 namespace isimp {
 
@@ -28,14 +28,14 @@ class Random {
 /// Distinct faces drawn at random, `share[c]` of them in component c; where there are weights, by their roots.
 /// \return graph indices, component by component
 /// Source: the thesis's `init`.
-std::vector<std::int32_t> random_seeds(const Surface& surface, const Parts& parts,
+std::vector<std::int32_t> random_seeds(const Surface& surface, const Components& components,
                                        const std::vector<std::int32_t>& share, std::uint64_t seed, Job& job);
 
 /// In each component: first a face drawn at random, then always the one whose normal and place together are farthest
 /// from all before. Distance squared is |n - n'|^2 + |p - p'|^2 / r^2, r the component's radius, times the root of the
 /// weight.
 /// Cost: O(F * P).
-std::vector<std::int32_t> farthest_seeds(const Surface& surface, const Parts& parts,
+std::vector<std::int32_t> farthest_seeds(const Surface& surface, const Components& components,
                                          const std::vector<std::int32_t>& share, std::uint64_t seed, Job& job);
 
 }  // namespace isimp

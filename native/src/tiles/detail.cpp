@@ -23,7 +23,7 @@ namespace {
 constexpr double kRounding = 1e-9;  // share of the area: lower costs are rounding errors
 
 /// Returns the nodes that are not left out, with areas as shares of `area`.
-ClusterGraph clusters_of(const JoinedGraph& graph, const Components& components, double area) {
+ClusterGraph clusters_of(const JoinedGraph& graph, const JoinedComponents& components, double area) {
   ClusterGraph clusters;
   std::vector<std::int32_t> number(graph.sum.size(), kNone);
   for (std::size_t u = 0; u < graph.sum.size(); ++u) {
@@ -31,7 +31,7 @@ ClusterGraph clusters_of(const JoinedGraph& graph, const Components& components,
     number[u] = static_cast<std::int32_t>(clusters.sum.size());
     const RegionSum& s = graph.sum[u];
     clusters.sum.push_back({s.x / area, s.y / area, s.z / area, s.weight / area, s.faces});
-    clusters.part.push_back(components.component[u]);
+    clusters.component.push_back(components.component[u]);
   }
   clusters.first.assign(clusters.sum.size() + 1, 0);
   const auto each_pair = [&](const auto& visit) {
@@ -97,7 +97,7 @@ double least_cost(double tolerance, double noise) {
   return merge_limit(tolerance, noise, kLeastNoise) / kSpread;
 }
 
-FoundRegions find_regions(const JoinedGraph& graph, const Components& components, double tolerance, double noise,
+FoundRegions find_regions(const JoinedGraph& graph, const JoinedComponents& components, double tolerance, double noise,
                           bool snap, std::optional<double> cost, Job& job) {
   check_pairs(graph);
   check_components(graph, components);

@@ -8,10 +8,10 @@
 
 #include "borders/relax.h"
 #include "checks.h"
+#include "components.h"
 #include "hierarchy/greedy.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/forest.h"
-#include "parts.h"
 
 namespace isimp::tiles {
 namespace {
@@ -75,7 +75,7 @@ void check_pairs(const JoinedGraph& graph) {
                            std::to_string(nodes));
 }
 
-void check_components(const JoinedGraph& graph, const Components& components) {
+void check_components(const JoinedGraph& graph, const JoinedComponents& components) {
   if (components.component.size() != graph.sum.size()) throw InvalidInput("there must be one component for each node");
   for (const std::int32_t c : components.component)
     if (c < kNone || c >= static_cast<std::int32_t>(components.need.size()))
@@ -83,15 +83,15 @@ void check_components(const JoinedGraph& graph, const Components& components) {
                          std::to_string(components.need.size()));
 }
 
-Components find_components(const JoinedGraph& graph, std::span<const std::uint8_t> open, std::int32_t proxies,
-                           double leave_out) {
+JoinedComponents find_components(const JoinedGraph& graph, std::span<const std::uint8_t> open, std::int32_t proxies,
+                                 double leave_out) {
   check(graph);
   const std::size_t nodes = graph.sum.size();
   if (open.size() != nodes) throw InvalidInput("`open` must have one value for each node");
   if (nodes == 0) throw InvalidInput("there are no patches");
   detail::Forest forest(nodes);
   for (const auto& [u, v] : graph.pair) forest.join(u, v);
-  Components result;
+  JoinedComponents result;
   result.component.assign(nodes, kNone);
   std::vector<Body> bodies;
   std::vector<bool> closed;
@@ -119,13 +119,13 @@ Components find_components(const JoinedGraph& graph, std::span<const std::uint8_
   return result;
 }
 
-std::vector<std::int32_t> merge(const JoinedGraph& graph, const Components& components, std::int32_t target,
+std::vector<std::int32_t> merge(const JoinedGraph& graph, const JoinedComponents& components, std::int32_t target,
                                 const BorderPrice& price, Job& job) {
   check(graph);
   check_components(graph, components);
   const double area = area_of(graph.sum), each = price_of_length(price, price.area > 0 ? price.area : area);
   MergeGraph rows = rows_of(graph, each);
-  rows.part = components.component;
+  rows.component = components.component;
   std::vector<RegionSum> sums = graph.sum;
   const double unit = area > 0 ? 1 / area : 1;
   for (std::size_t u = 0; u < sums.size(); ++u) {
@@ -133,23 +133,24 @@ std::vector<std::int32_t> merge(const JoinedGraph& graph, const Components& comp
     sums[u].y *= unit;
     sums[u].z *= unit;
     if (components.component[u] == kNone) sums[u].faces = 0;  // excluded
-    rows.part[u] = std::max(rows.part[u], 0);
+    rows.component[u] = std::max(rows.component[u], 0);
   }
   return merge_greedily(rows, sums, components.need, target, job);
 }
 
-GroupMerges merge_inside(const JoinedGraph& graph, const Components& components, std::span<const std::uint8_t> border,
-                         std::int32_t target, double limit, const BorderPrice& price, Job& job) {
+GroupMerges merge_inside(const JoinedGraph& graph, const JoinedComponents& components,
+                         std::span<const std::uint8_t> border, std::int32_t target, double limit,
+                         const BorderPrice& price, Job& job) {
   check(graph);
   check_components(graph, components);
   if (border.size() != graph.sum.size()) throw InvalidInput("`border` must have one value for each node");
   const double area = price.area > 0 ? price.area : area_of(graph.sum);
   MergeGraph rows = rows_of(graph, area * price_of_length(price, area));
-  rows.part = components.component;
+  rows.component = components.component;
   std::vector<RegionSum> sums = graph.sum;
   for (std::size_t u = 0; u < sums.size(); ++u) {
     if (components.component[u] == kNone) sums[u].faces = 0;  // excluded
-    rows.part[u] = std::max(rows.part[u], 0);
+    rows.component[u] = std::max(rows.component[u], 0);
   }
   GroupMerges result;
   for (const MergeStep& step : isimp::merge_inside(rows, sums, components.need, border, target, limit, job)) {

@@ -5,11 +5,11 @@
 #include <string>
 #include <utility>
 
+#include "components.h"
 #include "hierarchy/hierarchy.h"
 #include "hierarchy/optimise.h"
 #include "hierarchy/region_graph.h"
 #include "isimp/core/errors.h"
-#include "parts.h"
 #include "patches_of.h"
 
 namespace isimp::tiles {
@@ -54,8 +54,8 @@ Patches patches(const Mesh& mesh, std::int32_t size, double smooth, Job& job) {
   Regions regions;
   {
     const Hierarchy hierarchy = build_hierarchy(surface, count, job, {.coarsest = nodes_for(count)});
-    const Parts parts = find_parts(surface, count, 0.0, job, hierarchy.parts);
-    regions = optimise(surface, hierarchy, parts, smooth, threads, job, Finish::plain);
+    const Components components = find_components(surface, count, 0.0, job, hierarchy.components);
+    regions = optimise(surface, hierarchy, components, smooth, threads, job, Finish::plain);
   }
   regions.label.pop_back();
   return patches_of(mesh, std::move(regions.label), std::move(regions.sum));

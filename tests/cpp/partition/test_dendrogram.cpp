@@ -72,7 +72,7 @@ TEST(MergeTree, StopsAtTheCostAndKeepsTheNeededClusters) {
   EXPECT_EQ(merge_all(graph, {-1, {}}, job).merges(), 0);
   EXPECT_EQ(merge_all(graph, {}, job).merges(), mesh.face_count() - 2);  // never across components
   for (std::int32_t i = 0; i < mesh.face_count(); ++i)
-    graph.part.push_back(mesh.component()[mesh.graph().mesh_face[i]]);
+    graph.component.push_back(mesh.component()[mesh.graph().mesh_face[i]]);
   const std::vector<std::int32_t> need{4, 7};
   EXPECT_EQ(merge_all(graph, {.cost = 1e9, .need = need}, job).merges(), mesh.face_count() - 11);
 }

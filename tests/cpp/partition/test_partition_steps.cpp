@@ -63,7 +63,7 @@ TEST(MergeGreedily, LeavesEveryComponentItsNeed) {
   g.sum.resize(4);
   g.first = {0, 1, 2, 3, 4};
   g.neighbour = {1, 0, 3, 2};
-  g.part = {0, 0, 1, 1};
+  g.component = {0, 0, 1, 1};
   const std::vector<RegionSum> sums{node(1, 0), node(0, 1), node(1, 0), node(1, 0)};
   const std::vector<std::int32_t> need{1, 2};
   Job job;
@@ -142,7 +142,7 @@ TEST(MergeRound, PairsUpMutuallyCheapestNodes) {
   EXPECT_EQ(next.neighbour, (std::vector<std::int32_t>{1, 0}));
   EXPECT_EQ(next.sum[0].x, 2.0F);
   EXPECT_EQ(merge_round(g, {.satellites = true, .least = 4}, map, Threads(1), job).size(), 4)
-      << "a part of no more than `least` nodes is left alone";
+      << "a component of no more than `least` nodes is left alone";
 }
 
 TEST(MergeRound, MakesNoMergeAboveTheMost) {

@@ -97,8 +97,8 @@ TEST(Flooding, IsAsGoodAsThePlainVersion) {
   for (std::uint32_t k = 1; k <= 8; ++k) {
     const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.004, k));
     Job job;
-    const Parts parts = find_parts(mesh, 60, 0, job);
-    const auto seeds = random_seeds(mesh, parts, share_out(parts), k, job);
+    const Components components = find_components(mesh, 60, 0, job);
+    const auto seeds = random_seeds(mesh, components, share_out(components), k, job);
     std::vector<double> history;
     fast += lloyd(mesh.graph(), seeds, 20, history, job).error();
     plain += plain_error(mesh.graph(), seeds, 20);

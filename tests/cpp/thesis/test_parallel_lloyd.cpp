@@ -43,9 +43,9 @@ const Mesh& large() {
 
 parallel::Proxies proxies_of(const Surface& surface, std::int32_t count, std::uint64_t seed) {
   Job job;
-  const Parts parts = find_parts(surface, count, 0, job);
+  const Components components = find_components(surface, count, 0, job);
   parallel::Proxies proxies;
-  proxies.seed = random_seeds(surface, parts, share_out(parts), seed, job);
+  proxies.seed = random_seeds(surface, components, share_out(components), seed, job);
   for (const std::int32_t s : proxies.seed) {
     const FaceRecord& f = surface.graph().faces[s];
     for (const float x : {f.nx, f.ny, f.nz}) proxies.normal.push_back(x);

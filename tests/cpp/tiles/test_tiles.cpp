@@ -71,13 +71,13 @@ TEST(TileDetail, ACubeHasSixRegionsAtAnyToleranceAndKeepsItsNeed) {
   const tiles::Patches p = tiles::detail_patches(shapes::mesh(shapes::cube(12)), 0.002, 0.0, job);
   EXPECT_EQ(p.sum.size(), 6U) << "flat sides are one patch each";
   const tiles::JoinedGraph graph{p.sum, p.pair, p.length};
-  const tiles::Components whole = tiles::find_components(graph, std::vector<std::uint8_t>(6, 0), 1, 0.001);
+  const tiles::JoinedComponents whole = tiles::find_components(graph, std::vector<std::uint8_t>(6, 0), 1, 0.001);
   for (const double tolerance : {0.0005, 0.008, 0.03})
     EXPECT_EQ(tiles::find_regions(graph, whole, tolerance, 0.0, true, {}, job).regions, 6) << tolerance;
   const tiles::FoundRegions coarse = tiles::find_regions(graph, whole, 100.0, 0.0, false, {}, job);
   EXPECT_EQ(coarse.regions, 4) << "it is closed";
   EXPECT_EQ(tiles::find_regions(graph, whole, 1.0, 0.0, false, coarse.cost, job).regions, 4);
-  tiles::Components out = whole;
+  tiles::JoinedComponents out = whole;
   out.component.pop_back();
   EXPECT_THROW(tiles::find_regions(graph, out, 0.1, 0.0, true, {}, job), InvalidInput);
   EXPECT_THROW(tiles::detail_patches(shapes::mesh(shapes::cube(2)), 0.0, 0.0, job), InvalidInput);
@@ -98,7 +98,7 @@ TEST(TileDetail, AChimneyIsKeptThoughTheGapAboveItIsTheWidest) {
     add(0.004F * x, 0.004F * y);
   add(0.0006F, 0.0F);  // a dent
   const auto regions = [&](double tolerance) {
-    const tiles::Components whole = tiles::find_components(graph, std::vector<std::uint8_t>(10, 1), 1, 0.0);
+    const tiles::JoinedComponents whole = tiles::find_components(graph, std::vector<std::uint8_t>(10, 1), 1, 0.0);
     return tiles::find_regions(graph, whole, tolerance, 0.0, true, {}, job).regions;
   };
   EXPECT_EQ(regions(0.01), 9);
@@ -109,7 +109,7 @@ TEST(TileDetail, WhatIsLeftOutIsNotCounted) {
   Job job;
   const RegionSum sheet{0, 0, 1, 2, 50}, wall{1, 0, 0, 2, 50}, speck{0, 0, 1e-6, 2e-6, 3};
   const tiles::JoinedGraph graph{{sheet, wall, speck}, {{0, 1}}, {1}};
-  const tiles::Components parts = tiles::find_components(graph, std::vector<std::uint8_t>(3, 1), 1, 0.001);
+  const tiles::JoinedComponents parts = tiles::find_components(graph, std::vector<std::uint8_t>(3, 1), 1, 0.001);
   EXPECT_EQ(parts.left_out, 1);
   EXPECT_EQ(tiles::find_regions(graph, parts, 0.01, 0.0, true, {}, job).regions, 2);
   EXPECT_EQ(tiles::find_regions(graph, parts, 10.0, 0.0, true, {}, job).regions, 1);
@@ -119,7 +119,7 @@ TEST(TileComponents, OnlyTheJoinedGraphTellsWhatIsClosed) {
   const tiles::JoinedGraph graph =
       graph_of(shapes::mesh(shapes::both(shapes::cube(8), shapes::plane(8), {3, 0, 0})), 20);
   std::vector<std::uint8_t> open(graph.sum.size(), 0);
-  const tiles::Components closed = tiles::find_components(graph, open, 10, 0.0);
+  const tiles::JoinedComponents closed = tiles::find_components(graph, open, 10, 0.0);
   EXPECT_EQ(closed.need, (std::vector<std::int32_t>{4, 4}));
   open.back() = 1;
   EXPECT_EQ(tiles::find_components(graph, open, 10, 0.0).need, (std::vector<std::int32_t>{4, 1}));
@@ -131,7 +131,7 @@ TEST(TileComponents, SpecksAreLeftOutByTheirShareOfTheArea) {
   for (Vec3& p : speck.vertices) p *= 0.01;
   const tiles::JoinedGraph graph = graph_of(shapes::mesh(shapes::both(cube, speck, {3, 0, 0})), 20);
   const std::vector<std::uint8_t> open(graph.sum.size(), 0);
-  const tiles::Components found = tiles::find_components(graph, open, 10, 0.001);
+  const tiles::JoinedComponents found = tiles::find_components(graph, open, 10, 0.001);
   EXPECT_EQ(found.left_out, 1);
   EXPECT_EQ(found.need, (std::vector<std::int32_t>{4, 0}));
   EXPECT_NEAR(found.area_left_out, 1e-4, 1e-5);

@@ -49,7 +49,7 @@ double least_cost(double tolerance, double noise);
 /// \throws InvalidInput  arrays of unequal lengths, a pair or a component out of range
 /// \throws Cancelled     no result
 /// Cost: O(K log K) if nodes have few neighbours.
-FoundRegions find_regions(const JoinedGraph& graph, const Components& components, double tolerance, double noise,
+FoundRegions find_regions(const JoinedGraph& graph, const JoinedComponents& components, double tolerance, double noise,
                           bool snap, std::optional<double> cost, Job& job);
 
 }  // namespace isimp::tiles

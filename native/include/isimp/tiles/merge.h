@@ -18,7 +18,7 @@ struct JoinedGraph {
 };
 
 /// The connected components of a joined graph, and the number of regions that each needs.
-struct Components {
+struct JoinedComponents {
   std::vector<std::int32_t> component;  ///< (K) component of each node, numbered by first node; kNone: left out
   std::vector<std::int32_t> need;       ///< (C) least number of regions: 4 if closed, else 1; 0: left out
   std::int32_t left_out = 0;            ///< number of components that are left out
@@ -30,8 +30,8 @@ struct Components {
 /// \param open  (K) 1 for a node on the border of the whole scan; a component without such a node is closed
 /// \throws InvalidInput  arrays of unequal lengths, a pair out of range
 /// Cost: O((K + E) log K).
-Components find_components(const JoinedGraph& graph, std::span<const std::uint8_t> open, std::int32_t proxies,
-                           double leave_out);
+JoinedComponents find_components(const JoinedGraph& graph, std::span<const std::uint8_t> open, std::int32_t proxies,
+                                 double leave_out);
 
 /// The weight of borders in a merging, the same as for one piece.
 struct BorderPrice {
@@ -48,7 +48,7 @@ struct BorderPrice {
 /// \throws InvalidInput  as above
 /// \throws Cancelled     no result
 /// Cost: O(K log K), even if a node has many neighbours; about 270 bytes a node.
-std::vector<std::int32_t> merge(const JoinedGraph& graph, const Components& components, std::int32_t target,
+std::vector<std::int32_t> merge(const JoinedGraph& graph, const JoinedComponents& components, std::int32_t target,
                                 const BorderPrice& price, Job& job);
 
 /// Merges inside a group of tiles, in order. The second node of a pair becomes part of the first and merges no more.
@@ -68,7 +68,8 @@ struct GroupMerges {
 /// \throws InvalidInput  as above
 /// \throws Cancelled     no result
 /// Cost: as merge.
-GroupMerges merge_inside(const JoinedGraph& graph, const Components& components, std::span<const std::uint8_t> border,
-                         std::int32_t target, double limit, const BorderPrice& price, Job& job);
+GroupMerges merge_inside(const JoinedGraph& graph, const JoinedComponents& components,
+                         std::span<const std::uint8_t> border, std::int32_t target, double limit,
+                         const BorderPrice& price, Job& job);
 
 }  // namespace isimp::tiles

@@ -19,11 +19,11 @@ constexpr double kAlike = 0.7;       // length of the mean of their normals
 double area(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).cross(c - a).norm(); }
 
 /// The components' numbers by vertex, and their areas.
-struct Components {
+struct VertexComponents {
   std::vector<std::int32_t> of_vertex;
   std::vector<double> area;
 
-  Components(const MeshArrays& arrays, Job& job) : of_vertex(arrays.vertices.size()) {
+  VertexComponents(const MeshArrays& arrays, Job& job) : of_vertex(arrays.vertices.size()) {
     Forest forest(of_vertex.size());
     for_each_index(arrays.triangles.size(), job, [&](std::size_t f) {
       const auto& [a, b, c] = arrays.triangles[f];
@@ -85,7 +85,8 @@ std::vector<Opening> find_holes(const MeshArrays& arrays, const Topology& topolo
 /// Covers openings with patches: with one that meets nothing else where there is one.
 class Closer {
  public:
-  Closer(MeshArrays& arrays, const Topology& topology, const Components* components, const Threads& threads, Job& job)
+  Closer(MeshArrays& arrays, const Topology& topology, const VertexComponents* components, const Threads& threads,
+         Job& job)
       : arrays_(arrays), topology_(topology), components_(components), threads_(threads), job_(job) {}
 
   /// Adds patches for openings that can be closed, and returns these openings. The faces to be removed stay for now. A
@@ -250,7 +251,7 @@ class Closer {
 
   MeshArrays& arrays_;
   const Topology& topology_;
-  const Components* components_;  // to distinguish holes from outlines
+  const VertexComponents* components_;  // to distinguish holes from outlines
   const Threads& threads_;
   Job& job_;
   std::vector<Opening> closed_;
@@ -345,7 +346,7 @@ std::vector<FoundOpening> close_small(MeshArrays& arrays, Topology& topology, co
     for (const Opening& o : openings) found.push_back(found_opening(arrays, o, kept));
   };
   if ((options.fill_holes > 0 || options.fill_flat_holes > 0) && !topology.border.empty()) {
-    const Components components(arrays, job);
+    const VertexComponents components(arrays, job);
     Closer closer(arrays, topology, &components, threads, job);
     std::vector<Opening> holes = find_holes(arrays, topology, options);
     const auto end =

@@ -97,26 +97,26 @@ class Nodes {
 /// Cuts the hierarchy from above into nodes that fit.
 class Cutting {
  public:
-  Cutting(const Surface& surface, const Corners& corners, const Hierarchy& hierarchy, const Parts& parts, double width,
-          Job& job)
+  Cutting(const Surface& surface, const Corners& corners, const Hierarchy& hierarchy, const Components& components,
+          double width, Job& job)
       : graph_(surface.graph()),
         corners_(corners),
         h_(hierarchy),
         nodes_(graph_, hierarchy, job),
-        parts_(parts),
+        components_(components),
         width_(width) {}
 
   BoundedRegions run(Job& job) {
     result_.regions.label.assign(graph_.faces.size(), kNone);
     const MergeGraph& top = h_.level.back();
-    std::vector<std::int32_t> nodes(parts_.parts.size(), 0);
-    for (std::int32_t u = 0; u < top.size(); ++u) ++nodes[top.part_of(u)];
+    std::vector<std::int32_t> nodes(components_.all.size(), 0);
+    for (std::int32_t u = 0; u < top.size(); ++u) ++nodes[top.component_of(u)];
     for (std::int32_t u = 0; u < top.size(); ++u) {
-      const std::int32_t part = top.part_of(u);
-      if (!parts_.parts[part].kept) continue;
+      const std::int32_t component = top.component_of(u);
+      if (!components_.all[component].kept) continue;
       job.poll();
       // If there are fewer patches than the component needs, begin with its faces.
-      if (nodes[part] < parts_.parts[part].need) {
+      if (nodes[component] < components_.all[component].need) {
         take_each(nodes_.faces(nodes_.at(h_.level.size() - 1, u)));
       } else {
         descend(h_.level.size() - 1, u, job);
@@ -167,7 +167,7 @@ class Cutting {
   const Corners& corners_;
   const Hierarchy& h_;
   Nodes nodes_;
-  const Parts& parts_;
+  const Components& components_;
   double width_;
   BoundedRegions result_;
 };
@@ -177,7 +177,7 @@ void merge_fitting(const Surface& surface, const Corners& corners, std::span<con
                    BoundedRegions& bounded, Job& job) {
   const FaceGraph& graph = surface.graph();
   ClusterGraph clusters = region_clusters(graph, bounded.regions, job);
-  clusters.part = detail::parts_of_regions(surface, bounded);
+  clusters.component = detail::components_of_regions(surface, bounded);
   std::vector<std::vector<std::int32_t>> points = corners.points_of(bounded, job);
   std::vector<std::int32_t> leaf(points.size());  // a leaf of each node
   std::iota(leaf.begin(), leaf.end(), 0);
@@ -273,13 +273,13 @@ Hierarchy hierarchy_for_bound(const Surface& surface, Job& job, std::int32_t thr
   return build_hierarchy(surface, std::max(1, surface.face_count() / kFacesAProxy), job, {.threads = threads});
 }
 
-BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double bound,
-                               Job& job) {
+BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarchy, const Components& components,
+                               double bound, Job& job) {
   const double width = 2 * bound;
   std::vector<std::int32_t> need;
-  for (const Part& part : parts.parts) need.push_back(part.need);
+  for (const Component& component : components.all) need.push_back(component.need);
   const Corners corners(surface, job);
-  BoundedRegions bounded = Cutting(surface, corners, hierarchy, parts, kFirstWidth * width, job).run(job);
+  BoundedRegions bounded = Cutting(surface, corners, hierarchy, components, kFirstWidth * width, job).run(job);
   job.report(0.2);
   for (int round = 0; round < kRounds; ++round) {
     BoundedRegions fewer = bounded;

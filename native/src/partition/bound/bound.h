@@ -3,11 +3,11 @@
 #include <limits>
 #include <vector>
 
+#include "components.h"
 #include "hierarchy/hierarchy.h"
 #include "isimp/core/job.h"
 #include "isimp/partition/regions.h"
 #include "isimp/partition/surface.h"
-#include "parts.h"
 
 namespace isimp {
 
@@ -43,8 +43,8 @@ struct BoundedRegions {
 /// Every component keeps as many regions as it needs.
 /// \param bound  scene units, above 0
 /// Cost: O(F log F), about a second for a million faces.
-BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double bound,
-                               Job& job);
+BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarchy, const Components& components,
+                               double bound, Job& job);
 
 /// The hierarchy for `bounded_regions`, with small patches.
 Hierarchy hierarchy_for_bound(const Surface& surface, Job& job, std::int32_t threads);

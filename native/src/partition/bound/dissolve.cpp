@@ -34,11 +34,11 @@ class Dissolving {
         regions_(bounded.regions),
         slab_(bounded.slab),
         faces_(faces_of(bounded)),
-        part_(parts_of_regions(surface, bounded)),
+        component_(components_of_regions(surface, bounded)),
         left_(need.size(), 0),
         changed_(slab_.size(), 0),
         tried_(slab_.size(), -1) {
-    for (std::size_t r = 0; r < slab_.size(); ++r) ++left_[part_of(static_cast<std::int32_t>(r))];
+    for (std::size_t r = 0; r < slab_.size(); ++r) ++left_[component_of(static_cast<std::int32_t>(r))];
   }
 
   bool run(Job& job) {
@@ -98,7 +98,7 @@ class Dissolving {
     return order;
   }
 
-  [[nodiscard]] std::int32_t part_of(std::int32_t r) const { return part_.empty() ? 0 : part_[r]; }
+  [[nodiscard]] std::int32_t component_of(std::int32_t r) const { return component_.empty() ? 0 : component_[r]; }
 
   [[nodiscard]] std::vector<std::int32_t> regions_around(std::int32_t r) const {
     std::vector<std::int32_t> around;
@@ -125,7 +125,7 @@ class Dissolving {
   /// \param in_part  where not all of it can be removed, the rest may stay if it hangs together
   /// \return whether the region was removed
   bool dissolve_one(std::int32_t r, bool in_part) {
-    if (left_[part_of(r)] <= need_[part_of(r)]) return false;
+    if (left_[component_of(r)] <= need_[component_of(r)]) return false;
     const std::vector<std::int32_t> around = regions_around(r);
     // A vain attempt is not repeated until a region around has changed.
     std::int32_t latest = changed_[r];
@@ -150,7 +150,7 @@ class Dissolving {
       changed_[to] = clock_;
     }
     std::erase_if(faces_[r], [&](std::int32_t f) { return regions_.label[f] != r; });
-    if (gone) --left_[part_of(r)];
+    if (gone) --left_[component_of(r)];
     return gone;
   }
 
@@ -205,7 +205,7 @@ class Dissolving {
   Regions& regions_;
   std::vector<Slab>& slab_;
   std::vector<std::vector<std::int32_t>> faces_;  // empty: the region was removed
-  std::vector<std::int32_t> part_, left_;
+  std::vector<std::int32_t> component_, left_;
   std::vector<std::int32_t> changed_, tried_;  // when a region last grew, and when it last stayed in vain
   std::int32_t clock_ = 0;
 };
@@ -261,14 +261,14 @@ void squeeze(const Surface& surface, const Corners& corners, std::span<const std
   dissolving.renumber();
 }
 
-std::vector<std::int32_t> parts_of_regions(const Surface& surface, const BoundedRegions& bounded) {
-  std::vector<std::int32_t> part;
-  if (surface.component_count() == 1) return part;
-  part.resize(bounded.slab.size());
+std::vector<std::int32_t> components_of_regions(const Surface& surface, const BoundedRegions& bounded) {
+  std::vector<std::int32_t> component;
+  if (surface.component_count() == 1) return component;
+  component.resize(bounded.slab.size());
   for (std::int32_t i = 0; i < surface.graph().size(); ++i)
     if (const std::int32_t r = bounded.regions.label[i]; r != kNone)
-      part[r] = surface.component()[surface.graph().mesh_face[i]];
-  return part;
+      component[r] = surface.component()[surface.graph().mesh_face[i]];
+  return component;
 }
 
 }  // namespace isimp::detail

@@ -43,7 +43,7 @@ class Corners {
 
 /// Removes regions whose faces, one by one, fit between the planes of their neighbours; smallest first.
 /// \param need  (C) the least number of regions of each component.
-/// \param part  (R) component of each region
+/// \param component  (R) component of each region
 /// \return whether any was removed; labels and sums are renumbered then
 bool dissolve(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,
               BoundedRegions& bounded, Job& job);
@@ -54,6 +54,6 @@ void squeeze(const Surface& surface, const Corners& corners, std::span<const std
              BoundedRegions& bounded, Job& job);
 
 /// The component of each region; empty if there is one.
-std::vector<std::int32_t> parts_of_regions(const Surface& surface, const BoundedRegions& bounded);
+std::vector<std::int32_t> components_of_regions(const Surface& surface, const BoundedRegions& bounded);
 
 }  // namespace isimp::detail

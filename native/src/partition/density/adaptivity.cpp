@@ -123,7 +123,7 @@ std::vector<float> adaptive_weights(const Surface& surface, double adaptivity, c
   while (steps * kClusterSteps * field.graph.size() / all > 2 * kFewestSteps) {
     const std::int32_t before = field.graph.size();
     join_pairs(field, threads, job);
-    if (field.graph.size() == before) break;  // each loose part is one cluster already
+    if (field.graph.size() == before) break;  // each component is one cluster already
   }
   if (field.graph.size() < all) steps *= kClusterSteps * field.graph.size() / all;
 

@@ -17,19 +17,19 @@ constexpr int kSamples = 8;        // tolerances on either side of t
 constexpr double kFew = 20;        // fewer regions may be the shape's own number, and no mean is computed
 
 /// A cost half-way between the cuts to N and N - 1 regions; N is the geometric mean of the counts near t.
-double mean_cut(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance, double finest,
-                double noise) {
+double mean_cut(std::span<const double> falling, std::int32_t components, double rounding, double tolerance,
+                double finest, double noise) {
   const double limit = merge_limit(tolerance, noise);
   const auto regions = [&](double cost) {
     const auto end = std::lower_bound(falling.begin(), falling.end(), cost, std::greater<>());
-    return parts + static_cast<double>(end - falling.begin());
+    return components + static_cast<double>(end - falling.begin());
   };
   const double spread = std::min(std::log(kSpread), std::log(tolerance / std::max(finest, kNoise * noise)));
   if (!(spread > 0) || regions(limit) < kFew) return limit;
   double sum = 0;
   for (int i = -kSamples; i <= kSamples; ++i)
     sum += std::log(regions(merge_limit(tolerance * std::exp(spread * i / kSamples), noise)));
-  const auto unmade = static_cast<std::size_t>(std::lround(std::exp(sum / (2 * kSamples + 1)))) - parts;
+  const auto unmade = static_cast<std::size_t>(std::lround(std::exp(sum / (2 * kSamples + 1)))) - components;
   if (unmade == 0 || unmade >= falling.size()) return limit;
   return std::sqrt(std::max(falling[unmade], rounding) * std::max(falling[unmade - 1], rounding));
 }
@@ -40,7 +40,7 @@ struct Gap {
 };
 
 /// The significant gaps, widest first; see choose_cut.
-std::vector<Gap> gaps(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance,
+std::vector<Gap> gaps(std::span<const double> falling, std::int32_t components, double rounding, double tolerance,
                       double noise) {
   const double low = merge_limit(tolerance, noise, kLeastNoise), high = merge_limit(kWindow * tolerance, noise);
   const auto inside = static_cast<double>(
@@ -50,7 +50,7 @@ std::vector<Gap> gaps(std::span<const double> falling, std::int32_t parts, doubl
     const double above = falling[j], below = std::max(j + 1 < falling.size() ? falling[j + 1] : 0.0, rounding);
     if (below > high) continue;
     const double top = std::min(above, kSlack * high), bottom = std::max(below, low / kSlack);
-    const double width = std::log(top / bottom), regions = parts + static_cast<double>(j) + 1;
+    const double width = std::log(top / bottom), regions = components + static_cast<double>(j) + 1;
     if (width > std::log(kRatio) && regions / 2 * width > std::log(inside + 1) + kSurprise)
       found.push_back({width, std::sqrt(top * bottom)});
   }
@@ -65,12 +65,12 @@ double merge_limit(double tolerance, double noise, double deviations) {
   return 16 * t * t;
 }
 
-Cut choose_cut(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance, double finest,
-               double noise, bool snap, const std::function<bool(double)>& fits) {
+Cut choose_cut(std::span<const double> falling, std::int32_t components, double rounding, double tolerance,
+               double finest, double noise, bool snap, const std::function<bool(double)>& fits) {
   if (snap)
-    for (const Gap& gap : gaps(falling, parts, rounding, tolerance, noise))
+    for (const Gap& gap : gaps(falling, components, rounding, tolerance, noise))
       if (!fits || fits(gap.cost)) return {gap.cost, true};
-  return {mean_cut(falling, parts, rounding, tolerance, finest, noise), false};
+  return {mean_cut(falling, components, rounding, tolerance, finest, noise), false};
 }
 
 }  // namespace isimp

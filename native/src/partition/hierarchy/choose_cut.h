@@ -36,11 +36,11 @@ struct Cut {
 /// 4 t], where the ratio is above 2 and that value above ln(W + 1) + 4, with W merges inside, are significant; the
 /// widest that `fits` is taken and cut in its geometric middle. Under noise the window begins at kLeastNoise.
 /// \param falling  the costs, largest first, scene units squared; 20,000 of them are enough
-/// \param parts    number of clusters that remain when everything is merged
+/// \param components    number of clusters that remain when everything is merged
 /// \param rounding costs below this are none
 /// \param finest   the costs are complete for tolerances from this up, scene units; no finer one is used
 /// \param fits     whether a cost in a gap may be taken; empty: each may
-Cut choose_cut(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance, double finest,
-               double noise, bool snap, const std::function<bool(double)>& fits = {});
+Cut choose_cut(std::span<const double> falling, std::int32_t components, double rounding, double tolerance,
+               double finest, double noise, bool snap, const std::function<bool(double)>& fits = {});
 
 }  // namespace isimp

@@ -33,7 +33,7 @@ float tie_break(std::int32_t u, std::int32_t v, float lengths) {
   return kTie * lengths * (1.0F + static_cast<float>(name >> 16) * 0x1p-16F);
 }
 
-/// \param takes_part  by part: whether its nodes merge
+/// \param takes_part  by component: whether its nodes merge
 /// \param most        the highest price of a merge
 Best find_partners(const MergeGraph& graph, const std::vector<std::uint8_t>& takes_part, float most,
                    const Threads& threads, Job& job) {
@@ -42,7 +42,7 @@ Best find_partners(const MergeGraph& graph, const std::vector<std::uint8_t>& tak
   threads.run(n, threads.pieces(n, kWorthAThread), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     for (std::int32_t u = begin; u < end; ++u) {
       if ((u & 0x3fff) == 0) job.poll();
-      if (takes_part[graph.part_of(u)] == 0) continue;
+      if (takes_part[graph.component_of(u)] == 0) continue;
       const NodeSum a = graph.sum[u];
       float least = std::numeric_limits<float>::infinity();
       std::int32_t partner = kAlone;
@@ -85,12 +85,12 @@ float gate(const Best& best) {
   return *at;
 }
 
-/// For each part, whether it has more than `least` nodes.
-std::vector<std::uint8_t> parts_above(const MergeGraph& graph, std::int32_t least) {
-  if (graph.part.empty()) return {graph.size() > least};
+/// For each component, whether it has more than `least` nodes.
+std::vector<std::uint8_t> components_above(const MergeGraph& graph, std::int32_t least) {
+  if (graph.component.empty()) return {graph.size() > least};
   std::vector<std::int32_t> nodes(
-      static_cast<std::size_t>(1 + *std::max_element(graph.part.begin(), graph.part.end())));
-  for (const std::int32_t c : graph.part) ++nodes[c];
+      static_cast<std::size_t>(1 + *std::max_element(graph.component.begin(), graph.component.end())));
+  for (const std::int32_t c : graph.component) ++nodes[c];
   std::vector<std::uint8_t> above(nodes.size());
   for (std::size_t c = 0; c < nodes.size(); ++c) above[c] = nodes[c] > least ? 1 : 0;
   return above;
@@ -180,7 +180,7 @@ std::vector<std::int32_t> contract_between(const MergeGraph& graph, const std::v
         lists.next[head] == kAlone ? graph.sum[head].length : std::sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z);
     result.sum[w] = sum;
     result.first[w + 1] = static_cast<std::int32_t>(out - start);
-    if (!graph.part.empty()) result.part[w] = graph.part[head];
+    if (!graph.component.empty()) result.component[w] = graph.component[head];
   }
   return {rows.get(), rows.get() + out};
 }
@@ -191,7 +191,7 @@ MergeGraph contract_lists(const MergeGraph& graph, const std::vector<std::int32_
   const auto clusters = static_cast<std::int32_t>(lists.head.size());
   result.sum.resize(lists.head.size());
   result.first.assign(lists.head.size() + 1, 0);
-  if (!graph.part.empty()) result.part.resize(lists.head.size());
+  if (!graph.component.empty()) result.component.resize(lists.head.size());
   const std::int32_t pieces = threads.pieces(clusters, kWorthAThread);
   std::vector<std::vector<std::int32_t>> rows(static_cast<std::size_t>(pieces));
   threads.run(clusters, pieces, [&](std::int32_t k, std::int32_t begin, std::int32_t end) {
@@ -209,7 +209,8 @@ MergeGraph contract_lists(const MergeGraph& graph, const std::vector<std::int32_
 MergeGraph merge_round(const MergeGraph& graph, const MergeRules& rules, std::vector<std::int32_t>& map,
                        const Threads& threads, Job& job) {
   const std::int32_t left_alone = (rules.satellites ? 3 : 2) * rules.least;
-  Best best = find_partners(graph, parts_above(graph, left_alone), static_cast<float>(rules.most / 2), threads, job);
+  Best best =
+      find_partners(graph, components_above(graph, left_alone), static_cast<float>(rules.most / 2), threads, job);
   float limit = std::numeric_limits<float>::infinity();
   if (!rules.satellites) {
     limit = gate(best);

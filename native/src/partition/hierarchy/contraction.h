@@ -22,11 +22,11 @@ struct MergeGraph {
   std::vector<NodeSum> sum;             ///< (N)
   std::vector<std::int32_t> first;      ///< (N + 1) first neighbour of each node
   std::vector<std::int32_t> neighbour;  ///< each pair is in both rows, no node is its own neighbour
-  std::vector<std::int32_t> part;       ///< (N) component of the mesh each lies in; empty if there is only one
+  std::vector<std::int32_t> component;  ///< (N) component of the mesh each lies in; empty if there is only one
   std::vector<double> border;           ///< as `neighbour`: the price of the border between the two; empty: nothing
 
   [[nodiscard]] std::int32_t size() const { return static_cast<std::int32_t>(sum.size()); }
-  [[nodiscard]] std::int32_t part_of(std::int32_t node) const { return part.empty() ? 0 : part[node]; }
+  [[nodiscard]] std::int32_t component_of(std::int32_t node) const { return component.empty() ? 0 : component[node]; }
   [[nodiscard]] std::span<const std::int32_t> around(std::int32_t node) const {
     return std::span(neighbour).subspan(first[node], static_cast<std::size_t>(first[node + 1] - first[node]));
   }

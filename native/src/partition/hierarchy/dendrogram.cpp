@@ -19,7 +19,7 @@ constexpr double kFlatAngle = 1e-5;  // radians; normals that differ by less are
 class Merging {
  public:
   Merging(ClusterGraph graph, const MergeLimits& limits)
-      : limits_(limits), sum_(std::move(graph.sum)), part_(std::move(graph.part)) {
+      : limits_(limits), sum_(std::move(graph.sum)), component_(std::move(graph.component)) {
     const std::size_t n = sum_.size();
     tree_.leaves = static_cast<std::int32_t>(n);
     sum_.reserve(2 * n);
@@ -31,7 +31,7 @@ class Merging {
       links_[u].assign(graph.neighbour.begin() + graph.first[u], graph.neighbour.begin() + graph.first[u + 1]);
     if (!limits.need.empty()) {
       left_.assign(limits.need.size(), 0);
-      for (std::size_t u = 0; u < n; ++u) ++left_[part_of(static_cast<std::int32_t>(u))];
+      for (std::size_t u = 0; u < n; ++u) ++left_[component_of(static_cast<std::int32_t>(u))];
     }
   }
 
@@ -49,7 +49,7 @@ class Merging {
       if (into_[u] != kNone || best_[u].stamp != offer.stamp) continue;
       const double cost = std::max(0.0, merge_cost(sum_[u], sum_[offer.to]));
       if (cost > limits_.cost) break;
-      if (!left_.empty() && left_[part_of(u)] <= limits_.need[part_of(u)]) continue;
+      if (!left_.empty() && left_[component_of(u)] <= limits_.need[component_of(u)]) continue;
       if (limits_.accept && !limits_.accept(u, offer.to)) {
         refused_.insert(pair_of(u, offer.to));
         tidy(u);
@@ -76,7 +76,7 @@ class Merging {
   };
   static constexpr std::size_t kPollEvery = 0x3ff;
 
-  [[nodiscard]] std::int32_t part_of(std::int32_t u) const { return part_.empty() ? 0 : part_[u]; }
+  [[nodiscard]] std::int32_t component_of(std::int32_t u) const { return component_.empty() ? 0 : component_[u]; }
 
   static std::uint64_t pair_of(std::int32_t u, std::int32_t v) {
     const auto [low, high] = std::minmax(u, v);
@@ -139,15 +139,15 @@ class Merging {
   }
 
   void merge(std::int32_t u, std::int32_t v, double cost) {
-    ISIMP_ASSERT(u != v && into_[u] == kNone && into_[v] == kNone && part_of(u) == part_of(v),
+    ISIMP_ASSERT(u != v && into_[u] == kNone && into_[v] == kNone && component_of(u) == component_of(v),
                  "two nodes of one component that have not merged yet merge");
     const auto w = static_cast<std::int32_t>(sum_.size());
     tree_.merged.push_back({u, v});
     tree_.cost.push_back(cost);
     sum_.push_back(sum_[u]);
     sum_.back().add(sum_[v]);
-    if (!part_.empty()) part_.push_back(part_[u]);
-    if (!left_.empty()) --left_[part_of(w)];
+    if (!component_.empty()) component_.push_back(component_[u]);
+    if (!left_.empty()) --left_[component_of(w)];
     into_[u] = into_[v] = w;
     into_.push_back(kNone);
     mark_.push_back(kNone);
@@ -170,7 +170,7 @@ class Merging {
 
   const MergeLimits& limits_;
   std::vector<RegionSum> sum_;
-  std::vector<std::int32_t> part_, left_;
+  std::vector<std::int32_t> component_, left_;
   std::vector<std::vector<std::int32_t>> links_;
   std::vector<std::int32_t> into_;  // the node that a node was merged into, path shortened; kNone while it exists
   std::vector<std::int32_t> mark_;

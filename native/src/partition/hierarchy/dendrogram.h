@@ -19,7 +19,7 @@ struct ClusterGraph {
   std::vector<RegionSum> sum;           ///< (N)
   std::vector<std::int32_t> first;      ///< (N + 1) neighbours of u: neighbour[first[u]] ... before first[u + 1]
   std::vector<std::int32_t> neighbour;  ///< each pair is there twice, once at either end; repeats are allowed
-  std::vector<std::int32_t> part;       ///< (N) the component of each; empty if that does not matter
+  std::vector<std::int32_t> component;  ///< (N) the component of each; empty if that does not matter
 };
 
 /// A cluster for each face.
@@ -40,7 +40,7 @@ struct MergeTree {
 
 struct MergeLimits {
   double cost = std::numeric_limits<double>::infinity();  ///< merging ends before the first merge that costs more
-  std::span<const std::int32_t> need;  ///< (parts) the least number of clusters to leave of each; empty: 1
+  std::span<const std::int32_t> need;  ///< (components) the least number of clusters to leave of each; empty: 1
   /// Called before each merge of two nodes; if it returns true, the new node is leaves + merges made before. Empty:
   /// always.
   std::function<bool(std::int32_t, std::int32_t)> accept = {};

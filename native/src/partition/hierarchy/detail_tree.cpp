@@ -30,13 +30,13 @@ constexpr std::int32_t kManyFaces = 50000;  // from here on many small patches m
 constexpr std::int32_t kFacesAProxy = 96;   // for patches of 6 faces
 constexpr double kUsual = 0.7, kFar = 1.0 / 16;
 
-std::vector<std::int32_t> parts_of_faces(const Surface& surface) {
-  std::vector<std::int32_t> part;
+std::vector<std::int32_t> components_of_faces(const Surface& surface) {
+  std::vector<std::int32_t> component;
   const FaceGraph& graph = surface.graph();
-  if (surface.component_count() == 1) return part;
-  part.resize(static_cast<std::size_t>(graph.size()));
-  for (std::int32_t i = 0; i < graph.size(); ++i) part[i] = surface.component()[graph.mesh_face[i]];
-  return part;
+  if (surface.component_count() == 1) return component;
+  component.resize(static_cast<std::size_t>(graph.size()));
+  for (std::int32_t i = 0; i < graph.size(); ++i) component[i] = surface.component()[graph.mesh_face[i]];
+  return component;
 }
 
 /// The start of merging: faces, or small patches of them.
@@ -45,9 +45,10 @@ struct Start {
   std::vector<std::int32_t> cluster;  ///< (n) of each face
 };
 
-Start start_from_faces(const FaceGraph& graph, std::span<const FaceRecord> smooth, std::vector<std::int32_t> part) {
+Start start_from_faces(const FaceGraph& graph, std::span<const FaceRecord> smooth,
+                       std::vector<std::int32_t> component) {
   Start start{.clusters = face_clusters(graph, smooth), .cluster = {}};
-  start.clusters.part = std::move(part);
+  start.clusters.component = std::move(component);
   start.cluster.resize(static_cast<std::size_t>(graph.size()));
   std::iota(start.cluster.begin(), start.cluster.end(), 0);
   return start;
@@ -80,8 +81,9 @@ Start start_from_patches(const Surface& surface, std::span<const FaceRecord> smo
   std::size_t level = 0;
   while (level + 1 < h.level.size() && usual_price(h.level[level + 1]) < kFar * limit) ++level;
   const MergeGraph& chosen = h.level[level];
-  Start start{.clusters = {.sum = {}, .first = chosen.first, .neighbour = chosen.neighbour, .part = chosen.part},
-              .cluster = h.patch};
+  Start start{
+      .clusters = {.sum = {}, .first = chosen.first, .neighbour = chosen.neighbour, .component = chosen.component},
+      .cluster = h.patch};
   for (const NodeSum& s : chosen.sum) start.clusters.sum.push_back({s.x, s.y, s.z, 2.0 * s.length, 1});
   for (std::size_t i = 0; i < start.cluster.size(); ++i) {
     if ((i & 0xffff) == 0) job.poll();
@@ -104,10 +106,11 @@ void relabel(Regions& regions, const std::vector<std::int32_t>& becomes, std::si
 
 /// A cluster for each region.
 /// \param faces  among which all border faces are
-ClusterGraph clusters_of(const FaceGraph& graph, const Regions& regions, std::vector<std::int32_t> part,
+ClusterGraph clusters_of(const FaceGraph& graph, const Regions& regions, std::vector<std::int32_t> component,
                          std::span<const std::int32_t> faces, const Threads& threads) {
-  MergeGraph touching = graph_of_regions(graph, regions.label, regions.sum.size(), std::move(part), faces, threads);
-  return {regions.sum, std::move(touching.first), std::move(touching.neighbour), std::move(touching.part)};
+  MergeGraph touching =
+      graph_of_regions(graph, regions.label, regions.sum.size(), std::move(component), faces, threads);
+  return {regions.sum, std::move(touching.first), std::move(touching.neighbour), std::move(touching.component)};
 }
 
 /// The weight of an edge between regions where normals of neighbours differ by this much.
@@ -152,8 +155,8 @@ DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, J
       size_(surface_size(surface.mesh())),
       noise_(settings.noise ? *settings.noise : estimate_noise(surface.mesh(), Threads(threads), job)),
       bend_(median_bend(surface.graph())),
-      parts_(find_parts(surface, 1, settings.leave_out, job)) {
-  for (const Part& part : parts_.parts) need_.push_back(part.need);
+      components_(find_components(surface, 1, settings.leave_out, job)) {
+  for (const Component& component : components_.all) need_.push_back(component.need);
   {
     Job::Part stage(job, "merging", 0.0, 0.9);
     make_patches(surface, threads, job);
@@ -169,7 +172,7 @@ DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, J
         break;
       }
   }
-  tree_ = merge_all(clusters_of(graph, patches_, part_, borders_, Threads(threads)), {.need = need_}, job);
+  tree_ = merge_all(clusters_of(graph, patches_, component_, borders_, Threads(threads)), {.need = need_}, job);
   relax_patches(graph, job);
   touching_ = graph_of_regions(graph, patches_.label, patches_.sum.size(), {}, borders_, Threads(threads));
   falling_ = tree_.cost;
@@ -180,7 +183,7 @@ DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, J
 
 void DetailTree::make_patches(const Surface& surface, std::int32_t thread_count, Job& job) {
   const FaceGraph& graph = surface.graph();
-  const std::vector<std::int32_t> part = parts_of_faces(surface);
+  const std::vector<std::int32_t> component = components_of_faces(surface);
   {
     const double limit = merge_limit(settings_.finest * size_, noise_, kLeastNoise) / area_;
     const Array<FaceRecord> smooth = [&] {
@@ -189,7 +192,7 @@ void DetailTree::make_patches(const Surface& surface, std::int32_t thread_count,
     }();
     Start start = [&] {
       const Job::Part half(job, "merging", 0.7, 0.9);
-      return graph.size() < kManyFaces ? start_from_faces(graph, smooth, part)
+      return graph.size() < kManyFaces ? start_from_faces(graph, smooth, component)
                                        : start_from_patches(surface, smooth, limit, thread_count, job);
     }();
     const MergeTree fine = merge_all(std::move(start.clusters), {.cost = limit, .need = need_}, job);
@@ -210,10 +213,10 @@ void DetailTree::make_patches(const Surface& surface, std::int32_t thread_count,
   for (std::int32_t i = 0; i < graph.size(); ++i) {
     if ((i & 0xffff) == 0) job.poll();
     std::int32_t& label = patches_.label[i];
-    const std::int32_t of = part.empty() ? 0 : part[i];
-    if (number[label] == kNone && parts_.parts[of].kept) {
+    const std::int32_t of = component.empty() ? 0 : component[i];
+    if (number[label] == kNone && components_.all[of].kept) {
       number[label] = kept++;
-      if (!part.empty()) part_.push_back(of);
+      if (!component.empty()) component_.push_back(of);
     }
     label = number[label];
   }
@@ -261,11 +264,11 @@ std::vector<std::int32_t> DetailTree::small_regions(const Surface& surface) cons
 Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Threads& threads, Job& job) const {
   const FaceGraph& graph = surface.graph();
   Regions result = patches_;
-  std::vector<std::int32_t> part = part_;
+  std::vector<std::int32_t> component = component_;
   const auto become = [&](const std::vector<std::int32_t>& becomes, std::size_t count) {
-    std::vector<std::int32_t> part_after(part.empty() ? 0 : count);
-    for (std::size_t r = 0; r < part.size(); ++r) part_after[becomes[r]] = part[r];
-    part = std::move(part_after);
+    std::vector<std::int32_t> component_after(component.empty() ? 0 : count);
+    for (std::size_t r = 0; r < component.size(); ++r) component_after[becomes[r]] = component[r];
+    component = std::move(component_after);
     std::vector<std::uint8_t> of_several(count, 0), seen(count, 0);
     for (const std::int32_t r : becomes) of_several[r] |= std::exchange(seen[r], 1);
     relabel(result, becomes, count, threads);
@@ -284,7 +287,7 @@ Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Thread
     relaxation.run(kSweeps, job);
     near.insert(near.end(), relaxation.pushed().begin(), relaxation.pushed().end());
     const MergeTree more =
-        merge_all(clusters_of(graph, result, part, near, threads), {.cost = cut.cost / area_, .need = need_}, job);
+        merge_all(clusters_of(graph, result, component, near, threads), {.cost = cut.cost / area_, .need = need_}, job);
     merges = more.merges() > 0;
     if (merges) changed = become(cut_after(more, more.merges()), result.sum.size() - more.merges());
   }
@@ -294,14 +297,14 @@ Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Thread
 void DetailTree::merge_again(const Surface& surface, const Cut& cut, Regions& regions, const Threads& threads,
                              Job& job) const {
   const FaceGraph& graph = surface.graph();
-  std::vector<std::int32_t> all(static_cast<std::size_t>(graph.size())), part;
+  std::vector<std::int32_t> all(static_cast<std::size_t>(graph.size())), component;
   std::iota(all.begin(), all.end(), 0);
-  if (!part_.empty()) {
-    part.resize(regions.sum.size());
+  if (!component_.empty()) {
+    component.resize(regions.sum.size());
     for (std::int32_t i = 0; i < graph.size(); ++i)
-      if (regions.label[i] != kNone) part[regions.label[i]] = surface.component()[graph.mesh_face[i]];
+      if (regions.label[i] != kNone) component[regions.label[i]] = surface.component()[graph.mesh_face[i]];
   }
-  const MergeTree more = merge_all(clusters_of(graph, regions, std::move(part), all, threads),
+  const MergeTree more = merge_all(clusters_of(graph, regions, std::move(component), all, threads),
                                    {.cost = kFaded * cut.cost / area_, .need = need_}, job);
   if (more.merges() > 0) relabel(regions, cut_after(more, more.merges()), regions.sum.size() - more.merges(), threads);
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "components.h"
 #include "hierarchy/choose_cut.h"
 #include "hierarchy/contraction.h"
 #include "hierarchy/dendrogram.h"
@@ -12,7 +13,6 @@
 #include "isimp/partition/options.h"
 #include "isimp/partition/regions.h"
 #include "isimp/partition/surface.h"
-#include "parts.h"
 
 namespace isimp {
 
@@ -63,7 +63,7 @@ class DetailTree {
   [[nodiscard]] const DetailSettings& settings() const { return settings_; }
   [[nodiscard]] double size() const { return size_; }    ///< see surface_size()
   [[nodiscard]] double noise() const { return noise_; }  ///< given or estimated, scene units
-  [[nodiscard]] const Parts& parts() const { return parts_; }
+  [[nodiscard]] const Components& components() const { return components_; }
 
  private:
   [[nodiscard]] std::int32_t merges(const Cut& cut) const;
@@ -72,15 +72,15 @@ class DetailTree {
 
   DetailSettings settings_;
   double area_ = 0.0, size_ = 0.0, noise_ = 0.0, bend_ = 0.0;
-  Parts parts_;
-  std::vector<std::int32_t> need_;     // least number of regions of each component
-  std::vector<std::int32_t> part_;     // component of each patch; empty if there is one
-  Regions patches_;                    // their borders relaxed
-  std::vector<std::int32_t> small_;    // (F) by graph index: small regions where there are fewer patches; else empty
-  std::vector<std::int32_t> borders_;  // faces next to another patch
-  MergeTree tree_;                     // over the patches before their borders were relaxed
-  MergeGraph touching_;                // pairs of patches that share an edge since then
-  std::vector<double> falling_;        // costs of its dearest merges, scene units squared
+  Components components_;
+  std::vector<std::int32_t> need_;       // least number of regions of each component
+  std::vector<std::int32_t> component_;  // component of each patch; empty if there is one
+  Regions patches_;                      // their borders relaxed
+  std::vector<std::int32_t> small_;      // (F) by graph index: small regions where there are fewer patches; else empty
+  std::vector<std::int32_t> borders_;    // faces next to another patch
+  MergeTree tree_;                       // over the patches before their borders were relaxed
+  MergeGraph touching_;                  // pairs of patches that share an edge since then
+  std::vector<double> falling_;          // costs of its dearest merges, scene units squared
 };
 
 }  // namespace isimp

@@ -52,12 +52,12 @@ class Greedy {
       node.parent = u;
       node.first = graph.first[u];
       node.last = graph.first[u + 1];
-      node.part = need.size() == 1 ? 0 : graph.part_of(u);
+      node.component = need.size() == 1 ? 0 : graph.component_of(u);
       node.live = sums[u].faces > 0;
       node.goes_on = kInside && border[u] != 0;
       if (!node.live) continue;
       ++clusters_;
-      ++left_[node.part];
+      ++left_[node.component];
     }
     heap_.reserve(2 * static_cast<std::size_t>(n));
     for (std::int32_t u = 0; u < n; ++u)
@@ -79,7 +79,7 @@ class Greedy {
       const Node& node = node_[u];
       if (!node.live || price != node.price) continue;  // merged, or another entry has taken its place
       if (price > limit) break;
-      if (left_[node.part] <= need_[node.part]) continue;
+      if (left_[node.component] <= need_[node.component]) continue;
       std::int32_t into = u, from = node.partner;
       if (node_[from].live && node_[from].version == node.partner_version) {
         if (kInside && node.goes_on && node_[from].goes_on) continue;  // waits for a cheaper one
@@ -110,7 +110,7 @@ class Greedy {
     double price = 0;
     std::int32_t partner = kAlone, partner_version = 0, version = 0;
     std::int32_t first = 0, last = 0;  // its neighbours in row_; may name clusters that have merged since
-    std::int32_t parent = 0, part = 0;
+    std::int32_t parent = 0, component = 0;
     std::int32_t hub = kAlone;  // in hubs_
     std::int32_t watched = 0;   // the number of its newest watches
     bool live = false;
@@ -140,9 +140,10 @@ class Greedy {
     return lost_length(a, b, lengths) + 1e-12 * lengths;
   }
   /// As price_of, with a node of which only a part is known: the rest counts as infinite, and in the same plane.
-  [[nodiscard]] static double price_beside(const Node& part, const Node& b) {
-    if (!(part.length > 0)) return b.length;
-    return b.length - (part.x * b.x + part.y * b.y + part.z * b.z) / part.length + 1e-12 * (part.length + b.length);
+  [[nodiscard]] static double price_beside(const Node& known, const Node& b) {
+    if (!(known.length > 0)) return b.length;
+    return b.length - (known.x * b.x + known.y * b.y + known.z * b.z) / known.length +
+           1e-12 * (known.length + b.length);
   }
   std::int32_t find(std::int32_t u) {
     while (node_[u].parent != u) u = node_[u].parent = node_[node_[u].parent].parent;
@@ -328,7 +329,7 @@ class Greedy {
     into.goes_on = into.goes_on || from.goes_on;
     ++into.version;
     --clusters_;
-    --left_[into.part];
+    --left_[into.component];
     if (row_.size() > room_) compact();
     if (is_hub(u)) {
       merge_hub(u, v, before, went_on);

@@ -11,12 +11,12 @@
 namespace isimp {
 namespace {
 
-constexpr std::int32_t kBundle = 64;          // faces: one bit each
-constexpr std::int32_t kLargestPatch = 24;    // faces
-constexpr std::int32_t kPatchesARegion = 10;  // for the largest size
-constexpr float kCrease = 0.95F;              // cosine: neighbours that differ by more are never in one patch
-constexpr std::int32_t kCoarsest = 64;        // nodes, where the rounds end
-constexpr std::int32_t kLeastOfPart = 8;      // nodes of a component, below which rounds leave it alone
+constexpr std::int32_t kBundle = 64;           // faces: one bit each
+constexpr std::int32_t kLargestPatch = 24;     // faces
+constexpr std::int32_t kPatchesARegion = 10;   // for the largest size
+constexpr float kCrease = 0.95F;               // cosine: neighbours that differ by more are never in one patch
+constexpr std::int32_t kCoarsest = 64;         // nodes, where the rounds end
+constexpr std::int32_t kLeastOfComponent = 8;  // nodes of a component, below which rounds leave it alone
 
 std::int32_t patch_size_for(std::int32_t faces, std::int32_t proxies) {
   const std::int64_t room = faces / (static_cast<std::int64_t>(kPatchesARegion) * proxies);
@@ -186,26 +186,26 @@ MergeGraph graph_of_patches(const Surface& surface, const Hierarchy& h, std::vec
   for (std::int32_t k = 1; k < pieces; ++k) append(graph.neighbour, rows[k]);
   std::partial_sum(graph.first.begin(), graph.first.end(), graph.first.begin());
   if (surface.component_count() > 1) {
-    graph.part.resize(static_cast<std::size_t>(patches));
+    graph.component.resize(static_cast<std::size_t>(patches));
     for (std::int32_t p = 0; p < patches; ++p)
-      graph.part[p] = surface.component()[faces.mesh_face[h.patch_face[h.patch_first[p]]]];
+      graph.component[p] = surface.component()[faces.mesh_face[h.patch_face[h.patch_first[p]]]];
   }
   return graph;
 }
 
 /// Components from the sums of their patches.
-std::vector<Part> parts_of(const Surface& surface, const Hierarchy& h, const Patches& patches) {
+std::vector<Component> components_of(const Surface& surface, const Hierarchy& h, const Patches& patches) {
   const MergeGraph& graph = h.level.front();
-  std::vector<Part> parts(static_cast<std::size_t>(surface.component_count()));
-  for (Part& part : parts) part.first = surface.face_count();
+  std::vector<Component> components(static_cast<std::size_t>(surface.component_count()));
+  for (Component& component : components) component.first = surface.face_count();
   for (std::int32_t p = 0; p < graph.size(); ++p) {
-    Part& part = parts[graph.part_of(p)];
-    part.sum.add(h.patch_sum[p]);
-    part.area += h.patch_sum[p].weight / 2;
-    part.closed &= patches.open[p] == 0;
-    part.first = std::min(part.first, h.patch_face[h.patch_first[p]]);
+    Component& component = components[graph.component_of(p)];
+    component.sum.add(h.patch_sum[p]);
+    component.area += h.patch_sum[p].weight / 2;
+    component.closed &= patches.open[p] == 0;
+    component.first = std::min(component.first, h.patch_face[h.patch_first[p]]);
   }
-  return parts;
+  return components;
 }
 
 }  // namespace
@@ -225,11 +225,11 @@ Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job
 
   job.report(0.3);
   h.level.push_back(graph_of_patches(surface, h, std::move(patches.node), threads, job));
-  h.parts = parts_of(surface, h, patches);
+  h.components = components_of(surface, h, patches);
 
   job.report(0.6);
   while (h.level.back().size() > std::max<std::int64_t>(options.coarsest, kCoarsest)) {
-    const MergeRules rules{.satellites = h.level.size() <= 2, .least = kLeastOfPart, .most = options.most};
+    const MergeRules rules{.satellites = h.level.size() <= 2, .least = kLeastOfComponent, .most = options.most};
     std::vector<std::int32_t> map;
     MergeGraph next = merge_round(h.level.back(), rules, map, threads, job);
     // The gate lets at least a few pairs pass, unless every component is down to its least or all merges cost too much.

@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
+#include "components.h"
 #include "hierarchy/contraction.h"
 #include "isimp/core/job.h"
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/surface.h"
-#include "parts.h"
 
 namespace isimp {
 
@@ -27,7 +27,7 @@ struct Hierarchy {
   std::vector<RegionSum> patch_sum;                ///< (K) sums of the faces of each
   std::vector<MergeGraph> level;                   ///< [0] is the graph of patches
   std::vector<std::vector<std::int32_t>> to_next;  ///< [l] node of level l -> node of level l + 1
-  std::vector<Part> parts;                         ///< (C) the components; each cut decides which are kept
+  std::vector<Component> components;               ///< (C) the components; each cut decides which are kept
 
   [[nodiscard]] std::int32_t patches() const { return level.empty() ? 0 : level.front().size(); }
   /// Graph indices of the faces of a patch.

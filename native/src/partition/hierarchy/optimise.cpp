@@ -26,17 +26,17 @@ constexpr int kPatchSweeps = 2, kFirstSweeps = 6, kLastSweeps = 60;
 /// little and cost much; a shape of a few sides must come out right, and there any wrong side exceeds the usual by far.
 double least_ratio(std::int32_t regions) { return std::clamp(3.0 * regions, 10.0, 300.0); }
 
-std::vector<std::int32_t> needs(const Parts& parts) {
+std::vector<std::int32_t> needs(const Components& components) {
   std::vector<std::int32_t> need;
-  for (const Part& part : parts.parts) need.push_back(part.need);
+  for (const Component& component : components.all) need.push_back(component.need);
   return need;
 }
 
 /// The sums of nodes in the form for greedy merging; those of components left out are empty.
-std::vector<RegionSum> sums_of(const MergeGraph& graph, const Parts& parts) {
+std::vector<RegionSum> sums_of(const MergeGraph& graph, const Components& components) {
   std::vector<RegionSum> sums(static_cast<std::size_t>(graph.size()));
   for (std::int32_t u = 0; u < graph.size(); ++u) {
-    if (!parts.parts[graph.part_of(u)].kept) continue;
+    if (!components.all[graph.component_of(u)].kept) continue;
     const NodeSum& s = graph.sum[u];
     sums[u].x = s.x;
     sums[u].y = s.y;
@@ -47,20 +47,21 @@ std::vector<RegionSum> sums_of(const MergeGraph& graph, const Parts& parts) {
 }
 
 /// Nodes in components that get regions.
-std::int64_t nodes_kept(const MergeGraph& graph, const Parts& parts) {
-  if (graph.part.empty()) return graph.size();
-  return std::count_if(graph.part.begin(), graph.part.end(), [&](std::int32_t c) { return parts.parts[c].kept; });
+std::int64_t nodes_kept(const MergeGraph& graph, const Components& components) {
+  if (graph.component.empty()) return graph.size();
+  return std::count_if(graph.component.begin(), graph.component.end(),
+                       [&](std::int32_t c) { return components.all[c].kept; });
 }
 
 /// Labels of the patches, from greedy merging of the coarsest level that has enough nodes.
 /// \param relax  is given each level between the two, and the labels of its nodes
 template <class Relax>
-std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32_t regions, std::int32_t target,
-                              Relax relax, Job& job) {
+std::vector<std::int32_t> cut(const Hierarchy& h, const Components& components, std::int32_t regions,
+                              std::int32_t target, Relax relax, Job& job) {
   std::size_t level = h.level.size() - 1;
-  while (level > 0 && nodes_kept(h.level[level], parts) < nodes_for(regions)) --level;
+  while (level > 0 && nodes_kept(h.level[level], components) < nodes_for(regions)) --level;
   const MergeGraph& coarse = h.level[level];
-  std::vector<std::int32_t> label = merge_greedily(coarse, sums_of(coarse, parts), needs(parts), target, job);
+  std::vector<std::int32_t> label = merge_greedily(coarse, sums_of(coarse, components), needs(components), target, job);
   while (level-- > 0) {
     std::vector<std::int32_t> finer(h.to_next[level].size());
     for (std::size_t u = 0; u < finer.size(); ++u) finer[u] = label[h.to_next[level][u]];
@@ -89,12 +90,17 @@ std::vector<std::int32_t> find_borders(const Relaxation<GraphLabels>& relaxation
 /// The steps from a hierarchy to regions, and their shared data.
 class Optimiser {
  public:
-  Optimiser(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double smooth,
+  Optimiser(const Surface& surface, const Hierarchy& hierarchy, const Components& components, double smooth,
             const Threads& threads)
-      : surface_(surface), graph_(surface.graph()), h_(hierarchy), parts_(parts), smooth_(smooth), threads_(threads) {}
+      : surface_(surface),
+        graph_(surface.graph()),
+        h_(hierarchy),
+        components_(components),
+        smooth_(smooth),
+        threads_(threads) {}
 
   Regions run(Finish finish, Job& job) {
-    const std::int32_t wanted = parts_.regions();
+    const std::int32_t wanted = components_.regions();
     {
       Job::Part stage(job, "merging", 0.0, 0.4);
       const double times = smooth_ > 0 ? kSmoothSurplus : kSurplus;
@@ -108,7 +114,7 @@ class Optimiser {
         const std::int32_t count = 1 + *std::max_element(label.begin(), label.end());
         relax_patches(nodes, label, count, smooth_, kPatchSweeps, threads_, job);
       };
-      patch_label_ = cut(h_, parts_, wanted, std::max(surplus, wanted), relax, job);
+      patch_label_ = cut(h_, components_, wanted, std::max(surplus, wanted), relax, job);
       const std::int32_t regions = 1 + *std::max_element(patch_label_.begin(), patch_label_.end());
       relax_patches(h_.level.front(), patch_label_, regions, smooth_, kPatchSweeps, threads_, job);
       project(regions, job);
@@ -125,7 +131,7 @@ class Optimiser {
     relaxation.run(kLastSweeps, job);
     job.report(0.9);
     const Job::Part last(job, "relaxing", 0.9, 1.0);
-    Teleport teleport(graph_, parts_, regions_, std::move(part_), relaxation);
+    Teleport teleport(graph_, components_, regions_, std::move(component_), relaxation);
     const bool filled = teleport.fill_up(job);
     const double ratio = least_ratio(wanted);
     if (finish == Finish::plain) return std::move(regions_);
@@ -136,10 +142,10 @@ class Optimiser {
  private:
   /// Converts labels of patches to labels of faces.
   void project(std::int32_t regions, Job& job) {
-    if (parts_.parts.size() > 1) {
-      part_.resize(static_cast<std::size_t>(regions));
+    if (components_.all.size() > 1) {
+      component_.resize(static_cast<std::size_t>(regions));
       for (std::int32_t p = 0; p < h_.patches(); ++p)
-        if (patch_label_[p] != kNone) part_[patch_label_[p]] = h_.level.front().part[p];
+        if (patch_label_[p] != kNone) component_[patch_label_[p]] = h_.level.front().component[p];
     }
     regions_.label.resize(graph_.faces.size());
     threads_.run(graph_.size(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
@@ -171,10 +177,10 @@ class Optimiser {
 
   /// Regions that components lack because they have too few patches; splitting adds them.
   [[nodiscard]] std::int32_t lacking() const {
-    std::vector<std::int32_t> count(parts_.parts.size(), 0);
-    for (std::int32_t r = 0; r < regions_.count(); ++r) ++count[part_.empty() ? 0 : part_[r]];
+    std::vector<std::int32_t> count(components_.all.size(), 0);
+    for (std::int32_t r = 0; r < regions_.count(); ++r) ++count[component_.empty() ? 0 : component_[r]];
     std::int32_t sum = 0;
-    for (std::size_t c = 0; c < count.size(); ++c) sum += std::max(0, parts_.parts[c].need - count[c]);
+    for (std::size_t c = 0; c < count.size(); ++c) sum += std::max(0, components_.all[c].need - count[c]);
     return sum;
   }
 
@@ -182,14 +188,15 @@ class Optimiser {
   /// \return the graph of the remaining regions
   MergeGraph merge_to(std::int32_t target, Relaxation<GraphLabels>& relaxation, Job& job) {
     const std::vector<std::int32_t>& looked_at = relaxation.pushed();  // all border faces are among them
-    MergeGraph touching = graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, looked_at, threads_);
+    MergeGraph touching =
+        graph_of_regions(graph_, regions_.label, regions_.sum.size(), component_, looked_at, threads_);
     if (smooth_ > 0) {
       // Prices are half of the error that merging adds.
       const double price = border_price(regions_.error(), smooth_) / (2 * std::sqrt(std::max(1, target)));
       touching.border = border_lengths(surface_, regions_.label, looked_at, touching, threads_);
       for (double& border : touching.border) border *= price;
     }
-    const std::vector<std::int32_t> merged = merge_greedily(touching, regions_.sum, needs(parts_), target, job);
+    const std::vector<std::int32_t> merged = merge_greedily(touching, regions_.sum, needs(components_), target, job);
     threads_.run(graph_.size(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
       for (std::int32_t i = begin; i < end; ++i) {
         if ((i & 0xffff) == 0) job.poll();
@@ -199,9 +206,10 @@ class Optimiser {
     std::vector<RegionSum> sums(static_cast<std::size_t>(1 + *std::max_element(merged.begin(), merged.end())));
     for (std::size_t r = 0; r < merged.size(); ++r) sums[merged[r]].add(regions_.sum[r]);
     regions_.sum = std::move(sums);
-    if (!part_.empty()) {
-      for (std::size_t r = 0; r < part_.size(); ++r) part_[merged[r]] = part_[r];  // merged[r] is never above r
-      part_.resize(regions_.sum.size());
+    if (!component_.empty()) {
+      for (std::size_t r = 0; r < component_.size(); ++r)
+        component_[merged[r]] = component_[r];  // merged[r] is never above r
+      component_.resize(regions_.sum.size());
     }
     relaxation.refit();
     for (const std::int32_t i : borders_among(relaxation, looked_at, job)) relaxation.push(i);
@@ -211,19 +219,19 @@ class Optimiser {
   const Surface& surface_;
   const FaceGraph& graph_;
   const Hierarchy& h_;
-  const Parts& parts_;
+  const Components& components_;
   const double smooth_;
   const Threads& threads_;
   std::vector<std::int32_t> patch_label_;
   Regions regions_;
-  std::vector<std::int32_t> part_;  // component of each region; empty if there is one
+  std::vector<std::int32_t> component_;  // component of each region; empty if there is one
 };
 
 }  // namespace
 
-Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double smooth,
+Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Components& components, double smooth,
                  const Threads& threads, Job& job, Finish finish) {
-  return Optimiser(surface, hierarchy, parts, smooth, threads).run(finish, job);
+  return Optimiser(surface, hierarchy, components, smooth, threads).run(finish, job);
 }
 
 }  // namespace isimp

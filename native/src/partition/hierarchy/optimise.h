@@ -1,11 +1,11 @@
 #pragma once
 
+#include "components.h"
 #include "hierarchy/hierarchy.h"
 #include "isimp/core/job.h"
 #include "isimp/core/threads.h"
 #include "isimp/partition/regions.h"
 #include "isimp/partition/surface.h"
-#include "parts.h"
 
 namespace isimp {
 
@@ -26,7 +26,7 @@ enum class Finish {
 /// Cost: O(F); about 40 ms for a million faces.
 /// \param smooth  PartitionOptions::smooth; above 0 the borders' length is added to the error, in relaxing and in the
 ///                last merging
-Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double smooth,
+Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Components& components, double smooth,
                  const Threads& threads, Job& job, Finish finish = Finish::teleports);
 
 }  // namespace isimp

@@ -127,10 +127,10 @@ std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const Fa
 }
 
 MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::size_t regions,
-                            std::vector<std::int32_t> part, std::span<const std::int32_t> faces,
+                            std::vector<std::int32_t> component, std::span<const std::int32_t> faces,
                             const Threads& threads) {
   MergeGraph result;
-  result.part = std::move(part);
+  result.component = std::move(component);
   result.sum.resize(regions);
   result.first.assign(regions + 1, 0);
   for (const auto& [u, v] : neighbouring_regions(graph, label, faces, threads)) {

@@ -21,9 +21,9 @@ std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const Fa
                                                                         const Threads& threads = Threads(1));
 
 /// As `region_graph`, in the form for merging, with empty sums.
-/// \param part  (R) component of each; may be empty
+/// \param component  (R) component of each; may be empty
 MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::size_t regions,
-                            std::vector<std::int32_t> part, std::span<const std::int32_t> faces,
+                            std::vector<std::int32_t> component, std::span<const std::int32_t> faces,
                             const Threads& threads = Threads(1));
 
 /// The lengths of the borders between regions; with weights, times their worth there (worth_of in border_moves.h).

@@ -33,16 +33,16 @@ constexpr int kVain = 3;                   // neighbours in a row without gain t
 
 }  // namespace
 
-Teleport::Teleport(const FaceGraph& graph, const Parts& parts, Regions& regions, std::vector<std::int32_t> part,
-                   Relaxation<GraphLabels>& relaxation)
+Teleport::Teleport(const FaceGraph& graph, const Components& components, Regions& regions,
+                   std::vector<std::int32_t> component, Relaxation<GraphLabels>& relaxation)
     : graph_(graph),
-      parts_(parts),
+      components_(components),
       regions_(regions),
       labels_{regions.label.data()},
-      part_(std::move(part)),
-      count_(parts.parts.size(), 0),
+      component_(std::move(component)),
+      count_(components.all.size(), 0),
       relaxation_(relaxation) {
-  for (std::int32_t r = 0; r < regions.count(); ++r) ++count_[part_of(r)];
+  for (std::int32_t r = 0; r < regions.count(); ++r) ++count_[component_of(r)];
 }
 
 /// Some face of a region: mostly the stored one, which lies deep inside and so seldom moves away.
@@ -86,12 +86,12 @@ void Teleport::undo_split(std::int32_t region) {
 void Teleport::accept_split(std::int32_t region, std::int32_t fresh) {
   if (fresh == regions_.count()) {
     regions_.sum.emplace_back();
-    if (!part_.empty()) part_.push_back(part_[region]);
-  } else if (!part_.empty()) {
-    part_[fresh] = part_[region];
+    if (!component_.empty()) component_.push_back(component_[region]);
+  } else if (!component_.empty()) {
+    component_[fresh] = component_[region];
   }
   ISIMP_ASSERT(halves_[0].faces > 0 && halves_[1].faces > 0, "both halves have faces");
-  ++count_[part_of(region)];
+  ++count_[component_of(region)];
   regions_.sum[region] = halves_[0];
   regions_.sum[fresh] = halves_[1];
   some_face_.resize(std::max(some_face_.size(), regions_.sum.size()), graph_.size());
@@ -105,15 +105,15 @@ bool Teleport::fill_up(Job& job) {
   using Rank = std::tuple<bool, double, std::int32_t, std::int32_t>;
   const auto rank = [&](std::int32_t r) {
     const double error = regions_.sum[r].error();
-    const bool wanted = count_[part_of(r)] < parts_.parts[part_of(r)].need;
+    const bool wanted = count_[component_of(r)] < components_.all[component_of(r)].need;
     return Rank(wanted, error > kLeastGain ? error : 0.0, regions_.sum[r].faces, -r);
   };
   std::int32_t wanting = 0;  // regions that components lack
-  for (std::size_t c = 0; c < count_.size(); ++c) wanting += std::max(0, parts_.parts[c].need - count_[c]);
-  if (wanting == 0 && regions_.count() >= parts_.regions()) return false;
+  for (std::size_t c = 0; c < count_.size(); ++c) wanting += std::max(0, components_.all[c].need - count_[c]);
+  if (wanting == 0 && regions_.count() >= components_.regions()) return false;
   std::priority_queue<Rank> order;
   for (std::int32_t r = 0; r < regions_.count(); ++r) order.push(rank(r));
-  while (wanting > 0 || regions_.count() < parts_.regions()) {
+  while (wanting > 0 || regions_.count() < components_.regions()) {
     job.poll();
     const Rank first = order.top();
     order.pop();
@@ -159,7 +159,7 @@ void Teleport::merge(std::int32_t into, std::int32_t from, Job& job) {
   const std::vector<std::int32_t> faces = take_out(graph_, labels_, face_of(from, job));
   for (const std::int32_t face : faces) labels_.set(face, into);
   regions_.sum[into].add(regions_.sum[from]);
-  --count_[part_of(from)];
+  --count_[component_of(from)];
   push_borders(faces);
 }
 
@@ -173,7 +173,7 @@ bool Teleport::part_anew(std::int32_t region, std::int32_t other, Job& job) {
   const double joining = regions_.sum[region].error() - one.error() - two.error();
   parted_gain_ = split(region, other, job);
   if (parted_gain_ - joining > kMargin * joining + kLeastGain) {
-    --count_[part_of(region)];
+    --count_[component_of(region)];
     accept_split(region, other);
     return true;
   }
@@ -213,8 +213,8 @@ int Teleport::round(int tries, double least_ratio, Job& job) {
     if (used[region]) continue;
     const auto unused = [&](const Pair& p) { return !used[p.u] && !used[p.v]; };
     const auto free = [&](const Pair& p) {
-      const std::int32_t c = part_of(p.u);
-      const bool spare = count_[c] > parts_.parts[c].need || c == part_of(region);
+      const std::int32_t c = component_of(p.u);
+      const bool spare = count_[c] > components_.all[c].need || c == component_of(region);
       return unused(p) && p.u != region && p.v != region && spare;
     };
     cheapest = std::find_if(cheapest, pairs.end(), unused);

@@ -5,23 +5,23 @@
 #include <vector>
 
 #include "borders/relax.h"
+#include "components.h"
 #include "hierarchy/contraction.h"
 #include "isimp/core/job.h"
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/regions.h"
-#include "parts.h"
 
 namespace isimp {
 
 /// Moves that leave local minima: a region that is worth little moves to a place where it is worth much.
 class Teleport {
  public:
-  /// \param part        (R) component of each region; empty if there is one
+  /// \param component        (R) component of each region; empty if there is one
   /// \param relaxation  over the same regions; its pushed faces must include all border faces
-  Teleport(const FaceGraph& graph, const Parts& parts, Regions& regions, std::vector<std::int32_t> part,
+  Teleport(const FaceGraph& graph, const Components& components, Regions& regions, std::vector<std::int32_t> component,
            Relaxation<GraphLabels>& relaxation);
 
-  /// Splits the worst regions until every component has its need and there are parts.regions() in all.
+  /// Splits the worst regions until every component has its need and there are components.regions() in all.
   /// \return whether any had to be split
   bool fill_up(Job& job);
 
@@ -57,15 +57,15 @@ class Teleport {
   void undo_split(std::int32_t region);
   void accept_split(std::int32_t region, std::int32_t fresh);
   void merge(std::int32_t into, std::int32_t from, Job& job);
-  std::int32_t part_of(std::int32_t region) const { return part_.empty() ? 0 : part_[region]; }
+  std::int32_t component_of(std::int32_t region) const { return component_.empty() ? 0 : component_[region]; }
   std::int32_t face_of(std::int32_t region, Job& job);
   void push_borders(std::span<const std::int32_t> faces);
 
   const FaceGraph& graph_;
-  const Parts& parts_;
+  const Components& components_;
   Regions& regions_;
   GraphLabels labels_;
-  std::vector<std::int32_t> part_, count_;  // component of each region; regions of each component
+  std::vector<std::int32_t> component_, count_;  // component of each region; regions of each component
   Relaxation<GraphLabels>& relaxation_;
   std::vector<std::int32_t> some_face_;  // (R) a former face of each region
   std::vector<std::int32_t> faces_;      // faces of the region that was split last

@@ -1,4 +1,4 @@
-#include "parts.h"
+#include "components.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,28 +11,28 @@ namespace isimp {
 namespace {
 
 constexpr std::int32_t kClosedNeed = 4;  // a closed surface of planar polygons has at least four
-constexpr double kTogether = 10.0;       // all parts left out stay below this times `leave_out`,
+constexpr double kTogether = 10.0;       // all components left out stay below this times `leave_out`,
 constexpr double kUnseenTogether = 20;   // or below this if each of the others is too small to be seen:
 constexpr double kUnseen = 0.1;          // share of the mean area of a region
 
 /// Sets all members except `kept` and `need`.
-std::vector<Part> measure(const Surface& surface, Job& job) {
+std::vector<Component> measure(const Surface& surface, Job& job) {
   const FaceGraph& graph = surface.graph();
   const std::int32_t n = graph.size();
-  std::vector<Part> parts(static_cast<std::size_t>(surface.component_count()));
-  const std::int32_t* component = surface.component_count() > 1 ? surface.component().data() : nullptr;
-  Part run;  // faces near in the graph are mostly of one component: sum up a run before touching its own sum
+  std::vector<Component> components(static_cast<std::size_t>(surface.component_count()));
+  const std::int32_t* number = surface.component_count() > 1 ? surface.component().data() : nullptr;
+  Component run;  // faces near in the graph are mostly of one component: sum up a run before touching its own sum
   std::int32_t of_run = 0;
   const auto close = [&] {
-    Part& part = parts[of_run];
-    part.sum.add(run.sum);
-    part.area += run.area;
-    part.closed &= run.closed;
-    run = Part{};
+    Component& component = components[of_run];
+    component.sum.add(run.sum);
+    component.area += run.area;
+    component.closed &= run.closed;
+    run = Component{};
   };
   for (std::int32_t i = 0; i < n; ++i) {
     if ((i & 0xffff) == 0) job.poll();
-    const std::int32_t c = component == nullptr ? 0 : component[graph.mesh_face[i]];
+    const std::int32_t c = number == nullptr ? 0 : number[graph.mesh_face[i]];
     if (c != of_run) {
       close();
       of_run = c;
@@ -43,16 +43,16 @@ std::vector<Part> measure(const Surface& surface, Job& job) {
     run.closed &= around[0] != n && around[1] != n && around[2] != n;
   }
   close();
-  return parts;
+  return components;
 }
 
 /// Components of the mesh. Barriers may have cut one into several parts, but it is left out as one, without its
 /// weights.
-std::vector<Body> bodies_of(const Surface& surface, const Parts& all) {
+std::vector<Body> bodies_of(const Surface& surface, const Components& components) {
   std::vector<Body> bodies;
   const Mesh& mesh = surface.mesh();
   if (&surface.graph() == &mesh.graph()) {
-    for (const Part& part : all.parts) bodies.push_back({part.area, part.sum.faces});
+    for (const Component& component : components.all) bodies.push_back({component.area, component.sum.faces});
     return bodies;
   }
   bodies.resize(static_cast<std::size_t>(mesh.component_count()));
@@ -98,42 +98,44 @@ std::int32_t least_regions(bool closed, std::int64_t faces) {
   return static_cast<std::int32_t>(std::min<std::int64_t>(closed ? kClosedNeed : 1, faces));
 }
 
-Parts find_parts(const Surface& surface, std::int32_t proxies, double leave_out, Job& job, std::vector<Part> measured) {
-  Parts all;
-  all.parts = measured.empty() ? measure(surface, job) : std::move(measured);
-  all.asked = proxies;
-  std::vector<Body> bodies = bodies_of(surface, all);
+Components find_components(const Surface& surface, std::int32_t proxies, double leave_out, Job& job,
+                           std::vector<Component> measured) {
+  Components components;
+  components.all = measured.empty() ? measure(surface, job) : std::move(measured);
+  components.asked = proxies;
+  std::vector<Body> bodies = bodies_of(surface, components);
   const LeftOut out = choose_left_out(bodies, proxies, leave_out);
-  all.left_out = out.count;
-  all.area_left_out = out.area;
-  if (bodies.size() == all.parts.size())
-    for (std::size_t c = 0; c < bodies.size(); ++c) all.parts[c].kept = bodies[c].kept;
-  else if (all.left_out > 0)
+  components.left_out = out.count;
+  components.area_left_out = out.area;
+  if (bodies.size() == components.all.size())
+    for (std::size_t c = 0; c < bodies.size(); ++c) components.all[c].kept = bodies[c].kept;
+  else if (components.left_out > 0)
     for (std::int32_t f = 0; f < surface.face_count(); ++f)
-      all.parts[surface.component()[f]].kept = bodies[surface.mesh().component()[f]].kept;
-  for (Part& part : all.parts) {
-    part.need = part.kept ? least_regions(part.closed, part.sum.faces) : 0;
-    all.needed += part.need;
+      components.all[surface.component()[f]].kept = bodies[surface.mesh().component()[f]].kept;
+  for (Component& component : components.all) {
+    component.need = component.kept ? least_regions(component.closed, component.sum.faces) : 0;
+    components.needed += component.need;
   }
-  return all;
+  return components;
 }
 
-std::vector<std::int32_t> share_out(const Parts& all) {
-  const std::size_t count = all.parts.size();
+std::vector<std::int32_t> share_out(const Components& components) {
+  const std::size_t count = components.all.size();
   std::vector<std::int32_t> share(count);
   std::vector<double> weight(count);
   for (std::size_t c = 0; c < count; ++c) {
-    share[c] = all.parts[c].need;
-    weight[c] = all.parts[c].kept ? std::sqrt(all.parts[c].sum.error()) : 0.0;
+    share[c] = components.all[c].need;
+    weight[c] = components.all[c].kept ? std::sqrt(components.all[c].sum.error()) : 0.0;
   }
   // Where all components are flat the rest is divided by size.
   if (std::accumulate(weight.begin(), weight.end(), 0.0) < 1e-6)
-    for (std::size_t c = 0; c < count; ++c) weight[c] = all.parts[c].kept ? all.parts[c].sum.faces : 0.0;
+    for (std::size_t c = 0; c < count; ++c) weight[c] = components.all[c].kept ? components.all[c].sum.faces : 0.0;
 
   // The ideal share of a component is t * weight, held between its need and its faces; t is found by halving.
-  const std::int32_t target = all.regions();
+  const std::int32_t target = components.regions();
   const auto ideal = [&](double t, std::size_t c) {
-    return std::clamp<double>(t * weight[c], all.parts[c].need, all.parts[c].kept ? all.parts[c].sum.faces : 0);
+    return std::clamp<double>(t * weight[c], components.all[c].need,
+                              components.all[c].kept ? components.all[c].sum.faces : 0);
   };
   double low = 0.0, high = 1.0;
   const auto total = [&](double t) {
@@ -158,7 +160,7 @@ std::vector<std::int32_t> share_out(const Parts& all) {
   while (given < target)
     for (const auto& [unused, c] : remainder) {
       if (given == target) break;
-      if (!all.parts[c].kept || share[c] >= all.parts[c].sum.faces) continue;
+      if (!components.all[c].kept || share[c] >= components.all[c].sum.faces) continue;
       ++share[c];
       ++given;
     }

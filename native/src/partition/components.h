@@ -11,7 +11,7 @@
 namespace isimp {
 
 /// A connected component of the surface, and the number of regions that it may have.
-struct Part {
+struct Component {
   RegionSum sum;           ///< sum of all its faces; areas as shares of the whole surface
   double area = 0.0;       ///< as a share of the whole surface
   bool closed = true;      ///< no border
@@ -21,8 +21,8 @@ struct Part {
 };
 
 /// All components.
-struct Parts {
-  std::vector<Part> parts;     ///< (C), as surface.component() numbers them
+struct Components {
+  std::vector<Component> all;  ///< (C), as surface.component() numbers them
   std::int32_t asked = 0;      ///< options.proxies
   std::int32_t needed = 0;     ///< sum of `need` over the kept components
   std::int32_t left_out = 0;   ///< number of components of the mesh left out
@@ -39,9 +39,9 @@ struct Parts {
 /// areas without the guides.
 /// Cost: O(F + C log C).
 /// \param proxies   1 if the number of regions is not known yet
-/// \param measured  the components if they are known already (see Hierarchy::parts)
-Parts find_parts(const Surface& surface, std::int32_t proxies, double leave_out, Job& job,
-                 std::vector<Part> measured = {});
+/// \param measured  the components if they are known already (see Hierarchy::components)
+Components find_components(const Surface& surface, std::int32_t proxies, double leave_out, Job& job,
+                           std::vector<Component> measured = {});
 
 /// The figures that decide whether a component is kept.
 struct Body {
@@ -55,7 +55,7 @@ struct LeftOut {
   double area = 0.0;
 };
 
-/// Decides which bodies are kept, by the rule of find_parts.
+/// Decides which bodies are kept, by the rule of find_components.
 /// \param leave_out  an area, in the unit of the bodies' own
 /// Cost: O(C log C).
 LeftOut choose_left_out(std::vector<Body>& bodies, std::int32_t proxies, double leave_out);
@@ -69,6 +69,6 @@ std::int32_t least_regions(bool closed, std::int64_t faces);
 /// With N regions on a component, its error falls like kappa / N; the least sum of errors has N proportional to
 /// sqrt(kappa). kappa is the error of a single region. Shares are rounded by largest remainder, ties to the component
 /// of the lower number; none gets more than its faces.
-std::vector<std::int32_t> share_out(const Parts& parts);
+std::vector<std::int32_t> share_out(const Components& components);
 
 }  // namespace isimp
