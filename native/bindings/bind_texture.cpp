@@ -173,14 +173,14 @@ py::tuple map_layers(const KeptMesh& mesh, const Partition& part, const PolygonM
   Array<std::uint8_t> dark = call(job, [&, options](Job& j) {
     BakeMap map;
     {
-      const Job::Part mapping(j, "baking", options.occlusion ? 0.3 : 0.6, options.occlusion ? 0.4 : 0.98);
+      const Job::Stage mapping(j, "baking", options.occlusion ? 0.3 : 0.6, options.occlusion ? 0.4 : 0.98);
       // Heights are shares of the largest one, so all of them are found.
       const bool all = before == nullptr || options.height;
       map = bake_map(mesh, part, poly, atlas, options, j, all ? std::span<const std::int32_t>() : kept.same);
     }
     if (options.height) height = height_image(map, kLeastHeight / atlas.scale);
     if (!options.occlusion) return Array<std::uint8_t>();
-    const Job::Part tracing(j, "occlusion", 0.4, 0.98);
+    const Job::Stage tracing(j, "occlusion", 0.4, 0.98);
     return occlusion(mesh, map, options, j, before);
   });
   py::object none = py::none();

@@ -20,7 +20,7 @@ void Job::report(double fraction) {
   advance(from_ + (to_ - from_) * std::clamp(fraction, 0.0, 1.0));
 }
 
-Job::Part::Part(Job& job, const char* stage, double from, double to)
+Job::Stage::Stage(Job& job, const char* stage, double from, double to)
     : job_(job), outer_stage_(job.stage()), outer_from_(job.from_), outer_to_(job.to_) {
   job.poll();
   const double width = outer_to_ - outer_from_;
@@ -30,7 +30,7 @@ Job::Part::Part(Job& job, const char* stage, double from, double to)
   job.advance(job.from_);
 }
 
-Job::Part::~Part() {
+Job::Stage::~Stage() {
   if (!job_.cancelled()) job_.advance(job_.to_);
   job_.from_ = outer_from_;
   job_.to_ = outer_to_;

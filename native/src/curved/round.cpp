@@ -14,11 +14,11 @@ Partition round_parts(const Surface& surface, Partition part, std::span<const st
   check_is_of(surface.mesh(), part);
   const Faces faces(surface);
   Scene scene = [&] {
-    const Job::Part stage(job, "finding round parts", 0.0, 0.8);
+    const Job::Stage stage(job, "finding round parts", 0.0, 0.8);
     return find_patches(faces, part, small, lengths, stays, job);
   }();
   if (scene.patches.empty()) return part;
-  const Job::Part stage(job, "cutting round parts", 0.8, 1.0);
+  const Job::Stage stage(job, "cutting round parts", 0.8, 1.0);
   choose_grids(faces, scene, job);
   auto o = with_cells(surface, part, std::move(scene), job);
   return o;

@@ -20,7 +20,7 @@ Partition even_borders(const Mesh& mesh, const Partition& partition, double stre
     throw InvalidInput("strength must be in [0, 1], got " + std::to_string(strength));
   Edit edit(mesh, partition);
   const FaceGraph& graph = edit.graph;
-  const Job::Part stage(job, "evening out", 0.0, 1.0);
+  const Job::Stage stage(job, "evening out", 0.0, 1.0);
   const double error = graph.area > 0 ? partition.error / graph.area : 0.0;
   const BorderWeight weight =
       border_weight(std::max(error, kLeastError), strength, graph.size(), partition.region_count());

@@ -132,7 +132,7 @@ Partition add_worst(const Mesh& mesh, const Partition& partition, std::int32_t t
   Partition result = partition;
   Splits splits;
   for (std::int32_t k = 0; k < times; ++k) {
-    Job::Part stage(job, "adding", static_cast<double>(k) / times, static_cast<double>(k + 1) / times);
+    Job::Stage stage(job, "adding", static_cast<double>(k) / times, static_cast<double>(k + 1) / times);
     std::int32_t region = kNone;
     {
       Edit edit(mesh, result);
@@ -149,7 +149,7 @@ Partition delete_least(const Mesh& mesh, const Partition& partition, std::int32_
   Partition result = partition;
   std::vector<Borders> borders;
   for (std::int32_t k = 0; k < times; ++k) {
-    Job::Part stage(job, "deleting", static_cast<double>(k) / times, static_cast<double>(k + 1) / times);
+    Job::Stage stage(job, "deleting", static_cast<double>(k) / times, static_cast<double>(k + 1) / times);
     Edit edit(mesh, result);
     if (borders.empty()) borders.emplace_back(edit, job);
     const Pair pair = borders.front().cheapest(edit);
@@ -169,7 +169,7 @@ Partition merge_cheapest(const Mesh& mesh, const Partition& partition, std::int3
   Partition result = partition;
   std::vector<Borders> borders;
   for (std::int32_t k = 0; k < times; ++k) {
-    Job::Part stage(job, "merging", static_cast<double>(k) / times, static_cast<double>(k + 1) / times);
+    Job::Stage stage(job, "merging", static_cast<double>(k) / times, static_cast<double>(k + 1) / times);
     Pair pair{};
     {
       Edit edit(mesh, result);

@@ -37,7 +37,7 @@ Regions free_regions(const Edit& edit, std::vector<std::int32_t>& region_of) {
 Partition improve(const Mesh& mesh, const Partition& partition, Job& job) {
   Edit edit(mesh, partition);
   const FaceGraph& graph = edit.graph;
-  Job::Part stage(job, "improving", 0.0, 1.0);
+  Job::Stage stage(job, "improving", 0.0, 1.0);
   std::vector<std::int32_t> region_of, component;
   if (const std::int32_t loose = find_unconnected(edit.surface, partition.face_region, partition.region_count());
       loose != kNone)

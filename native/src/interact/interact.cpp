@@ -55,7 +55,7 @@ void split_at(Edit& edit, const Partition& before, std::int32_t start, Job& job)
 Partition add_proxy(const Mesh& mesh, const Partition& partition, std::int32_t face, Job& job) {
   Edit edit(mesh, partition);
   const std::int32_t start = edit.at(face);
-  Job::Part stage(job, "adding", 0.0, 1.0);
+  Job::Stage stage(job, "adding", 0.0, 1.0);
   if (edit.labels.get(start) == kNone) {
     bring_back(edit, start, job);
     return edit.finish();
@@ -69,7 +69,7 @@ Partition add_proxy(const Mesh& mesh, const Partition& partition, std::int32_t f
 Partition delete_proxy(const Mesh& mesh, const Partition& partition, std::int32_t face, Job& job) {
   Edit edit(mesh, partition);
   const std::int32_t gone = edit.region_at(face);
-  Job::Part stage(job, "deleting", 0.0, 1.0);
+  Job::Stage stage(job, "deleting", 0.0, 1.0);
   if (!dissolve(edit, gone, edit.at(face), job))
     throw InvalidInput("the region of face " + std::to_string(face) + " is the only one of its part" +
                        (partition.region_locked.empty() ? "" : " that is not locked") + ": it can't be deleted");

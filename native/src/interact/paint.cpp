@@ -87,7 +87,7 @@ void check_rings(std::int32_t rings) {
 Partition paint_faces(const Mesh& mesh, const Partition& partition, std::span<const std::int32_t> faces,
                       std::int32_t onto, Job& job) {
   Edit edit(mesh, partition);
-  Job::Part stage(job, "painting", 0.0, 1.0);
+  Job::Stage stage(job, "painting", 0.0, 1.0);
   job.poll();
   const std::int32_t target =
       onto == kNone ? edit.add_region() : edit.result.face_region[edit.graph.mesh_face[edit.at(onto)]];
@@ -122,7 +122,7 @@ Partition paint_faces(const Mesh& mesh, const Partition& partition, std::span<co
 
 Partition erase_faces(const Mesh& mesh, const Partition& partition, std::span<const std::int32_t> faces, Job& job) {
   Edit edit(mesh, partition);
-  Job::Part stage(job, "erasing", 0.0, 1.0);
+  Job::Stage stage(job, "erasing", 0.0, 1.0);
   job.poll();
   if (faces.empty()) throw InvalidInput("there is no face to erase");
   const std::int32_t region = edit.region_at(faces.front());
@@ -147,7 +147,7 @@ Partition grow_region(const Mesh& mesh, const Partition& partition, std::int32_t
   check_rings(rings);
   Edit edit(mesh, partition);
   const std::int32_t region = edit.region_at(face);
-  Job::Part stage(job, "growing", 0.0, 1.0);
+  Job::Stage stage(job, "growing", 0.0, 1.0);
   std::vector<std::int32_t> front = faces_of(edit, edit.at(face)), all;
   for (std::int32_t ring = 0; ring < rings; ++ring) {
     job.poll();
@@ -172,7 +172,7 @@ Partition shrink_region(const Mesh& mesh, const Partition& partition, std::int32
   check_rings(rings);
   Edit edit(mesh, partition);
   const std::int32_t region = edit.region_at(face);
-  Job::Part stage(job, "shrinking", 0.0, 1.0);
+  Job::Stage stage(job, "shrinking", 0.0, 1.0);
   std::vector<std::int32_t> inside = faces_of(edit, edit.at(face)), all;
   for (std::int32_t ring = 0; ring < rings; ++ring) {
     job.poll();

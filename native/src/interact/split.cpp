@@ -123,7 +123,7 @@ Partition split_region(const Mesh& mesh, const Partition& partition, std::int32_
   Edit edit(mesh, partition);
   const FaceGraph& graph = edit.graph;
   const std::int32_t region = splittable(edit, face), start = edit.at(face);
-  Job::Part stage(job, "splitting", 0.0, 1.0);
+  Job::Stage stage(job, "splitting", 0.0, 1.0);
   const std::vector<std::int32_t> faces = edit.take_region(start);
   const std::int32_t fresh = edit.add_region();
   Halves halves = split_in_two(graph, edit.labels, faces, edit.result.region_sum[region], {region, fresh});
@@ -147,7 +147,7 @@ Partition split_along(const Mesh& mesh, const Partition& partition, std::int32_t
   Edit edit(mesh, partition);
   const FaceGraph& graph = edit.graph;
   const std::int32_t region = splittable(edit, face), start = edit.at(face);
-  Job::Part stage(job, "splitting", 0.0, 1.0);
+  Job::Stage stage(job, "splitting", 0.0, 1.0);
   const Vec3 normal = partition.region_normal[region];
   const Vec3 middle = middle_of(mesh, face);
   const Vec3 along = direction != Vec3::Zero() ? direction : normal != Vec3::Zero() ? normal : Vec3(0, 0, 1);

@@ -51,7 +51,7 @@ ExpectedPolygons expected_polygons(const Mesh& mesh, const Partition& partition,
   check_input(mesh, partition, options);
   if (const auto part = kept_part(mesh, partition, job))
     return expected_polygons(part->mesh, part->partition, options, job);
-  const Job::Part whole(job, "counting polygons", 0.0, 1.0);
+  const Job::Stage whole(job, "counting polygons", 0.0, 1.0);
   State state(mesh, partition, options, job);
   state.update({});
   Defects defects(state, bounds_of(state), job);

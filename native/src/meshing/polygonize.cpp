@@ -112,7 +112,7 @@ void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> p
 PolygonMesh polygons_of(State& state, Job& job) {
   RepairOutcome outcome;
   {
-    Job::Part part(job, "repairing", 0.1, 0.98);
+    Job::Stage stage(job, "repairing", 0.1, 0.98);
     outcome = repair(state, job);
   }
   std::vector<std::int32_t> place;
@@ -146,7 +146,7 @@ PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const Meshi
     return result;
   }
   const auto make = [&](const MeshingOptions& o, double from, double to) {
-    Job::Part part(job, "meshing", from, to);
+    Job::Stage stage(job, "meshing", from, to);
     State state(mesh, partition, o, job, moments);
     return polygons_of(state, job);
   };

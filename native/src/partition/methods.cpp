@@ -68,10 +68,10 @@ Partition by_bound(const Surface& surface, const PartitionOptions& options, Job&
   const Threads threads(options.threads);
   Hierarchy hierarchy;
   {
-    const Job::Part merging(job, "merging", 0.0, 0.1);
+    const Job::Stage merging(job, "merging", 0.0, 0.1);
     hierarchy = hierarchy_for_bound(surface, job, options.threads);
   }
-  const Job::Part fitting(job, "fitting planes", 0.1, 1.0);
+  const Job::Stage fitting(job, "fitting planes", 0.1, 1.0);
   const Components components = find_components(surface, 1, options.leave_out, job, hierarchy.components);
   const BoundedRegions bounded = bounded_regions(surface, hierarchy, components, *options.bound, job);
   Partition result = make_partition(surface, components, bounded.regions, {bounded.regions.error()}, threads, job);

@@ -153,7 +153,7 @@ Partition align_planes(const Mesh& mesh, const Partition& partition, std::span<c
   const Chosen of = chosen(partition, faces);
   if ((is_by_lead(to) || to == Align::coplanar) && of.regions.size() < 2)
     throw InvalidInput("all faces are in one region: name faces of two or more");
-  Job::Part whole(job, "aligning planes", 0.0, 1.0);
+  Job::Stage whole(job, "aligning planes", 0.0, 1.0);
   std::vector<RegionPlane> planes = planes_as_held(mesh, partition);
   job.poll();
   const double allowed = length.value_or(kAllowed * mesh.diagonal());

@@ -479,7 +479,7 @@ Partition regularise(const Mesh& mesh, const Partition& partition, const Regular
   check_is_of(mesh, partition);
   const Vec3 axes[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), Vec3::Zero()};
   const Vec3 up = up_direction ? unit_up(*up_direction) : axes[static_cast<int>(options.up)];
-  Job::Part whole(job, "regularising", 0.0, 1.0);
+  Job::Stage whole(job, "regularising", 0.0, 1.0);
   Regulariser regulariser(mesh, partition, options, up);
   job.report(0.5);
   regulariser.run();

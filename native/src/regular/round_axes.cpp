@@ -37,7 +37,7 @@ RoundAxes::RoundAxes(const Mesh& mesh, const Partition& partition, const std::ve
     : origin_(mesh.origin()) {
   if (partition.curved.empty() || partition.region_cell.empty() || partition.region_held.empty()) return;
   regions_ = planes;
-  std::vector<Part> parts(partition.curved.size());
+  std::vector<RoundPart> parts(partition.curved.size());
   for (std::size_t p = 0; p < parts.size(); ++p) {
     parts[p].number = static_cast<std::int32_t>(p);
     parts[p].first = partition.curved[p];
@@ -45,9 +45,9 @@ RoundAxes::RoundAxes(const Mesh& mesh, const Partition& partition, const std::ve
     parts[p].radius = parts[p].first.radius;
   }
   add_cells(partition, parts);
-  std::erase_if(parts, [](const Part& p) { return p.area <= 0; });
-  std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
-    const auto rank = [](const Part& p) {
+  std::erase_if(parts, [](const RoundPart& p) { return p.area <= 0; });
+  std::stable_sort(parts.begin(), parts.end(), [](const RoundPart& a, const RoundPart& b) {
+    const auto rank = [](const RoundPart& p) {
       return std::pair(p.first.kind == CurvedKind::sphere || is_bend(p.first), -p.area);
     };
     return rank(a) < rank(b);
@@ -56,7 +56,7 @@ RoundAxes::RoundAxes(const Mesh& mesh, const Partition& partition, const std::ve
   for (Group& g : groups_) measure(g);
 }
 
-void RoundAxes::add_cells(const Partition& partition, std::vector<Part>& parts) const {
+void RoundAxes::add_cells(const Partition& partition, std::vector<RoundPart>& parts) const {
   for (std::int32_t r = 0; r < partition.region_count(); ++r) {
     const std::int32_t p = partition.region_cell[r].proxy;
     if (p == kNone || partition.region_held[r] != kPlaneRound || regions_[r].scan.area <= 0) continue;
@@ -65,8 +65,8 @@ void RoundAxes::add_cells(const Partition& partition, std::vector<Part>& parts) 
   }
 }
 
-void RoundAxes::group_up(std::vector<Part> parts, double apart) {
-  const auto belongs = [&](const Part& a, const Part& b) {
+void RoundAxes::group_up(std::vector<RoundPart> parts, double apart) {
+  const auto belongs = [&](const RoundPart& a, const RoundPart& b) {
     return is_one_axis(a.first, b.first, apart) || is_pipe_of(a.first, b.first) || is_pipe_of(b.first, a.first);
   };
   while (!parts.empty()) {
@@ -74,13 +74,15 @@ void RoundAxes::group_up(std::vector<Part> parts, double apart) {
     g.parts.push_back(std::move(parts.front()));
     parts.erase(parts.begin());
     for (std::size_t k = 0; k < g.parts.size(); ++k) {
-      const auto joins = [&](const Part& p) { return belongs(g.parts[k], p); };
-      const auto rest = std::stable_partition(parts.begin(), parts.end(), [&](const Part& p) { return !joins(p); });
+      const auto joins = [&](const RoundPart& p) { return belongs(g.parts[k], p); };
+      const auto rest =
+          std::stable_partition(parts.begin(), parts.end(), [&](const RoundPart& p) { return !joins(p); });
       g.parts.insert(g.parts.end(), rest, parts.end());
       parts.erase(rest, parts.end());
     }
-    const bool has_bend = std::any_of(g.parts.begin(), g.parts.end(), [](const Part& p) { return is_bend(p.first); });
-    for (Part& p : g.parts) {
+    const bool has_bend =
+        std::any_of(g.parts.begin(), g.parts.end(), [](const RoundPart& p) { return is_bend(p.first); });
+    for (RoundPart& p : g.parts) {
       p.has_radius =
           !has_bend && p.first.full && (p.first.kind == CurvedKind::cylinder || p.first.kind == CurvedKind::sphere);
       p.is_on_axis = is_one_axis(g.parts[0].first, p.first, apart);
@@ -92,7 +94,7 @@ void RoundAxes::measure(Group& g) const {
   const CurvedProxy& lead = g.parts[0].first;
   RegionPlane& axis = g.axis;
   axis.faces = 0;
-  for (const Part& part : g.parts)
+  for (const RoundPart& part : g.parts)
     for (const CellPlane& cell : part.cells) {
       const RegionPlane& r = regions_[cell.region];
       axis.scan.area += r.scan.area;
@@ -104,7 +106,7 @@ void RoundAxes::measure(Group& g) const {
   g.normals /= axis.scan.area;
   if (lead.kind == CurvedKind::sphere) g.middle = lead.point;  // it turns within its surface
   Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();  // a turn by a vector w moves the cells by w^T turns w, mean square
-  for (const Part& part : g.parts)
+  for (const RoundPart& part : g.parts)
     for (const CellPlane& cell : part.cells) {
       const RegionPlane& r = regions_[cell.region];
       const Vec3 lever = (r.scan.centre - g.middle).cross(cell.normal);
@@ -163,13 +165,13 @@ void RoundAxes::share_axes(std::span<const double> reach) {
 }
 
 void RoundAxes::share_radii(std::span<const double> reach) {
-  std::vector<std::pair<Part*, double>> all;
+  std::vector<std::pair<RoundPart*, double>> all;
   for (std::size_t k = 0; k < size(); ++k)
-    for (Part& p : groups_[k].parts)
+    for (RoundPart& p : groups_[k].parts)
       if (p.has_radius) all.emplace_back(&p, reach[k]);
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first->area > b.first->area; });
   while (!all.empty()) {
-    const Part* const lead = all.front().first;
+    const RoundPart* const lead = all.front().first;
     const double most = all.front().second;
     const auto rest = std::stable_partition(all.begin(), all.end(), [&](const auto& other) {
       return other.first == lead || (other.first->first.kind == lead->first.kind &&
@@ -193,10 +195,10 @@ void RoundAxes::release(std::size_t group) {
   g.shift.setZero();
   g.line = g.parts[0].first.point;
   g.axis.snapped = g.axis.normal;
-  for (Part& p : g.parts) p.radius = p.first.radius;
+  for (RoundPart& p : g.parts) p.radius = p.first.radius;
 }
 
-CurvedProxy RoundAxes::moved(const Group& g, const Part& part) const {
+CurvedProxy RoundAxes::moved(const Group& g, const RoundPart& part) const {
   CurvedProxy p = part.first;
   p.radius = part.radius;
   if (!g.is_turned) return p;
@@ -212,7 +214,7 @@ CurvedProxy RoundAxes::moved(const Group& g, const Part& part) const {
 
 template <class Visit>
 void RoundAxes::for_each_cell(const Group& g, Visit visit) const {
-  for (const Part& part : g.parts) {
+  for (const RoundPart& part : g.parts) {
     if (!g.is_turned && part.radius == part.first.radius) continue;
     const CurvedProxy p = moved(g, part);
     const double grown = part.has_radius ? part.radius / part.first.radius : 1;
@@ -226,7 +228,7 @@ void RoundAxes::for_each_cell(const Group& g, Visit visit) const {
 
 double RoundAxes::before(std::size_t group) const {
   double sum = 0;
-  for (const Part& part : groups_[group].parts)
+  for (const RoundPart& part : groups_[group].parts)
     for (const CellPlane& cell : part.cells)
       sum += regions_[cell.region].scan.area * squared_distance(regions_[cell.region], cell.normal, cell.offset);
   return sum;
@@ -248,7 +250,7 @@ std::vector<CellPlane> RoundAxes::cells() const {
 }
 
 void RoundAxes::store(std::vector<CurvedProxy>& parts, RegularAxes& found) const {
-  std::vector<const Part*> round;
+  std::vector<const RoundPart*> round;
   for (std::size_t k = 0; k < size(); ++k) {
     const Group& g = groups_[k];
     const auto is_mine = [&](const Group& other) {
@@ -256,15 +258,15 @@ void RoundAxes::store(std::vector<CurvedProxy>& parts, RegularAxes& found) const
              other.axis.snapped.cross(g.axis.snapped).norm() <= kSame;
     };
     found.coaxial += std::any_of(groups_.begin(), groups_.end(), is_mine);
-    for (const Part& p : g.parts) {
+    for (const RoundPart& p : g.parts) {
       if (p.has_radius) round.push_back(&p);
       if (!g.is_turned && p.radius == p.first.radius) continue;
       parts[p.number] = moved(g, p);
       parts[p.number].point += origin_;
     }
   }
-  for (const Part* p : round)
-    found.equal_radii += std::any_of(round.begin(), round.end(), [&](const Part* other) {
+  for (const RoundPart* p : round)
+    found.equal_radii += std::any_of(round.begin(), round.end(), [&](const RoundPart* other) {
       return other != p && other->first.kind == p->first.kind && other->radius == p->radius;
     });
 }

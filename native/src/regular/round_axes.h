@@ -47,7 +47,7 @@ class RoundAxes {
   void store(std::vector<CurvedProxy>& parts, RegularAxes& found) const;
 
  private:
-  struct Part {
+  struct RoundPart {
     std::int32_t number = kNone;  ///< in Partition::curved
     CurvedProxy first;            ///< relative to the mesh's origin
     double radius = 0, area = 0;
@@ -56,7 +56,7 @@ class RoundAxes {
     std::vector<CellPlane> cells;
   };
   struct Group {
-    std::vector<Part> parts;  ///< the first one leads
+    std::vector<RoundPart> parts;  ///< the first one leads
     RegionPlane axis;
     Vec3 middle = Vec3::Zero(), line = Vec3::Zero(), shift = Vec3::Zero();  ///< `line` is on the axis
     Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
@@ -64,12 +64,12 @@ class RoundAxes {
     bool is_turned = false;
   };
 
-  void add_cells(const Partition& partition, std::vector<Part>& parts) const;
-  void group_up(std::vector<Part> parts, double apart);
+  void add_cells(const Partition& partition, std::vector<RoundPart>& parts) const;
+  void group_up(std::vector<RoundPart> parts, double apart);
   void measure(Group& group) const;
   void share_axes(std::span<const double> reach);
   void share_radii(std::span<const double> reach);
-  [[nodiscard]] CurvedProxy moved(const Group& group, const Part& part) const;
+  [[nodiscard]] CurvedProxy moved(const Group& group, const RoundPart& part) const;
   template <class Visit>
   void for_each_cell(const Group& group, Visit visit) const;
 

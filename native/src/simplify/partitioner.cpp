@@ -43,8 +43,8 @@ struct Partitioner::Prepared {
 };
 
 /// Some faces of the mesh as a mesh of their own, with the kept data of its partitions.
-struct Partitioner::OwnPart {
-  OwnPart(const Mesh& whole, std::span<const std::int32_t> faces, Job& job)
+struct Partitioner::Submesh {
+  Submesh(const Mesh& whole, std::span<const std::int32_t> faces, Job& job)
       : open(faces.begin(), faces.end()), mesh(part_of(whole, faces, job)), partitioner(mesh) {}
   std::vector<std::int32_t> open;
   Mesh mesh;
@@ -128,18 +128,18 @@ Partition Partitioner::with_round_parts(const PartitionOptions& options, const C
   PartitionOptions plain = options;
   plain.curved = false;
   Partition part = [&] {
-    const Job::Part stage(job, "partitioning", 0.0, 0.6);
+    const Job::Stage stage(job, "partitioning", 0.0, 0.6);
     return run(plain, constraints, job);
   }();
   Prepared prepared = prepare(constraints.with_cuts(), options.adaptivity, job);
   const Surface surface = prepared.surface;
   const std::vector<std::int32_t> small = [&] {
-    const Job::Part stage(job, "partitioning", 0.6, 0.8);
+    const Job::Stage stage(job, "partitioning", 0.6, 0.8);
     const bool has_tree =
         !options.proxies && options.adaptivity == 0 && !open_faces(*mesh_, constraints, 1, options.leave_out, job);
     return small_regions(surface, std::move(prepared.kept), options, has_tree, job);
   }();
-  const Job::Part stage(job, "finding round parts", 0.8, 1.0);
+  const Job::Stage stage(job, "finding round parts", 0.8, 1.0);
   const bool is_found = part.tolerance > 0;
   const RoundLengths lengths{.tolerance = is_found ? part.tolerance : kDefaultDetail * surface_size(*mesh_),
                              .noise = is_found        ? part.noise
@@ -173,10 +173,10 @@ Partition Partitioner::with_symmetry(const PartitionOptions& options, const Cons
   plain.symmetry = Symmetry::none;
   check(*mesh_, plain);
   const auto mirror = [&] {
-    const Job::Part stage(job, "finding the mirror plane", 0.0, 0.2);
+    const Job::Stage stage(job, "finding the mirror plane", 0.0, 0.2);
     return find_mirror(*mesh_, options.symmetry, mirror_allowance(*mesh_, options, job), options.threads, job);
   }();
-  const Job::Part stage(job, "partitioning", 0.2, 1.0);
+  const Job::Stage stage(job, "partitioning", 0.2, 1.0);
   if (!mirror) return without_symmetry(plain, constraints, job);
   const bool some = open_faces(*mesh_, constraints, options.proxies.value_or(1), options.leave_out, job).has_value();
   if (!some) {
@@ -201,10 +201,10 @@ Partition Partitioner::without_symmetry(const PartitionOptions& options, const C
   if (constraints.cuts.empty()) return split();
   Partition result;
   {
-    const Job::Part stage(job, "partitioning", 0.0, 0.9);
+    const Job::Stage stage(job, "partitioning", 0.0, 0.9);
     result = split();
   }
-  const Job::Part stage(job, "cutting", 0.9, 1.0);
+  const Job::Stage stage(job, "cutting", 0.9, 1.0);
   const auto labels = parted_at(*mesh_, result, constraints.cuts, job);
   return labels ? inherited(partition_from(surface, *labels, job), result) : result;
 }
@@ -222,24 +222,24 @@ Partition Partitioner::on_surface(const Surface& surface, Kept kept, const Parti
   double done = 0.0;
   if (finer && !kept.reweighted) {
     done = options.proxies ? 0.7 : 0.4;
-    const Job::Part stage(job, "finding details", 0.0, done);
+    const Job::Stage stage(job, "finding details", 0.0, done);
     kept.reweighted = reweighted(surface, options, job).guided();
     keep(kept);
   }
-  const Job::Part stage(job, "partitioning", done, 1.0);
+  const Job::Stage stage(job, "partitioning", done, 1.0);
   if (!finer) return with_weights(surface, std::move(kept), options, job);
   const Surface weighted(surface.mesh(), kept.reweighted);
   return on_original_weights(surface, with_weights(weighted, std::move(kept), options, job), options, job);
 }
 
-std::shared_ptr<const Partitioner::OwnPart> Partitioner::own_part(std::span<const std::int32_t> open, Job& job) const {
+std::shared_ptr<const Partitioner::Submesh> Partitioner::submesh(std::span<const std::int32_t> open, Job& job) const {
   {
     const std::lock_guard lock(mutex_);
-    if (part_ && std::ranges::equal(part_->open, open)) return part_;
+    if (submesh_ && std::ranges::equal(submesh_->open, open)) return submesh_;
   }
-  auto part = std::make_shared<const OwnPart>(*mesh_, open, job);
+  auto part = std::make_shared<const Submesh>(*mesh_, open, job);
   const std::lock_guard lock(mutex_);
-  if (keep_ != Keep::nothing) part_ = part;
+  if (keep_ != Keep::nothing) submesh_ = part;
   return part;
 }
 
@@ -323,20 +323,20 @@ Partition Partitioner::on_part(const Surface& surface, std::span<const std::int3
                                const PartitionOptions& options, const Constraints& constraints, Job& job) const {
   check(surface, options);
   Thesis::check(options);
-  std::shared_ptr<const OwnPart> own;
+  std::shared_ptr<const Submesh> own;
   const Partitioner* part = constraints.part;
   double done = 0.0;
   if (part == nullptr) {
     done = 0.1;
-    const Job::Part stage(job, "cutting off a part", 0.0, done);
-    own = own_part(open, job);
+    const Job::Stage stage(job, "cutting off a part", 0.0, done);
+    own = submesh(open, job);
     part = &own->partitioner;
   }
   const std::vector<std::int32_t> face = whole_faces(part->mesh(), open);
   ISIMP_ASSERT(constraints.part != nullptr || face.size() == open.size(), "a part has all faces that are split");
   const Constraints inner{.guides = guides_of_part(constraints.with_cuts(), part->mesh(), face, job)};
   const Partition split = [&] {
-    const Job::Part stage(job, "partitioning", done, 0.95);
+    const Job::Stage stage(job, "partitioning", done, 0.95);
     return part->run(options_of_part(options, constraints), inner, job);
   }();
   std::vector<std::int32_t> labels = labels_that_stay(constraints, mesh_->face_count());
@@ -366,7 +366,7 @@ std::shared_ptr<const DetailTree> Partitioner::detail_tree(const Surface& surfac
                                                            const PartitionOptions& options, Job& job) const {
   const DetailSettings settings = detail_settings(surface, options);
   if (!kept.tree || kept.tree->settings() != settings) {
-    const Job::Part stage(job, "merging", 0.0, 0.8);
+    const Job::Stage stage(job, "merging", 0.0, 0.8);
     kept.tree = std::make_shared<const DetailTree>(surface, settings, job, options.threads);
     keep(kept);
   }
@@ -376,7 +376,7 @@ std::shared_ptr<const DetailTree> Partitioner::detail_tree(const Surface& surfac
 Partition Partitioner::found_by_detail(const Surface& surface, Kept kept, const PartitionOptions& options,
                                        Job& job) const {
   const auto tree = detail_tree(surface, kept, options, job);
-  const Job::Part stage(job, "relaxing", 0.8, 1.0);
+  const Job::Stage stage(job, "relaxing", 0.8, 1.0);
   Partition found = by_detail(surface, *tree, options, job);
   if (options.method == Method::hierarchy) return found;
   PartitionOptions counted = options;
@@ -393,13 +393,13 @@ Partition Partitioner::by_known_number(const Surface& surface, Kept kept, const 
   double done = 0.0;
   if (needs_hierarchy(options) && (!kept.hierarchy || !kept.hierarchy->serves(surface, proxies))) {
     done = 0.4;
-    const Job::Part stage(job, "merging", 0.0, done);
+    const Job::Stage stage(job, "merging", 0.0, done);
     const std::int64_t coarsest = keep_ == Keep::nothing ? nodes_for(proxies) : 0;
     kept.hierarchy = std::make_shared<const Hierarchy>(
         build_hierarchy(surface, proxies, job, {.threads = options.threads, .coarsest = coarsest}));
     keep(kept);
   }
-  const Job::Part stage(job, "relaxing", done, 1.0);
+  const Job::Stage stage(job, "relaxing", done, 1.0);
   const Hierarchy none;
   const Hierarchy& hierarchy = needs_hierarchy(options) ? *kept.hierarchy : none;
   if (options.method == Method::hierarchy) return by_number(surface, hierarchy, options, job);

@@ -47,16 +47,16 @@ class Symmetriser {
 
   Partition run() {
     {
-      const Job::Part stage(job_, "halving", 0.0, 0.2);
+      const Job::Stage stage(job_, "halving", 0.0, 0.2);
       choose_sides();
       find_images();
     }
     {
-      const Job::Part stage(job_, "partitioning", 0.2, 0.8);
+      const Job::Stage stage(job_, "partitioning", 0.2, 0.8);
       split_apart();
       choose_number();
     }
-    const Job::Part stage(job_, "mirroring", 0.8, 1.0);
+    const Job::Stage stage(job_, "mirroring", 0.8, 1.0);
     carry_over();
     mend();
     relax();
@@ -168,7 +168,7 @@ class Symmetriser {
     std::optional<Partition> best;
     double least = 0;
     for (int k = 0; k < kTries; ++k) {
-      const Job::Part stage(job_, "partitioning", static_cast<double>(k) / kTries, (k + 1.0) / kTries);
+      const Job::Stage stage(job_, "partitioning", static_cast<double>(k) / kTries, (k + 1.0) / kTries);
       options.proxies = std::min(most, fewest + span * k / (kTries - 1));
       const bool is_new = k == 0 || *options.proxies != fewest + span * (k - 1) / (kTries - 1);
       if (!is_new) continue;

@@ -66,7 +66,7 @@ Within polygonize_within(const Mesh& mesh, Partition partition, const MeshingOpt
   BoundSearch search(slack * bound, again != nullptr);
   Within best;
   while (const auto step = search.next()) {
-    const Job::Part stage(job, step->anew ? "partitioning" : "meshing", step->begin, step->end);
+    const Job::Stage stage(job, step->anew ? "partitioning" : "meshing", step->begin, step->end);
     if (step->anew) {
       partition = again(step->share, job);
       continue;
@@ -89,10 +89,10 @@ Within partition_within(const Partitioner& partitioner, const PartitionOptions& 
     return partitioner.run(lower, constraints, j);
   };
   Partition partition = [&] {
-    const Job::Part stage(job, "partitioning", 0.0, kPartitioning);
+    const Job::Stage stage(job, "partitioning", 0.0, kPartitioning);
     return make(1.0, job);
   }();
-  const Job::Part stage(job, "meshing", kPartitioning, 1.0);
+  const Job::Stage stage(job, "meshing", kPartitioning, 1.0);
   return polygonize_within(partitioner.mesh(), std::move(partition), meshing, make, job, slack);
 }
 

@@ -161,7 +161,7 @@ Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& po
     copy_same(scene, *earlier, threads, job, texture);
   }
   const std::vector<std::int32_t> counts = sample_counts(scene, sampler, threads);
-  const Job::Part part(job, "baking", 0, options.occlusion ? 0.3 : options.height ? 0.6 : 0.9);
+  const Job::Stage stage(job, "baking", 0, options.occlusion ? 0.3 : options.height ? 0.6 : 0.9);
   for_all(
       scene, threads, job, [&](std::int32_t q) { return counts[q]; },
       [&](const PolygonView& view, std::int32_t q) { return detail::ColourShade(scene, view, q, canvas); });

@@ -91,7 +91,7 @@ Decimated read_back(const OmMesh& om, double fraction) {
 Decimated decimate(const Surface& surface, double fraction, Job& job) {
   if (!(fraction > 0 && fraction <= 1))
     throw InvalidInput("fraction must be in (0, 1], got " + std::to_string(fraction));
-  const Job::Part stage(job, "decimating", 0.0, 1.0);
+  const Job::Stage stage(job, "decimating", 0.0, 1.0);
   OmMesh om = to_openmesh(surface.mesh(), job);
   lock_barriers(surface, om);
   const std::size_t faces = om.n_faces();

@@ -180,7 +180,7 @@ class Carrier {
 }  // namespace
 
 Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOptions& options, Job& job) {
-  const Job::Part stage(job, "partitioning", 0.0, 1.0);
+  const Job::Stage stage(job, "partitioning", 0.0, 1.0);
   const Components components = find_components(surface, *options.proxies, options.leave_out, job);
   const Coarse coarse = make_coarse(surface, all, components, job);
   if (coarse.mesh.face_count() < components.regions())
@@ -194,7 +194,7 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
   plain.leave_out = 0.0;
   Carrier carrier(surface, components);
   {
-    const Job::Part rounds(job, "flooding", 0.0, 0.9);
+    const Job::Stage rounds(job, "flooding", 0.0, 0.9);
     const Surface coarse_surface(coarse.mesh, coarse.guides, job);
     const Hierarchy hierarchy = needs_hierarchy(plain)
                                     ? build_hierarchy(coarse_surface, *plain.proxies, job,
@@ -203,7 +203,7 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
     carrier.carry(coarse, faithful ? in_rounds(coarse_surface, hierarchy, nullptr, plain, job)
                                    : by_number(coarse_surface, hierarchy, plain, job));
   }
-  const Job::Part carrying(job, "carrying back", 0.9, 1.0);
+  const Job::Stage carrying(job, "carrying back", 0.9, 1.0);
   Regions regions;
   Flooding().run(surface.graph(), carrier.proxies, carrier.seeds, regions.label, job);
   regions.sum.resize(carrier.seeds.size());

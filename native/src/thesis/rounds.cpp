@@ -43,7 +43,7 @@ Regions teleport(const Surface& surface, const Components& components, Regions r
 
 std::vector<std::int32_t> first_seeds(const Surface& surface, const Hierarchy& hierarchy, const Components& components,
                                       const PartitionOptions& options, const Threads& threads, Job& job) {
-  Job::Part stage(job, "seeding", 0.0, 0.1);
+  Job::Stage stage(job, "seeding", 0.0, 0.1);
   const std::vector<std::int32_t> share = share_out(components);
   switch (options.seeding) {
     case Seeding::random:
@@ -76,11 +76,11 @@ Partition in_rounds(const Surface& surface, const Hierarchy& hierarchy, parallel
   std::vector<double> history;
   std::vector<std::int32_t> seeds = first_seeds(surface, hierarchy, components, options, threads, job);
   Regions regions = [&] {
-    const Job::Part rounds(job, "flooding", 0.1, options.method == Method::teleport ? 0.6 : 1.0);
+    const Job::Stage rounds(job, "flooding", 0.1, options.method == Method::teleport ? 0.6 : 1.0);
     return flood_in_rounds(surface, std::move(seeds), options, flooder, history, job);
   }();
   if (options.method == Method::teleport) {
-    const Job::Part moves(job, "teleporting", 0.6, 1.0);
+    const Job::Stage moves(job, "teleporting", 0.6, 1.0);
     regions = teleport(surface, components, std::move(regions), history, job);
   }
   if (history.empty()) history.push_back(regions.error());

@@ -40,11 +40,11 @@ Partition on_decimated(const Surface& surface, KeptDecimated& kept, const Partit
   double done = 0.0;
   if (!decimated) {
     done = 0.9;
-    const Job::Part stage(job, "decimating", 0.0, done);
+    const Job::Stage stage(job, "decimating", 0.0, done);
     decimated = std::make_shared<const Decimated>(decimate(surface, options.fraction, job));
     kept.keep(surface, decimated);
   }
-  const Job::Part stage(job, "partitioning", done, 1.0);
+  const Job::Stage stage(job, "partitioning", done, 1.0);
   return hybrid(surface, *decimated, options, job);
 }
 

@@ -6,14 +6,14 @@
 namespace isimp {
 namespace {
 
-TEST(Job, PartsMapReportsIntoTheirShareAndNest) {
+TEST(Job, StagesMapReportsIntoTheirShareAndNest) {
   Job job;
   {
-    Job::Part outer(job, "outer", 0.5, 1.0);
+    Job::Stage outer(job, "outer", 0.5, 1.0);
     EXPECT_STREQ(job.stage(), "outer");
     EXPECT_DOUBLE_EQ(job.progress(), 0.5);
     {
-      Job::Part inner(job, "inner", 0.0, 0.5);  // [0.5, 0.75] of the whole
+      Job::Stage inner(job, "inner", 0.0, 0.5);  // [0.5, 0.75] of the whole
       job.report(0.5);
       EXPECT_STREQ(job.stage(), "inner");
       EXPECT_DOUBLE_EQ(job.progress(), 0.625);
@@ -32,7 +32,7 @@ TEST(Job, CancelThrowsAtTheNextPollAndKeepsProgress) {
   job.cancel();
   EXPECT_THROW(job.poll(), Cancelled);
   EXPECT_THROW(job.report(0.5), Cancelled);
-  EXPECT_THROW(Job::Part(job, "late", 0.0, 1.0), Cancelled);
+  EXPECT_THROW(Job::Stage(job, "late", 0.0, 1.0), Cancelled);
   EXPECT_DOUBLE_EQ(job.progress(), 0.25);
 }
 

@@ -148,7 +148,7 @@ def test_a_step_in_the_list_names_no_face(step, said):
 
 def test_each_stage_of_the_engine_and_the_addon_has_a_name_that_is_translated():
     sources = [*ROOT.joinpath("native", "src").rglob("*.cpp"), *ROOT.joinpath("addon", "isimp").glob("*.py")]
-    begin = r"(?:Part [a-z_]*[({][a-z_.]*, *|watch\.part\(|engine_call\(watch, [^\"]*?)"
+    begin = r"(?:Stage [a-z_]*[({][a-z_.]*, *|watch\.part\(|engine_call\(watch, [^\"]*?)"
     found = {name for path in sources for name in re.findall(begin + r'"([a-z ]+)"', path.read_text(encoding="utf-8"))}
     found |= {stage for stage, *_ in applying._EDITS.values()}
     assert {"flooding", "reading the mesh", "measuring", "evening out"} <= found

@@ -30,18 +30,18 @@ class Job {
   void poll() const;
   /// Called at every poll, by the polling thread, before the check for a cancel. Must be set before the work begins.
   std::function<void()> at_poll;
-  /// Polls, and sets progress to `fraction` in [0, 1] of the present Part (of the whole job outside any Part).
+  /// Polls, and sets progress to `fraction` in [0, 1] of the present Stage (of the whole job outside any Stage).
   void report(double fraction);
 
-  /// Names a stage and maps the reports made during its life to [from, to] of the Part around it. Parts nest. The
+  /// Names a stage and maps the reports made during its life to [from, to] of the Stage around it. Stages nest. The
   /// constructor polls; the destructor sets progress to the end of the stage.
-  class Part {
+  class Stage {
    public:
     /// \param stage  a string literal: it is kept as a pointer
-    Part(Job& job, const char* stage, double from, double to);
-    ~Part();
-    Part(const Part&) = delete;
-    Part& operator=(const Part&) = delete;
+    Stage(Job& job, const char* stage, double from, double to);
+    ~Stage();
+    Stage(const Stage&) = delete;
+    Stage& operator=(const Stage&) = delete;
 
    private:
     Job& job_;
@@ -55,7 +55,7 @@ class Job {
   std::atomic<bool> cancelled_{false};
   std::atomic<double> progress_{0.0};
   std::atomic<const char*> stage_{""};
-  double from_ = 0.0, to_ = 1.0;  // the present Part's share of the whole job
+  double from_ = 0.0, to_ = 1.0;  // the present Stage's share of the whole job
 };
 
 }  // namespace isimp

@@ -77,7 +77,7 @@ class Partitioner {
  private:
   friend Partition partition(const Surface& surface, const PartitionOptions& options, Job& job);
   struct Kept;
-  struct OwnPart;
+  struct Submesh;
   struct Prepared;
   enum class Keep { nothing, what_helps };
   Partitioner(const Mesh& mesh, Keep keep);
@@ -85,7 +85,7 @@ class Partitioner {
   [[nodiscard]] Kept recall(Guides guides, double adaptivity) const;
   void keep(const Kept& kept) const;
   [[nodiscard]] Prepared prepare(Guides guides, double adaptivity, Job& job) const;
-  [[nodiscard]] std::shared_ptr<const OwnPart> own_part(std::span<const std::int32_t> open, Job& job) const;
+  [[nodiscard]] std::shared_ptr<const Submesh> submesh(std::span<const std::int32_t> open, Job& job) const;
   Partition with_round_parts(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
   Partition with_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
   Partition without_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
@@ -104,7 +104,7 @@ class Partitioner {
   Keep keep_;
   mutable std::mutex mutex_;
   mutable std::unique_ptr<Kept> kept_;
-  mutable std::shared_ptr<const OwnPart> part_;
+  mutable std::shared_ptr<const Submesh> submesh_;
   std::unique_ptr<Thesis> thesis_;
 };
 

@@ -84,9 +84,9 @@ Cleaning make_manifold(std::vector<Vec3> vertices, std::vector<Triangle> triangl
   bool welded = false, sound = false;
   Topology topology;
   {
-    const Job::Part part(job, "cleaning", 0.0, 0.5);
+    const Job::Stage stage(job, "cleaning", 0.0, 0.5);
     const auto look = [&](double from, double to) {
-      const Job::Part edges(job, "cleaning", from, to);
+      const Job::Stage edges(job, "cleaning", from, to);
       topology = find_topology(soup.vertices.size(), soup.faces(), threads, job);
       sound = topology.defect.empty() && !has_twins(topology, threads);
     };
@@ -167,7 +167,7 @@ Cleaning make_sound(std::vector<Vec3> vertices, std::vector<Triangle> triangles,
 
 /// The arrays of a mesh, so that its openings can be closed.
 Cleaning sound_of(const Mesh& mesh, const Threads& threads, Job& job) {
-  const Job::Part part(job, "cleaning", 0.0, 0.5);
+  const Job::Stage stage(job, "cleaning", 0.0, 0.5);
   Cleaning sound{.arrays = {}, .topology = {}, .log = RepairLog(mesh.report().repairs)};
   MeshArrays& arrays = sound.arrays;
   arrays.vertices.assign(mesh.vertices().begin(), mesh.vertices().end());
@@ -193,10 +193,10 @@ Cleaned detail::Cleaning::finish(const CleanOptions& options, const std::vector<
   std::vector<FoundOpening> found;
   const bool closing = options.fill_holes > 0 || options.fill_flat_holes > 0 || options.cut_handles > 0;
   if (closing) {
-    const Job::Part part(job, "closing holes", 0.5, 0.75);
+    const Job::Stage stage(job, "closing holes", 0.5, 0.75);
     found = close_small(arrays, topology, options, keep, log, threads, job);
   }
-  const Job::Part part(job, "cleaning", closing ? 0.75 : 0.5, 1.0);
+  const Job::Stage stage(job, "cleaning", closing ? 0.75 : 0.5, 1.0);
   return {Mesh(std::move(arrays), std::move(topology), log.take(), threads, job), std::move(found)};
 }
 

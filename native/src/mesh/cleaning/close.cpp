@@ -318,7 +318,7 @@ void fill(Array<std::int32_t>& source, std::size_t n) {
 }
 
 Topology topology_of(const MeshArrays& arrays, const Threads& threads, Job& job) {
-  const Job::Part stage(job, "closing holes", 0.8, 1.0);
+  const Job::Stage stage(job, "closing holes", 0.8, 1.0);
   return find_topology(arrays.vertices.size(), arrays.triangles, threads, job);
 }
 

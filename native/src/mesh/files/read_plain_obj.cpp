@@ -101,7 +101,7 @@ std::optional<PolygonSoup> read_plain_obj(const FileParts& parts, const Threads&
   std::vector<Counts> counts(edges.size());  // counts of each part; then of all parts before it, the last one of all
                                              // parts
   {
-    const Job::Part counting(job, "reading", 0.0, 0.2);
+    const Job::Stage counting(job, "reading", 0.0, 0.2);
     if (!for_each_part(parts, edges, threads, job,
                        [&](std::size_t i, std::string_view text) { return count_lines(text, counts[i]); }))
       return {};
@@ -111,7 +111,7 @@ std::optional<PolygonSoup> read_plain_obj(const FileParts& parts, const Threads&
   SoupBuilder soup(parts.file(), threads);
   if (all.vertices == 0 || !soup.has_room(all.vertices, all.faces, all.corners)) return {};
   const Arrays arrays{soup.add_vertices(all.vertices), soup.add_mixed_polygons(all.faces, all.corners)};
-  const Job::Part reading(job, "reading", 0.2, 1.0);
+  const Job::Stage reading(job, "reading", 0.2, 1.0);
   if (!for_each_part(parts, edges, threads, job, [&](std::size_t i, std::string_view text) {
         return read_lines(text, arrays, counts[i], counts[i + 1]);
       }))

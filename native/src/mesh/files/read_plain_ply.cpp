@@ -66,12 +66,12 @@ std::optional<PolygonSoup> read_binary(const FileParts& parts, const Layout& lay
   PlyBytes bytes{parts, body + row * layout.vertex.count, layout.header.swaps()};
   if (layout.face.count > bytes.size()) return {};
   if (layout.face.count > 0) {
-    const Job::Part part(job, "reading", 0.0, 0.5);
+    const Job::Stage stage(job, "reading", 0.0, 0.5);
     const PlyRows read = read_face_rows(bytes, layout.face, layout.corners, layout.face.count, soup, threads, job);
     if (read.rows != layout.face.count) return {};
   }
   bytes.begin = body;
-  const Job::Part part(job, "reading", 0.5, 1.0);
+  const Job::Stage stage(job, "reading", 0.5, 1.0);
   if (read_vertex_rows(bytes, layout.vertex, layout.axes, soup, threads, job) != row * layout.vertex.count) return {};
   return soup.finish(0, job);
 }
@@ -87,7 +87,7 @@ class TextRows {
     if (edges_.empty() || !count_rows() || !count_corners()) return {};
     vertices_ = soup_.add_vertices(layout_.vertex.count);
     polygons_ = soup_.add_mixed_polygons(layout_.face.count, corners_.back());
-    const Job::Part part(job_, "reading", 0.3, 1.0);
+    const Job::Stage stage(job_, "reading", 0.3, 1.0);
     if (!for_each_part(parts_, edges_, threads_, job_,
                        [&](std::size_t i, std::string_view text) { return read_part(i, text); }))
       return {};
@@ -101,7 +101,7 @@ class TextRows {
     std::exclusive_scan(numbers.begin(), numbers.end(), numbers.begin(), std::size_t{0});
   }
   bool count_rows() {
-    const Job::Part part(job_, "reading", 0.0, 0.1);
+    const Job::Stage stage(job_, "reading", 0.0, 0.1);
     rows_.assign(edges_.size(), 0);
     for_each_part(parts_, edges_, threads_, job_, [&](std::size_t i, std::string_view text) {
       rows_[i] = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + (text.back() == '\n' ? 0 : 1);
@@ -111,7 +111,7 @@ class TextRows {
     return rows_.back() >= layout_.vertex.count && rows_.back() - layout_.vertex.count >= layout_.face.count;
   }
   bool count_corners() {
-    const Job::Part part(job_, "reading", 0.1, 0.3);
+    const Job::Stage stage(job_, "reading", 0.1, 0.3);
     corners_.assign(edges_.size(), 0);
     const bool fine = for_each_part(parts_, edges_, threads_, job_, [&](std::size_t i, std::string_view text) {
       if (rows_[i + 1] <= layout_.vertex.count || rows_[i] >= rows()) return true;

@@ -135,9 +135,9 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Array<st
       source_face_(std::move(source_face)),
       source_vertex_(std::move(source_vertex)) {
   check_arrays(vertices_, triangles_, threads);
-  const Job::Part part(job, "reading the mesh", 0.0, 1.0);
+  const Job::Stage stage(job, "reading the mesh", 0.0, 1.0);
   detail::Topology topology = [&] {
-    const Job::Part edges(job, "reading the mesh", 0.0, 0.5);
+    const Job::Stage edges(job, "reading the mesh", 0.0, 0.5);
     return detail::find_topology(vertices_.size(), triangles_, threads, job);
   }();
   if (!topology.defect.empty()) throw InvalidInput(topology.defect + kHint);
@@ -170,7 +170,7 @@ void Mesh::complete(detail::Topology topology, RepairReport repairs, const Threa
     box.translate(-origin_);
   }
   {
-    const Job::Part faces(job, job.stage(), 0.6, 1.0);
+    const Job::Stage faces(job, job.stage(), 0.6, 1.0);
     graph_ = make_face_graph(vertices_, triangles_, opposite_, box, threads, job);
   }
 

@@ -206,49 +206,49 @@ bool Complex::is_sharp(std::span<const std::int32_t> loop, const std::array<std:
 /// Adds corners to a chart whose polygon is too different from it, however small it is. One that would become a
 /// triangle, as a window or a strip, gets a fourth corner sooner.
 void Complex::keep_shape(std::int32_t chart) {
-  struct Part {
+  struct ChordArea {
     std::size_t at;  // where its chord begins in the loop
     double area;     // that the chord leaves out, below 0 where it adds; less the flatter the two charts meet
     double plain;    // the same however they meet
   };
   const auto& loop = loops_[chart];
-  const auto part_at = [&](std::size_t at) {
+  const auto area_at = [&](std::size_t at) {
     collect_line(loop, at, line_);
-    if (line_.size() < 3) return Part{at, 0, 0};
+    if (line_.size() < 3) return ChordArea{at, 0, 0};
     take_out_zigzag(line_);
     const double area = area_left_out(line_).dot(planes_[chart].normal);
-    return Part{at, area * sine_at(loop[at]), area};
+    return ChordArea{at, area * sine_at(loop[at]), area};
   };
-  std::vector<Part> parts;  // in the order of the loop
+  std::vector<ChordArea> areas;  // in the order of the loop
   for (std::size_t i = 0; i < loop.size(); ++i)
-    if (is_corner(mesh_.from(loop[i]))) parts.push_back(part_at(i));
+    if (is_corner(mesh_.from(loop[i]))) areas.push_back(area_at(i));
   const double allowed = tolerance.of_area * planes_[chart].area;
   while (true) {
-    const bool is_triangle = parts.size() == 3;
-    const bool is_needle = is_triangle && is_sharp(loop, {parts[0].at, parts[1].at, parts[2].at});
-    const auto left_out = [&](const Part& p) { return is_needle ? p.plain : p.area; };
+    const bool is_triangle = areas.size() == 3;
+    const bool is_needle = is_triangle && is_sharp(loop, {areas[0].at, areas[1].at, areas[2].at});
+    const auto left_out = [&](const ChordArea& p) { return is_needle ? p.plain : p.area; };
     double sum = 0, most = 0;
-    auto worst = parts.end();
-    for (auto p = parts.begin(); p != parts.end(); ++p) {
+    auto worst = areas.end();
+    for (auto p = areas.begin(); p != areas.end(); ++p) {
       sum += left_out(*p);
       if (std::abs(left_out(*p)) <= most) continue;
       most = std::abs(left_out(*p));
       worst = p;
     }
-    const bool has_three = is_triangle && !is_needle && std::all_of(parts.begin(), parts.end(), [&](const Part& p) {
-                             return is_anchor(mesh_.from(loop[p.at]));
-                           });
+    const bool has_three =
+        is_triangle && !is_needle &&
+        std::all_of(areas.begin(), areas.end(), [&](const ChordArea& p) { return is_anchor(mesh_.from(loop[p.at])); });
     const double of_triangle = (has_three ? kOfThree : kOfTriangle) * planes_[chart].area;
     const double limit = is_triangle ? std::min(of_triangle, allowed) : allowed;
-    if (std::abs(sum) <= limit || worst == parts.end()) return;
+    if (std::abs(sum) <= limit || worst == areas.end()) return;
     collect_line(loop, worst->at, line_);
     take_out_zigzag(line_);
     const std::size_t at = worst->at + farthest(line_).where;
     add_corner(loop, at);
     // The chord ends there now, and another begins: the first one, if that is beyond the end of the loop.
-    *worst = part_at(worst->at);
+    *worst = area_at(worst->at);
     const bool beyond = at >= loop.size();
-    parts.insert(beyond ? parts.begin() : worst + 1, part_at(beyond ? at - loop.size() : at));
+    areas.insert(beyond ? areas.begin() : worst + 1, area_at(beyond ? at - loop.size() : at));
   }
 }
 

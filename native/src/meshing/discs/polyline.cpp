@@ -92,23 +92,24 @@ StraightLine along(std::span<const Vec3> line) {
 
 /// The distance from the straight line along it within which most of a polyline's length is.
 double most_within(std::span<const Vec3> line) {
-  struct Part {
+  struct Segment {
     double distance, length;
   };
   const StraightLine straight = along(line);
-  std::vector<Part> parts;
+  std::vector<Segment> segments;
   double all = 0, before = straight.squared_distance(line.front());
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     const double length = (line[i + 1] - line[i]).norm(), after = straight.squared_distance(line[i + 1]);
-    parts.push_back({std::max(before, after), length});
+    segments.push_back({std::max(before, after), length});
     all += length;
     before = after;
   }
-  std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.distance < b.distance; });
+  std::sort(segments.begin(), segments.end(),
+            [](const Segment& a, const Segment& b) { return a.distance < b.distance; });
   double sum = 0;
-  for (const Part& p : parts)
+  for (const Segment& p : segments)
     if ((sum += p.length) >= kWithin * all) return std::sqrt(p.distance);
-  return parts.empty() ? 0.0 : std::sqrt(parts.back().distance);
+  return segments.empty() ? 0.0 : std::sqrt(segments.back().distance);
 }
 
 }  // namespace

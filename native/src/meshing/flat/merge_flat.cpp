@@ -120,7 +120,7 @@ FlatMerge merge_flat(const Mesh& mesh, double angle, std::span<const std::int32_
     throw InvalidInput("group must have one number for each of the " + std::to_string(mesh.face_count()) +
                        " faces, got " + std::to_string(group.size()));
   }
-  const Job::Part stage(job, "merging", 0.0, 1.0);
+  const Job::Stage stage(job, "merging", 0.0, 1.0);
   Regions regions = meshing::flat::find_regions(mesh, angle, group, job);
   job.report(0.5);
   const auto polygons = polygons_of(mesh, regions, job);

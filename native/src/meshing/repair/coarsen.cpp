@@ -164,7 +164,7 @@ class Coarsener {
 
   /// Tries all candidates, the most promising first. Candidates around a union are queued again.
   void try_all() {
-    const Job::Part part(job_, "joining polygons", 0.0, 1.0);
+    const Job::Stage stage(job_, "joining polygons", 0.0, 1.0);
     queue_all();
     const std::size_t all = queue_.size();
     for (std::size_t done = 0; !queue_.empty(); ++done) {

@@ -49,7 +49,7 @@ class Repairer {
 
   RepairOutcome run() {
     {
-      const Job::Part part(job_, "repairing", 0.0, 0.25);
+      const Job::Stage stage(job_, "repairing", 0.0, 0.25);
       s_.update({});
       usual_ = s_.scale();
       std::vector<Join> joins = join_junctions(s_, job_);
@@ -61,7 +61,7 @@ class Repairer {
     }
     join_again();
     improve_places(s_, defects_, job_);
-    const Job::Part part(job_, "repairing", 0.75, 1.0);
+    const Job::Stage stage(job_, "repairing", 0.75, 1.0);
     if (fall_back()) {
       coarsen(s_, defects_, usual_, job_);
       fall_back();
@@ -105,7 +105,7 @@ class Repairer {
   void join_again() {
     for (int pass = 0; pass < kPasses; ++pass) {
       const double from = 0.75 - 0.5 * std::pow(0.4, pass);  // most meshes need one pass
-      const Job::Part part(job_, "repairing", from, 0.75 - 0.2 * std::pow(0.4, pass));
+      const Job::Stage stage(job_, "repairing", from, 0.75 - 0.2 * std::pow(0.4, pass));
       const std::int32_t before = s_.polygons.count();
       coarsen(s_, defects_, usual_, job_);
       std::fill(tries_.begin(), tries_.end(), 0);

@@ -114,7 +114,7 @@ double quantile(const std::vector<double>& values, const std::vector<float>& are
 std::vector<float> adaptive_weights(const Surface& surface, double adaptivity, const Threads& threads, Job& job) {
   const Mesh& mesh = surface.mesh();
   Field field = [&] {
-    const Job::Part smoothing(job, "finding details", 0.0, 0.6);
+    const Job::Stage smoothing(job, "finding details", 0.0, 0.6);
     return faces_of(surface.graph(), job);
   }();
   const double edges = kRadius * surface_size(mesh) / std::max(mean_edge(mesh), 1e-300);
@@ -127,7 +127,7 @@ std::vector<float> adaptive_weights(const Surface& surface, double adaptivity, c
   }
   if (field.graph.size() < all) steps *= kClusterSteps * field.graph.size() / all;
 
-  const Job::Part spreading(job, "finding details", 0.7, 0.9);
+  const Job::Stage spreading(job, "finding details", 0.7, 0.9);
   std::vector<double> rough = roughness(field, static_cast<int>(std::lround(steps)), job);
   const double quiet = quantile(rough, field.area, kQuiet) / 2;
   double mean = 0.0, total = 0.0;

@@ -158,10 +158,10 @@ DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, J
       components_(find_components(surface, 1, settings.leave_out, job)) {
   for (const Component& component : components_.all) need_.push_back(component.need);
   {
-    Job::Part stage(job, "merging", 0.0, 0.9);
+    Job::Stage stage(job, "merging", 0.0, 0.9);
     make_patches(surface, threads, job);
   }
-  Job::Part stage(job, "merging", 0.9, 1.0);
+  Job::Stage stage(job, "merging", 0.9, 1.0);
   const FaceGraph& graph = surface.graph();
   for (std::int32_t i = 0; i < graph.size(); ++i) {
     if ((i & 0xffff) == 0) job.poll();
@@ -187,11 +187,11 @@ void DetailTree::make_patches(const Surface& surface, std::int32_t thread_count,
   {
     const double limit = merge_limit(settings_.finest * size_, noise_, kLeastNoise) / area_;
     const Array<FaceRecord> smooth = [&] {
-      const Job::Part smoothing(job, "merging", 0.1, 0.7);
+      const Job::Stage smoothing(job, "merging", 0.1, 0.7);
       return filtered_faces(graph, kFilterPasses, filter_range(bend_), Threads(thread_count), job);
     }();
     Start start = [&] {
-      const Job::Part half(job, "merging", 0.7, 0.9);
+      const Job::Stage half(job, "merging", 0.7, 0.9);
       return graph.size() < kManyFaces ? start_from_faces(graph, smooth, component)
                                        : start_from_patches(surface, smooth, limit, thread_count, job);
     }();

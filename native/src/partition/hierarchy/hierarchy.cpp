@@ -218,7 +218,7 @@ bool Hierarchy::serves(const Surface& surface, std::int32_t proxies) const {
 Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job, const HierarchyOptions& options) {
   const Threads threads(options.threads);
   const std::span<const FaceRecord> faces = options.faces;
-  Job::Part stage(job, "merging", 0.0, 1.0);
+  Job::Stage stage(job, "merging", 0.0, 1.0);
   Hierarchy h;
   h.patch_size = patch_size_for(surface.face_count(), proxies);
   Patches patches = make_patches(surface.graph(), faces.empty() ? surface.graph().faces : faces, h, threads, job);

@@ -102,7 +102,7 @@ class Optimiser {
   Regions run(Finish finish, Job& job) {
     const std::int32_t wanted = components_.regions();
     {
-      Job::Part stage(job, "merging", 0.0, 0.4);
+      Job::Stage stage(job, "merging", 0.0, 0.4);
       const double times = smooth_ > 0 ? kSmoothSurplus : kSurplus;
       const auto surplus = static_cast<std::int32_t>(std::min<double>(times * wanted, h_.patches()));
       // On the way down too: faces alone can't straighten a border whose zigzags are many faces wide. Few regions are
@@ -119,7 +119,7 @@ class Optimiser {
       relax_patches(h_.level.front(), patch_label_, regions, smooth_, kPatchSweeps, threads_, job);
       project(regions, job);
     }
-    Job::Part stage(job, "relaxing", 0.4, 1.0);
+    Job::Stage stage(job, "relaxing", 0.4, 1.0);
     Relaxation<GraphLabels> relaxation(graph_, {regions_.label.data()}, regions_.sum,
                                        border_weight(regions_.error(), smooth_, graph_.size(), wanted), threads_,
                                        surface_.relative_weight());
@@ -130,7 +130,7 @@ class Optimiser {
     job.report(0.5);
     relaxation.run(kLastSweeps, job);
     job.report(0.9);
-    const Job::Part last(job, "relaxing", 0.9, 1.0);
+    const Job::Stage last(job, "relaxing", 0.9, 1.0);
     Teleport teleport(graph_, components_, regions_, std::move(component_), relaxation);
     const bool filled = teleport.fill_up(job);
     const double ratio = least_ratio(wanted);
