@@ -15,11 +15,12 @@ constexpr std::size_t kFew = 32,
                       kShare = 4;  ///< kFew + all / kShare boxes may be new before the tree is rebuilt
 }  // namespace
 
-BoxTree::BoxTree(std::vector<NumberedBox> all) : all_(std::move(all)), leaf_(all_.size()) {
-  if (!all_.empty()) make(0, static_cast<std::int32_t>(all_.size()), kNone);
+BoxTree::BoxTree(std::vector<NumberedBox> all, const Job* job) : all_(std::move(all)), leaf_(all_.size()) {
+  if (!all_.empty()) make(0, static_cast<std::int32_t>(all_.size()), kNone, job);
 }
 
-void BoxTree::make(std::int32_t begin, std::int32_t end, std::int32_t parent) {
+void BoxTree::make(std::int32_t begin, std::int32_t end, std::int32_t parent, const Job* job) {
+  if (job != nullptr && (nodes_.size() & 0xfff) == 0) job->poll();
   Box around = all_[begin].box;
   std::array<float, 3> low{}, high{};  // range of the middles, times 2
   for (int k = 0; k < 3; ++k) low[k] = high[k] = around.low[k] + around.high[k];
@@ -45,8 +46,8 @@ void BoxTree::make(std::int32_t begin, std::int32_t end, std::int32_t parent) {
                      [&](const NumberedBox& x, const NumberedBox& y) {
                        return x.box.low[axis] + x.box.high[axis] < y.box.low[axis] + y.box.high[axis];
                      });
-    make(begin, half, node);
-    make(half, end, node);
+    make(begin, half, node, job);
+    make(half, end, node, job);
   }
   nodes_[node].after = static_cast<std::int32_t>(nodes_.size());
 }

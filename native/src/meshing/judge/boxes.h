@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "isimp/core/job.h"
+
 namespace isimp::meshing {
 
 /// A box with sides along the axes. It is exact, as all coordinates in a search are float32.
@@ -43,23 +45,32 @@ struct NumberedBox {
 class BoxTree {
  public:
   BoxTree() = default;
-  explicit BoxTree(std::vector<NumberedBox> all);
+  /// \param job  polled, if given
+  explicit BoxTree(std::vector<NumberedBox> all, const Job* job = nullptr);
 
   [[nodiscard]] std::size_t size() const { return all_.size(); }
-  /// Whether some box has a place in common with `a` and passes the test; stops at the first.
-  template <class Test>
-  [[nodiscard]] bool any(const Box& a, Test test) const {
+  /// Whether the box at some place passes the test; stops at the first.
+  /// \param misses  whether nothing inside a box can pass
+  /// \param test    of a place
+  template <class Misses, class Test>
+  [[nodiscard]] bool any_place(Misses misses, Test test) const {
     for (std::size_t n = 0; n < nodes_.size();) {
       const Node& node = nodes_[n];
-      if (node.around.apart(a)) {
+      if (misses(node.around)) {
         n = static_cast<std::size_t>(node.after);
         continue;
       }
       for (std::int32_t i = node.begin; i < node.end; ++i)
-        if (!all_[i].box.apart(a) && test(all_[i])) return true;
+        if (test(i)) return true;
       ++n;
     }
     return false;
+  }
+  /// Whether some box has a place in common with `a` and passes the test; stops at the first.
+  template <class Test>
+  [[nodiscard]] bool any(const Box& a, Test test) const {
+    return any_place([&](const Box& around) { return around.apart(a); },
+                     [&](std::int32_t i) { return !all_[i].box.apart(a) && test(all_[i]); });
   }
   /// Whether some box of this tree has a place in common with one of another and both pass the test; stops at the
   /// first.
@@ -101,7 +112,7 @@ class BoxTree {
   };
 
   /// Nodes stand before those below them.
-  void make(std::int32_t begin, std::int32_t end, std::int32_t parent);
+  void make(std::int32_t begin, std::int32_t end, std::int32_t parent, const Job* job);
   [[nodiscard]] Box around(std::int32_t node) const;
 
   std::vector<NumberedBox> all_;
