@@ -1,5 +1,5 @@
 // Welds vertices on borders within a distance.
-#include "surface/hash_grid.h"
+#include "isimp/mesh/hash_grid.h"
 #include "surface/soup.h"
 
 namespace isimp::detail {
@@ -20,11 +20,11 @@ std::vector<std::int32_t> border_vertices(const Soup& soup, const EdgeGroups& ed
 }
 
 bool weld(Soup& soup, const std::vector<std::int32_t>& border, double tolerance, Job& job) {
-  HashGrid grid(soup.vertices, border.size(), tolerance);
+  HashGrid grid(border.size(), tolerance);
   std::vector<std::int32_t> stands_for;  // (V) filled once the first pair is found
   for (std::size_t i = 0; i < border.size(); ++i) {
     if (i % kPollEvery == 0) job.poll();
-    const std::int32_t v = border[i], other = grid.find_or_keep(soup.vertices[v], v);
+    const std::int32_t v = border[i], other = grid.find_or_keep(soup.vertices, soup.vertices[v], v);
     if (other == kNone) continue;
     if (stands_for.empty()) {
       stands_for.resize(soup.vertices.size());

@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "files/formats.h"
+#include "isimp/mesh/hash_grid.h"
 #include "surface/edge_groups.h"
-#include "surface/hash_grid.h"
 
 namespace isimp::detail {
 namespace {
@@ -17,13 +17,13 @@ constexpr std::size_t kHead = 84, kFacet = 50;  // bytes of a binary file: 80 of
 class FacetBuilder {
  public:
   FacetBuilder(const FileText& file, std::size_t facets, const Threads& threads)
-      : soup_(file, threads), grid_(soup_.vertices(), facets / 2 + 1, 0.0) {
+      : soup_(file, threads), grid_(facets / 2 + 1, 0.0) {
     soup_.reserve(facets / 2, facets);
   }
   void begin_facet() { soup_.begin_polygon(); }
   void add_corner(const Vec3& place) {
     const auto fresh = static_cast<std::int32_t>(soup_.vertices().size());
-    const std::int32_t v = grid_.find_or_keep(place, fresh);
+    const std::int32_t v = grid_.find_or_keep(soup_.vertices(), place, fresh);
     if (v == kNone) soup_.add_vertex(place);
     soup_.add_corner(v == kNone ? fresh : v);
   }
