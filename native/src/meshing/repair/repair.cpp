@@ -57,7 +57,7 @@ class Repairer {
       s_.take_stale();
       take_back_joins(joins);
       outcome_.joined = static_cast<std::int32_t>(joins.size());
-      mend(kRounds);
+      mend();
     }
     join_again();
     improve_places(s_, defects_, job_);
@@ -86,7 +86,7 @@ class Repairer {
   void take_back_joins(std::vector<Join>& joins) {
     if (joins.empty()) return;
     may_split_ = false;
-    mend(kRounds);
+    mend();
     may_split_ = true;
     while (true) {
       std::vector<bool> defective = defects_.defective(kCrossing | kFlipped | kNoArea);
@@ -109,7 +109,7 @@ class Repairer {
       const std::int32_t before = s_.polygons.count();
       coarsen(s_, defects_, usual_, job_);
       std::fill(tries_.begin(), tries_.end(), 0);
-      mend(kRounds);
+      mend();
       const std::int32_t now = s_.polygons.count();
       // Mending may have made more of them than joining took back; that is joined again.
       if (now < kManyMore * s_.regions || (now > kWorthwhile * before && now <= before)) return;
@@ -117,8 +117,8 @@ class Repairer {
   }
 
   /// Acts and looks again, until nothing is defective, nothing helps or the rounds are over.
-  void mend(int rounds) {
-    for (int round = 0; round < rounds; ++round, ++outcome_.rounds) {
+  void mend() {
+    for (int round = 0; round < kRounds; ++round, ++outcome_.rounds) {
       job_.report(std::min(0.95, round / 20.0));
       if (!act()) break;
       bring_up_to_date();
@@ -174,7 +174,7 @@ class Repairer {
       bring_up_to_date();
       judge(all_charts());
       std::fill(tries_.begin(), tries_.end(), 0);
-      mend(kRounds);
+      mend();
       fall_back();
     }
   }
