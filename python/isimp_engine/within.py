@@ -23,6 +23,7 @@ from ._core import (
     polygonize,
 )
 from .guided import Guides, Part, partition_guided
+from .recipe import COUNTS
 
 SLACK = 1.5  #: the polygons may be this many times further from the scan than its regions' planes
 _NEAR = 0.97  #: share of the wanted triangles from which the search ends
@@ -69,8 +70,7 @@ class Made:
 
     def within_bound(self, mesh: Mesh, bound: float, job: Job | None) -> Partition:
         """The partition with a bound, in place of another way to choose the number of regions."""
-        counts = dict.fromkeys(("proxies", "triangles", "detail", "tolerance"))
-        return self._with(mesh, job, self.options.as_dict() | counts | {"bound": bound})
+        return self._with(mesh, job, self.options.as_dict() | dict.fromkeys(COUNTS) | {"bound": bound})
 
     def with_count(self, mesh: Mesh, proxies: int, job: Job | None) -> Partition:
         """The partition with another number of regions, in place of one that a number of triangles gives."""

@@ -7,12 +7,11 @@ from itertools import pairwise
 from pathlib import Path
 
 from .. import TextureOptions, exporting
+from ..recipes import COUNTS
 from . import texturing
 from .errors import UsageError
 from .files import STDOUT
 from .settings import Simplification
-
-_COUNTS = ("proxies", "triangles", "detail", "tolerance", "bound")
 
 
 def counts(text: str) -> list[int]:
@@ -29,7 +28,7 @@ def counts(text: str) -> list[int]:
 
 def check(arguments: argparse.Namespace) -> None:
     """Refuse arguments that contradict levels."""
-    given = [flag for flag in _COUNTS if getattr(arguments, flag) is not None]
+    given = [flag for flag in COUNTS if getattr(arguments, flag) is not None]
     if given:
         raise UsageError(f"--lods sets the number of regions of each level: leave out --{given[0]}")
 
@@ -43,7 +42,7 @@ def levels(task: Simplification) -> list[Simplification]:
 
 def _level(task: Simplification, number: int, regions: int) -> Simplification:
     partition = copy.copy(task.settings.partition)
-    for name in _COUNTS:  # the counts of the recipe
+    for name in COUNTS:  # the counts of the recipe
         setattr(partition, name, None)
     partition.proxies = regions
     return replace(

@@ -14,7 +14,7 @@ from .errors import UsageError
 from .settings import GuideFiles, Settings, Texturing
 
 Options = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions] | type[RegulariseOptions]
-_COUNTS = ("proxies", "triangles", "detail", "tolerance", "bound")  # at most one of them
+_COUNTS = tuple(recipes.COUNTS)  # at most one of them
 # Flags whose length may be left out, and the value of the flag alone.
 _BARE: dict[str, float | None] = {"sharp_edges": 0.0, "stitch": None, "straight_rims": None}
 _SHARED = ("threads",)  # one flag for all steps
