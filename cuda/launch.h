@@ -8,7 +8,7 @@ namespace isimp::parallel {
 inline constexpr std::int64_t kThreadsOfBlock = 256;
 inline constexpr std::int64_t kMostOfLaunch = ((std::int64_t{1} << 31) - 1) * kThreadsOfBlock;
 
-/// Blocks of threads of a launch for so many numbers, at most kMostOfLaunch.
+/// Blocks of threads of a launch for `count` numbers, at most kMostOfLaunch.
 constexpr std::int64_t blocks_for(std::int64_t count) { return (count + kThreadsOfBlock - 1) / kThreadsOfBlock; }
 
 }  // namespace isimp::parallel

@@ -39,7 +39,7 @@ struct Mates {
   }
 };
 
-/// The grid of a patch, which goes on beyond the patch.
+/// The grid of a patch, which continues beyond the patch.
 class CellGrid {
  public:
   /// \param proxy  with segments and rings; must outlive this

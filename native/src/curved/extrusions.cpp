@@ -138,7 +138,7 @@ class Extrusions {
     return now;
   }
 
-  /// Adds free points beside those of an extrusion that are on it.
+  /// Adds free points that are on an extrusion and next to its points.
   void take_in(Found& f) const {
     std::vector<bool> is_in(p_.area.size(), false);
     for (const std::int32_t i : f.points) is_in[i] = true;

@@ -26,7 +26,7 @@ constexpr std::size_t kSampled = 256;  ///< about as many faces of a part are co
 constexpr double kFragment = 0.0015;   ///< share of the whole area
 constexpr double kSpeck = 0.02;        ///< share of a small part's area: a label's only part below it is removed too
 
-/// Normals of faces after kFilters averages with neighbours. Only those that are asked for are computed, since labels
+/// Normals of faces after kFilters averages with neighbours. Only requested ones are computed, since labels
 /// change at borders alone.
 class FilteredNormals {
  public:

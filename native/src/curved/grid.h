@@ -57,8 +57,8 @@ class Cuts {
   Cuts(Cuts&&) noexcept;
   ~Cuts();
 
-  /// For each number of segments the best rings along the profile within a number of cells: dynamic programming over
-  /// bins of the profile, VSA in one dimension, by squared distances in both directions.
+  /// Finds the best rings along the profile for each number of segments, within a number of cells: dynamic programming
+  /// over bins of the profile, VSA in one dimension, by squared distances in both directions.
   /// \param cells  the number of cells; a cut may have 3 % more
   /// \param rough  root mean square distance of the faces from the surface: no chord error is below it
   /// \return the grids that fit, by rising number of segments

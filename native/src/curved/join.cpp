@@ -62,8 +62,8 @@ class Joiner {
     return std::abs(r.distance) < kFurther * near_.distance && r.normal.dot(p_.normal[i]) > std::cos(turn);
   }
 
-  /// Those of some points that a surface explains. A long region along a parallel has its centre inside the surface, and
-  /// the profile would end there.
+  /// The points, of some, that a surface explains. A long region along a parallel has its centre inside the surface,
+  /// and the profile would end there.
   [[nodiscard]] Samples explained_samples(const CurvedSurface& s, Some some) const {
     const Locator on(s);
     std::erase_if(some, [&](std::int32_t i) { return !is_explained(on, i, kTurnsMore * near_.turn); });
@@ -129,7 +129,7 @@ class Joiner {
       f.area = p_.area_of(f.points);
       const Samples s = explained_samples(f.surface, f.points);
       if (f.surface.closed && turn_share(f.surface, s) < kAllRound)
-        continue;  // its pipes tell the axis of a bend better
+        continue;  // its pipes fix the axis of a bend better
       const auto again = fit(f.surface.kind, s);
       const double before = rms(f.surface, s);
       if (!again || rms(*again, s) >= 1.025 * before) continue;

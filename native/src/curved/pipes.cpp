@@ -106,7 +106,7 @@ class Pipes {
     return sum;
   }
 
-  /// Makes the axis of a bend square to those of its pipes, which are longer.
+  /// Makes the axis of a bend square to the axes of its pipes, which are longer.
   void square_to_pipes(const Run& run) {
     if (run.pipes.size() < 2) return;
     CurvedProxy& bend = s_.patches[run.bend].proxy;

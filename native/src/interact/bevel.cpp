@@ -17,7 +17,7 @@ constexpr double kLeastDepth = 2.0;
 constexpr double kMostWorse = 0.2;  // cost of the outline of a corner, as a share of a region's mean error
 constexpr std::size_t kCorner = 3;  // regions that meet in one
 
-/// The faces at the vertex between edges k and k + 1 of a face, itself first; on a border only the faces to one side.
+/// The faces at the vertex between edges k and k + 1 of a face, the face first; on a border only the faces to one side.
 std::vector<std::int32_t> fan_of(const FaceGraph& graph, std::int32_t face, int k) {
   std::vector<std::int32_t> fan{face};
   std::int32_t before = face, at = graph.neighbours[face][k];

@@ -45,7 +45,7 @@ double gain_of_split(Edit& edit, std::int32_t region) {
 /// Finds the region whose split lowers the error most.
 class Splits {
  public:
-  /// \return the region; where no split lowers the error the one with most faces; kNone if none can be split
+  /// \return the region; the one with the most faces if no split lowers the error; kNone if none can be split
   std::int32_t best(Edit& edit, Job& job) {
     std::vector<std::int32_t> order;  // by error, since no split gains more
     for (std::int32_t r = 0; r < edit.result.region_count(); ++r)

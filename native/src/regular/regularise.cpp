@@ -236,7 +236,7 @@ class Regulariser {
     return planes;
   }
 
-  /// \param all  the regions set by hand among them lead
+  /// \param all  regions; any of them set by hand lead
   void snap_upright(Some& left, const Some& all) {
     Some upright, rest;
     for (const std::int32_t r : left) {

@@ -39,7 +39,7 @@ class RoundAxes {
 
   /// The sum of area times squared distance of the cells of a group from their first planes.
   [[nodiscard]] double before(std::size_t group) const;
-  /// What the moves of a group add to this sum.
+  /// The increase of this sum by the moves of a group.
   [[nodiscard]] double added(std::size_t group) const;
   /// The planes of all cells that were moved.
   [[nodiscard]] std::vector<CellPlane> cells() const;

@@ -120,7 +120,7 @@ class Splitter {
   }
 
   /// The next cut of a path through a region, as a half-edge in the direction of the path.
-  /// Pre: the path goes on at the end of `h`.
+  /// Pre: the path continues at the end of `h`.
   [[nodiscard]] std::int32_t next_cut(std::int32_t h, std::int32_t region) const {
     for (std::int32_t out = turned(mesh_.opposite(h)); out != mesh_.opposite(h); out = turned(out))
       if (is_cut_[out] != 0 && label_[Mesh::face(out)] == region && label_[Mesh::face(mesh_.opposite(out))] == region)

@@ -265,7 +265,7 @@ Guides guides_of_part(const Guides& whole, const Mesh& part, std::span<const std
   return guides;
 }
 
-/// No component is left out. Locked regions count in the requested number, except those that are left out.
+/// No component is left out. Locked regions count in the requested number, unless they are left out.
 PartitionOptions options_of_part(PartitionOptions options, const Constraints& constraints) {
   options.leave_out = 0.0;
   if (constraints.faces || !options.proxies) return options;

@@ -72,7 +72,7 @@ struct Room {
   double used = 1;  ///< the share of the rows that `pack` uses
 };
 
-/// The largest scale at which all charts fit into the room, and their places. Nothing if they do not fit at any scale.
+/// The largest scale at which all charts fit into the room, and their places. Empty if they do not fit at any scale.
 std::optional<Packing> pack(const Layout& layout, const Room& room, Job& job);
 
 /// An outline that takes room already, texels, and its tile.

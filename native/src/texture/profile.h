@@ -19,7 +19,7 @@ struct Profile {
   [[nodiscard]] std::int32_t width() const { return static_cast<std::int32_t>(low.size()); }
 };
 
-/// An empty profile of so many columns and rows.
+/// An empty profile of `width` columns and `height` rows.
 Profile empty_profile(std::int32_t width, std::int32_t height);
 
 /// Adds the extent of an edge in every column that it crosses, `grow` cells more on each side.

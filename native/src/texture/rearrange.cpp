@@ -131,7 +131,7 @@ class Rearranger {
     find_kept(moved);
   }
 
-  /// Nothing if none is kept, or if the others do not fit between them.
+  /// Empty if none is kept, or if the others do not fit between them.
   std::optional<Atlas> run(const Room& room, double unfold_angle, double low, Job& job) {
     keep_low(low);
     if (free_.size() == kept_.size()) return std::nullopt;

@@ -23,7 +23,7 @@ class Sampler {
   [[nodiscard]] Rgba operator()(std::int32_t face, float b, float c) const;
   /// Bilinear in a picture, at x pixels from its left and y from its upper edge, minus a half.
   [[nodiscard]] Rgba at_pixel(std::int32_t image, float x, float y) const;
-  /// The pixels at the corners of a face, for `at_pixel`. Nothing if it shows no picture, or repeats it.
+  /// The pixels at the corners of a face, for `at_pixel`. Empty if it shows no picture, or repeats it.
   [[nodiscard]] std::optional<std::array<Eigen::Vector2f, 3>> corner_pixels(std::int32_t face) const;
   [[nodiscard]] std::int32_t image(std::int32_t face) const { return look_.image[face]; }
   /// The mean over the surface: for places without a known colour.

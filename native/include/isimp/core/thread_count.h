@@ -16,8 +16,8 @@ inline std::int32_t thread_count(std::int32_t asked) {
   return asked > 0 ? std::min(asked, std::max(cores, kMostThreads)) : cores;
 }
 
-/// thread_count(asked), or fewer where the system refuses so many now. The first call in each thread starts that many
-/// threads to find out. Libraries that end the process when a thread can't be started, such as OpenMP, need it.
+/// thread_count(asked), or fewer where the system refuses that number now. The first call in each thread starts that
+/// many threads to find out. Libraries that end the process when a thread can't be started, such as OpenMP, need it.
 std::int32_t startable_threads(std::int32_t asked);
 
 }  // namespace isimp

@@ -57,7 +57,7 @@ class Threads {
     return std::clamp(n / least, 1, count_);
   }
 
-  /// Calls body(piece, begin, end) for each of so many pieces of [0, n), the first one on the caller's thread. Throws
+  /// Calls body(piece, begin, end) for each of `pieces` pieces of [0, n), the first one on the caller's thread. Throws
   /// the first exception of a piece.
   template <class Body>
   void run(std::int32_t n, std::int32_t pieces, Body body) const {

@@ -32,7 +32,7 @@ class UndoForest {
   }
   /// How many joins there are, for `undo`.
   [[nodiscard]] std::size_t joins() const { return joined_.size(); }
-  /// Undoes the last joins until so many are left.
+  /// Undoes the last joins until `left` of them remain.
   void undo(std::size_t left) {
     for (; joined_.size() > left; joined_.pop_back()) {
       const std::int32_t b = joined_.back();

@@ -50,9 +50,9 @@ class Flooder {
   /// Source: the thesis's queued flooding.
   /// \return the steps
   virtual std::int32_t queued(const Proxies& proxies, std::int32_t threads, Job& job) = 0;
-  /// Gives every face the best of the `nearest` regions whose centres are nearest to its own, connected or not.
+  /// Labels every face by the best of the `nearest` regions whose centres are nearest to its own, connected or not.
   /// \param nearest  in [1, kMostNearest]
-  /// \param brute  compares all regions in place of those in a grid; the same result
+  /// \param brute  compares all regions in place of the regions in a grid; the same result
   /// Cost: about O(N nearest); by brute force O(N R).
   /// Source: the thesis's naive one
   virtual void naive(const Proxies& proxies, std::int32_t nearest, bool brute, std::int32_t threads, Job& job) = 0;

@@ -52,7 +52,7 @@ OpeningLengths opening_lengths(const Mesh& mesh, std::int32_t regions, Job& job)
 /// Cost: O(V + F).
 GuessedLengths guess_opening_lengths(const Mesh& mesh, const PartitionOptions& options, Job& job);
 
-/// Takes the weight from patches that closed an opening, so that no region is drawn for a surface that was not scanned.
+/// Removes the weight of patches that closed an opening, so that no region is drawn for a surface that was not scanned.
 /// Their faces join the adjacent regions.
 ///
 /// A patch larger than two regions of mean size or a hundredth of the surface keeps its weight: it is the bottom of a

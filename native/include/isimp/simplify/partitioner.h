@@ -108,7 +108,7 @@ class Partitioner {
   std::unique_ptr<Thesis> thesis_;
 };
 
-/// The number of regions whose polygons make about so many triangles, on a mesh of so many faces.
+/// The number of regions whose polygons make about `triangles` triangles, on a mesh of `faces` faces.
 std::int32_t proxies_for(std::int32_t triangles, std::int32_t faces);
 
 /// One partition of a surface, with nothing kept: as Partitioner::run, with the guides in the surface.

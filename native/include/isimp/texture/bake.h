@@ -44,7 +44,7 @@ struct MaterialLayers {
 struct Texture {
   std::int32_t side = 0, height = 0;        ///< texels of a row, and rows of all tiles together: n = side * height
   Array<std::uint8_t> color;                ///< (4 n) RGBA
-  Array<std::uint8_t> normal;               ///< (3 n) tangent-space normals, green up; empty if not asked for
+  Array<std::uint8_t> normal;               ///< (3 n) tangent-space normals, green up; empty if not requested
   std::vector<Array<std::uint8_t>> layers;  ///< (4 n) each, one for each of the images of MaterialLayers
   std::vector<PolygonTexels> texels;        ///< (Q)
   std::vector<std::int32_t> same;           ///< (Q) the earlier polygon whose texels were copied; kNone: baked

@@ -32,7 +32,7 @@ struct EarlierBake {
   const PolygonMesh& polygons;
   const Atlas& atlas;
   std::span<const std::uint8_t> color;                ///< as of Texture
-  std::span<const std::uint8_t> normal;               ///< the same; empty: none was asked for
+  std::span<const std::uint8_t> normal;               ///< the same; empty: none was requested
   std::vector<std::span<const std::uint8_t>> layers;  ///< the same
   std::span<const PolygonTexels> texels;              ///< (earlier Q)
 };

@@ -72,7 +72,7 @@ struct EarlierAtlas {
 /// free. The same happens, without these rows, if the earlier atlas has another side, gutter or number of tiles than
 /// requested. `Atlas::kept` counts the polygons that keep their place.
 ///
-/// \throws InvalidInput  so many charts do not fit into the size; the message names a size that fits
+/// \throws InvalidInput  the charts do not fit into the size; the message names a size that fits
 /// \throws Cancelled     nothing was made
 /// Cost: 0.1 s for 1,000 polygons.
 Atlas unwrap(const PolygonMesh& polygons, const AtlasOptions& options, Job& job, const EarlierAtlas* earlier = nullptr);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kPasses = 8;
 constexpr double kOffPlane = 0.1;    // deviation of a flat hole's border from its plane, share of sqrt(its area)
-constexpr double kFlatCosine = 0.9;  // of the angle between that plane and the faces beside the hole
+constexpr double kFlatCosine = 0.9;  // the same for the angle between that plane and the faces around the hole
 constexpr double kAlike = 0.7;       // length of the mean of their normals
 
 double area(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).cross(c - a).norm(); }
@@ -37,7 +37,7 @@ struct VertexComponents {
   }
 };
 
-/// Whether a hole is in one plane with the faces beside it: a gap in a wall, and no end of a tube and no outer rim.
+/// Whether a hole is in one plane with the faces around it: a gap in a wall, and no end of a tube and no outer rim.
 /// \param border  half-edges of the border in order
 bool is_flat(const MeshArrays& arrays, const std::vector<std::int32_t>& border) {
   const auto point = [&](std::int32_t h, std::int32_t k) -> const Vec3& {

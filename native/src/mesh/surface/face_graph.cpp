@@ -74,7 +74,7 @@ std::array<std::uint32_t, (1 << kBits) + 1> sort_by_bits(std::span<const std::ui
   return begin;
 }
 
-/// Sorts by the first digit, the keys in pieces, one a thread.
+/// Sorts keys by the first digit, in pieces, one a thread.
 std::vector<std::uint32_t> sort_by_first_digit(std::span<const std::uint64_t> keys, std::uint64_t* sorted,
                                                const Threads& threads, Job& job) {
   constexpr int kShift = kFaceBits + 3 * kAxisBits - kDigitBits;

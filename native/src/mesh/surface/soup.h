@@ -40,7 +40,7 @@ class RepairLog {
   /// \param before  earlier repairs; empty: none
   explicit RepairLog(const RepairReport& before);
   void add(RepairKind what, std::int32_t where);
-  /// What another log has of faces that were reversed, and edges that were cut and split.
+  /// Adds another log's reversed faces, and edges that were cut and split.
   /// \param face  the caller's face of each of its faces
   void add_orientation(const RepairLog& other, const std::vector<std::int32_t>& face);
   [[nodiscard]] std::int64_t count(RepairKind what) const { return repairs_[static_cast<std::size_t>(what)].count; }

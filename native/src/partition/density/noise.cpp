@@ -23,7 +23,7 @@ constexpr double kOfCell = 0.12;         // share of the cell of a grid that is 
 // The second application of the operator to white noise leaves 1.26 times as much as the first. Where it leaves less,
 // the mesh is a coarse one of a curved shape; where more, of a shape with creases between flat parts.
 constexpr double kShape = 0.85, kNoise = 1.0, kNoiseToo = 1.6, kShapeToo = 2.0;  // twice over once
-// Noise is the same at long edges and at short ones; what a shape leaves grows with them.
+// Noise is the same at long edges and at short ones; the remainder of a shape grows with them.
 constexpr double kSpread = 2.0;                 // least ratio of the edges of the outer quarters that shows it
 constexpr double kSteady = 0.5, kGrows = 0.75;  // power of the edges' length
 constexpr double kFelt = 0.06, kStrong = 0.1;   // shares of an edge's length: from here on it matters, and fully

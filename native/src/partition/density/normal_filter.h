@@ -16,7 +16,7 @@ double median_bend(const FaceGraph& graph);
 /// The faces with their normals averaged over neighbours whose normals are alike, which removes noise and keeps
 /// creases.
 ///
-/// Each pass adds to a face's normal those of its neighbours, weighted by area and by exp(-|n - n'|^2 / (2 range^2)).
+/// Each pass adds to a face's normal its neighbours' normals, weighted by area and by exp(-|n - n'|^2 / (2 range^2)).
 /// \param range   difference of normals beyond which two faces do not mix; filter_range(median_bend(graph)) fits most.
 ///                A range under strong noise, which spans creases too, falls to that of the normals after half of the
 ///                passes

@@ -101,9 +101,9 @@ struct Lists {
   std::vector<std::int32_t> head, next;
 };
 
-/// For each node the lower one of the pair that it is in: two nodes that are each other's cheapest partner, at no more
-/// than the limit. kAlone if it is in no pair. Without branches, like the code below, since pairs leave no pattern to
-/// predict.
+/// Returns the lower node of the pair that each node is in, kAlone if it is in none. A pair is two nodes that are each
+/// other's cheapest partner, at no more than the limit. The code here and below has no branches, since no processor
+/// predicts pairs.
 std::vector<std::int32_t> pair_up(const Best& best, float limit, const Threads& threads) {
   const auto n = static_cast<std::int32_t>(best.partner.size());
   std::vector<std::int32_t> leader(static_cast<std::size_t>(n));

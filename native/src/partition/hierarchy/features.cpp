@@ -7,7 +7,7 @@
 namespace isimp {
 namespace {
 
-constexpr double kSteep = 0.3;    // cosine of the angle to what a part stands on
+constexpr double kSteep = 0.3;    // cosine of the angle to the surface that a part stands on
 constexpr double kFeature = 2.0;  // least cost of such a part, in limits
 
 std::vector<std::int32_t> cut_at(const MergeTree& tree, double cost) {

@@ -43,7 +43,7 @@ struct HierarchyOptions {
   /// Nodes of a level from which no coarser one is made: 0 for a hierarchy that is kept for any smaller number of
   /// regions, nodes_for(proxies) for one that is not.
   std::int64_t coarsest = 0;
-  /// (n + 1) Records used in place of those of the surface's graph, such as filtered ones; empty: those of the graph.
+  /// (n + 1) Records in place of the records of the surface's graph, such as filtered ones; empty: the graph's own.
   std::span<const FaceRecord> faces = {};
   double most = std::numeric_limits<double>::infinity();  ///< no merge of a level adds more to the error
 };
@@ -54,7 +54,7 @@ struct HierarchyOptions {
 /// Source: the merging follows reciprocal nearest neighbours, Murtagh 1983, with the error of L2,1.
 Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job, const HierarchyOptions& options = {});
 
-/// The least number of nodes of a level to merge so many regions from, one pair at a time.
+/// The least number of nodes of a level from which `regions` regions are merged one pair at a time.
 inline std::int64_t nodes_for(std::int32_t regions) { return (std::int64_t{12} * regions + 4) / 5; }
 
 }  // namespace isimp

@@ -32,7 +32,7 @@ std::vector<std::int32_t> needs(const Components& components) {
   return need;
 }
 
-/// The sums of nodes in the form for greedy merging; those of components left out are empty.
+/// The sums of nodes in the form for greedy merging; empty where a component is left out.
 std::vector<RegionSum> sums_of(const MergeGraph& graph, const Components& components) {
   std::vector<RegionSum> sums(static_cast<std::size_t>(graph.size()));
   for (std::int32_t u = 0; u < graph.size(); ++u) {
