@@ -42,7 +42,7 @@ class Corners {
 };
 
 /// Removes regions whose faces, one by one, fit between the planes of their neighbours; smallest first.
-/// \param need  (C) the least number of regions of each component.
+/// \param need       (C) the least number of regions of each component.
 /// \param component  (R) component of each region
 /// \return whether any was removed; labels and sums are renumbered then
 bool dissolve(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,

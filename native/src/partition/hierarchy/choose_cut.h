@@ -35,11 +35,11 @@ struct Cut {
 /// regions to P - 1, (P / 2) ln(C_P / C_(P+1)) is then exponentially distributed with mean 1. Gaps that reach into [t,
 /// 4 t], where the ratio is above 2 and that value above ln(W + 1) + 4, with W merges inside, are significant; the
 /// widest that `fits` is taken and cut in its geometric middle. Under noise the window begins at kLeastNoise.
-/// \param falling  the costs, largest first, scene units squared; 20,000 of them are enough
-/// \param components    number of clusters that remain when everything is merged
-/// \param rounding costs below this are none
-/// \param finest   the costs are complete for tolerances from this up, scene units; no finer one is used
-/// \param fits     whether a cost in a gap may be taken; empty: each may
+/// \param falling     the costs, largest first, scene units squared; 20,000 of them are enough
+/// \param components  number of clusters that remain when everything is merged
+/// \param rounding    costs below this are none
+/// \param finest      the costs are complete for tolerances from this up, scene units; no finer one is used
+/// \param fits        whether a cost in a gap may be taken; empty: each may
 Cut choose_cut(std::span<const double> falling, std::int32_t components, double rounding, double tolerance,
                double finest, double noise, bool snap, const std::function<bool(double)>& fits = {});
 

@@ -16,7 +16,7 @@ namespace isimp {
 /// Moves that leave local minima: a region that is worth little moves to a place where it is worth much.
 class Teleport {
  public:
-  /// \param component        (R) component of each region; empty if there is one
+  /// \param component   (R) component of each region; empty if there is one
   /// \param relaxation  over the same regions; its pushed faces must include all border faces
   Teleport(const FaceGraph& graph, const Components& components, Regions& regions, std::vector<std::int32_t> component,
            Relaxation<GraphLabels>& relaxation);
