@@ -179,7 +179,7 @@ def test_the_opening_under_the_mouse():
     assert openings.lines(some).shape == (48, 3)
     assert np.allclose(openings.lines(some[:1], (-0.5, 0, 0))[0], [0.05, 0, 0])
     assert openings.lines([]).shape == (0, 3)
-    assert openings.told(some[0], "3 cm") == "Hole, 3 cm round · closed · click: keep it open"
+    assert openings.told(some[0], "3 cm") == "Hole, 3 cm around · closed · click: keep it open"
     assert "close it" in openings.told(some[1], "3 cm")
 
 
