@@ -282,14 +282,15 @@ std::vector<std::int32_t> Complex::make_regular() {
 
 /// Some charts and all charts that have a corner in common with one of them, in rising order.
 std::vector<std::int32_t> Complex::with_neighbours(std::span<const std::int32_t> charts) const {
-  std::vector<bool> near(labels_.charts.size(), false);
+  std::vector<std::int32_t> near;
   for (const std::int32_t l : charts)
     for (const std::int32_t h : chords_[l])
-      for_each_leaving(mesh_, mesh_.from(h), [&](std::int32_t g) { near[labels_.label[g / 3]] = true; });
-  std::vector<std::int32_t> result;
-  for (std::int32_t l = 0; l < labels_.chart_count(); ++l)
-    if (near[l]) result.push_back(l);
-  return result;
+      for_each_leaving(mesh_, mesh_.from(h), [&](std::int32_t g) {
+        const std::int32_t k = labels_.label[g / 3];
+        if (near.empty() || near.back() != k) near.push_back(k);
+      });
+  sort_unique(near);
+  return near;
 }
 
 bool Complex::add_third_corners() {

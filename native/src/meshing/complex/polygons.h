@@ -54,9 +54,10 @@ class Polygons {
   [[nodiscard]] std::span<const std::int32_t> of(std::int32_t q) const {
     return {corners_.data() + loops_[q].begin, static_cast<std::size_t>(loops_[q].size)};
   }
+  [[nodiscard]] bool in_transaction() const { return loops_.in_transaction(); }
   /// Whether a polygon uses a corner; within a transaction: whether one did as it began.
   [[nodiscard]] bool was_used(std::int32_t c) const {
-    return c < static_cast<std::int32_t>(around_.size()) && !around_.before(c).empty();
+    return c < static_cast<std::int32_t>(around_.size_before()) && !around_.before(c).empty();
   }
   /// The polygons at a corner, in the order of their charts.
   [[nodiscard]] std::span<const std::int32_t> at(std::int32_t c) const { return around_[c]; }

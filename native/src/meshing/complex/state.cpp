@@ -360,21 +360,24 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
   changed.insert(changed.end(), cornered.begin(), cornered.end());
   changed.insert(changed.end(), united_.begin(), united_.end());
   united_.clear();
-  std::vector<bool> keeps(in_place ? corners.count() : 0);
-  for (std::size_t c = 0; c < keeps.size(); ++c) keeps[c] = polygons.was_used(static_cast<std::int32_t>(c));
+  std::vector<bool> used;  // by corner, before the polygons change; a transaction keeps it
+  if (in_place && !polygons.in_transaction())
+    for (std::int32_t c = 0; c < corners.count(); ++c) used.push_back(polygons.was_used(c));
   collect(changed);
   sort_unique(changed);
-  keeps.resize(corners.count(), false);
-  for (const std::int32_t c : at_home_) keeps[c] = true;
-
+  sort_unique(at_home_);
+  const auto keeps = [&](std::int32_t c) {
+    const bool was_used = polygons.in_transaction() ? polygons.was_used(c) : c < std::ssize(used) && used[c];
+    return (in_place && was_used) || std::binary_search(at_home_.begin(), at_home_.end(), c);
+  };
   std::vector<std::int32_t> moving = polygons.corners_of(changed);
   limit(moving);
   stale_.resize(corners.count());
   for (const std::int32_t c : moving) mark_stale(c);
   const std::vector<std::int32_t> moved = moving;
-  std::erase_if(moving, [&](std::int32_t c) { return keeps[c]; });
+  std::erase_if(moving, keeps);
   for (const std::int32_t c : moved)
-    if (keeps[c]) corners_.position.restore(c);
+    if (keeps(c)) corners_.position.restore(c);
   for (const std::int32_t c : std::exchange(at_home_, {})) move(c, mesh.vertices()[corners.vertex[c]]);
   job_.poll();
   placed_ += static_cast<std::int64_t>(moving.size());

@@ -84,6 +84,8 @@ class Logged {
 
   [[nodiscard]] bool in_transaction() const { return is_open_; }
 
+  /// The number of places at the start of the transaction, or now if there is none.
+  [[nodiscard]] std::size_t size_before() const { return is_open_ ? size_ : now_.size(); }
   // Within a transaction:
   /// The value of a place at the start of the transaction.
   [[nodiscard]] const T& before(std::size_t i) const { return is_kept(i) ? kept_[place_[i]].value : now_[i]; }
