@@ -10,31 +10,28 @@
 
 namespace isimp::meshing {
 
-/// Whether the corners of changed polygons keep their places, or are placed again if the change fails otherwise: a polygon
-/// that two halves make may be too bent at their corners' places, and flat at others.
-enum class Places { kept, better };
+/// Whether the corners of changed polygons keep their places or are placed again: a polygon that two halves make may be
+/// too bent at their corners' places, and flat at others.
+enum class Places { kept, fresh };
 
 /// Tries a change of labels, corners or diagonals. The change stays if no polygon has a new defect or a new intersection
 /// by it, else it is undone. `Defects::renew_hits` must follow the last trial.
 /// \param charts  charts that vanish by the change or get other diagonals
 /// \param whole  a chart that must have no defect afterwards, kNone for none
-/// \param change  makes the change, and once more for better places; returns false if it cannot be made
+/// \param change  makes the change; returns false if it cannot be made
 /// \return whether the change stays
-/// Cost: `State::update_in_place` and `Defects::accepts` of the changed polygons; for better places once more.
+/// Cost: `State::update_in_place` or `update`, and `Defects::accepts` of the changed polygons.
 template <class Change>
 bool attempt(State& state, Defects& defects, const std::vector<std::int32_t>& charts, std::int32_t whole, Change change,
              Places places = Places::kept) {
-  const auto stays = [&](bool in_place) {
-    Transaction transaction(state);
-    if (!change()) return false;
-    std::vector<std::int32_t> near = in_place ? state.update_in_place(charts) : state.update(charts);
-    near.insert(near.end(), charts.begin(), charts.end());
-    sort_unique(near);
-    if (!defects.accepts(near, whole)) return false;
-    transaction.commit();
-    return true;
-  };
-  return stays(true) || (places == Places::better && stays(false));
+  Transaction transaction(state);
+  if (!change()) return false;
+  std::vector<std::int32_t> near = places == Places::kept ? state.update_in_place(charts) : state.update(charts);
+  near.insert(near.end(), charts.begin(), charts.end());
+  sort_unique(near);
+  if (!defects.accepts(near, whole)) return false;
+  transaction.commit();
+  return true;
 }
 
 }  // namespace isimp::meshing
