@@ -66,7 +66,7 @@ Vec3 up_of(const Group& group, const Partition& partition) {
   return up.norm() > 0 ? up.normalized() : Vec3(Vec3::UnitZ());
 }
 
-/// The corners; bit k of a number says whether a corner is at the far end along axis k.
+/// The corners; bit k of a number is set if the corner is at the far end along axis k.
 std::array<Vec3, 8> corners_of(const Group& group, const Vec3& up, const Mesh& mesh) {
   Eigen::Matrix3d axes;  // in rows
   axes.row(0) = up.unitOrthogonal().transpose();

@@ -60,7 +60,7 @@ Plane without(const Plane& chart, const Plane& part);
 
 /// The shortest step from a point to where planes meet, in the directions that they fix.
 /// \param fixed  share of the largest eigenvalue of the normals, below which a direction is not fixed
-/// \param free   projects to the directions in which the point may move; those that the planes fix are removed
+/// \param free   projects to the directions in which the point may move; fixed directions are removed
 Vec3 step_onto(std::span<const Plane* const> planes, double fixed, const Vec3& from, Eigen::Matrix3d& free);
 
 }  // namespace isimp::meshing

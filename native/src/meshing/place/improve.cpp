@@ -7,7 +7,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr double kLeast = 3e-3;  ///< of the size of a chart: a shorter way is not worth a test
+constexpr double kLeast = 3e-3;  ///< share of the size of a chart: a shorter way is not worth a test
 
 }  // namespace
 

@@ -51,7 +51,7 @@ class Keeper {
     return regions;
   }
 
-  /// Tries all cells of a round part together, since their planes meet by symmetry, and removes those that are kept.
+  /// Tries all cells of a round part together, since their planes meet by symmetry, and removes the kept ones.
   void keep_parts(std::vector<std::int32_t>& left) {
     std::map<std::int32_t, std::vector<std::int32_t>> parts;
     for (const std::int32_t r : left)

@@ -232,7 +232,7 @@ class Coarsener {
     queue(more);
   }
 
-  /// What to expect of the union of two charts with the given loop, from its corners where they are. A union is hopeless
+  /// Predicts the union of two charts with the given loop from its corners where they are. A union is hopeless
   /// if it crosses itself there and on the mesh, or if it is bent far beyond the bound.
   [[nodiscard]] Forecast foresee(std::span<const std::int32_t> loop, const Candidate& c) const {
     std::vector<std::int32_t> polygon;
