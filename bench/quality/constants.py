@@ -49,6 +49,7 @@ OPTIONS = {
 }
 UNKNOWN = "own trials, not recorded"
 SHAPES = "own trials for short borders and convex polygons, trials.md"
+ENERGY = "13 scans at 30, 100, 300 regions and by detail, trials.md"
 SHORT = "own trials, distance against corners of three scans"
 REAL = "open buildings, cartons, chunks (bench/quality/real.py)"
 HOUSES = "30 drawn houses (bench/quality/real.py --houses), known shapes"
@@ -185,8 +186,9 @@ TUNED = (
           values=("1.5", "6")),
     Tuned(MESHING + "repair/junctions.cpp", "kPlanes", "miss of the planes at a joint vertex, in deviations", SHAPES),
     Tuned(MESHING + "repair/junctions.cpp", "kGap", "the same, of sqrt(area / charts)", SHAPES),
-    Tuned(MESHING + "repair/junctions.cpp", "kShort", "chord that may go for its length alone", SHAPES),
-    Tuned(MESHING + "repair/junctions.cpp", "kExcess", "degrees by which reflex corners may open", SHAPES),
+    Tuned(MESHING + "repair/junctions.cpp", "kOfCorner", "price of a corner, in area / charts", ENERGY),
+    Tuned(MESHING + "repair/junctions.cpp", "kOfReflex", "price of a full turn of reflex corners", ENERGY),
+    Tuned(MESHING + "repair/junctions.cpp", "kOfSharp", "price of a full turn that sharp corners lack", ENERGY),
     Tuned(MESHING + "place/slide.cpp", "kFar", "way of a sliding corner, of sqrt(area / charts)", SHAPES),
     Tuned(MESHING + "place/slide.cpp", "kOff", "off the planes, in deviations of the scan", SHAPES),
     Tuned(MESHING + "place/slide.cpp", "kBend", "degrees that a bend counts as", SHAPES),
@@ -296,10 +298,13 @@ class Build:
 
 def measured(package: Path, data: Path, changed: dict[str, dict[str, float]], times: int) -> dict:
     """The measurements of a process of its own with a package; empty where it fails."""
-    environment = os.environ | {"PYTHONPATH": str(package)}
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(package), str(ROOT)])}
     command = [sys.executable, __file__, "--measure", json.dumps([changed, times]), "--data", str(data)]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
-    return json.loads(done.stdout) if done.returncode == 0 else {}
+    if done.returncode == 0:
+        return json.loads(done.stdout)
+    print(done.stderr, file=sys.stderr)
+    return {}
 
 
 def in_turns(packages: list[Path], data: Path, options: list[dict], turns: int) -> list[dict]:

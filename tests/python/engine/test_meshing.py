@@ -116,7 +116,7 @@ def test_the_same_bits_on_any_number_of_threads():
     mesh = engine.Mesh(vertices + np.random.default_rng(3).normal(0, 0.01, vertices.shape), triangles)
     part = engine.partition(mesh, engine.PartitionOptions(proxies=150))
     one = engine.polygonize(mesh, part, engine.MeshingOptions(threads=1))
-    assert one.report["repair_rounds"] > 3
+    assert one.report["repair_rounds"] > 2
     for threads in (0, 2, 3, 8):
         more = engine.polygonize(mesh, part, engine.MeshingOptions(threads=threads))
         for name in ("vertices", "loops", "loop_start", "polygon_region", "planarity", "source_vertex"):

@@ -22,13 +22,14 @@ constexpr double kRounding = 1e-9;                 ///< share of the diagonal: p
 constexpr double kFixed = 0.0625;                  ///< share of the largest eigenvalue: below, planes fix no point
 constexpr double kParallel = 1e-6, kMeets = 1e-6;  ///< the same of planes of cells; how far these may miss, of the size
 constexpr double kStep = 0.3;                      ///< from the middle to the vertex, in sqrt(area / charts)
-constexpr double kShort = 0.4;  ///< length below which a chord may be removed for its length alone, in the same unit
-constexpr double kSharp = 20, kSharper = 3;  ///< degrees
-constexpr double kExcess = 20;               ///< degrees that reflex corners may open further in all
-constexpr double kError = 0.02;              ///< increase of the error that is allowed, in area / charts
-constexpr double kOfGiver = 1.0 / 3;         ///< share of its area that a chart may give
-constexpr double kLoose = 3;                 ///< times the gap: at the image of a join
-constexpr double kLongest = 4;               ///< longest path between two junctions, in sqrt(area / charts)
+// The energy of polygons, in area / charts: the distortion of their faces, a price for each corner, for each full turn by
+// which reflex corners open too far, and for each full turn that sharp corners lack. A join must lower it.
+constexpr double kOfCorner = 0.003, kOfReflex = 0.3, kOfSharp = 6;
+constexpr double kOfImage = 0.1;      ///< energy that the image of a join may add
+constexpr double kOfGiver = 1.0 / 3;  ///< share of its area that a chart may give
+constexpr double kLoose = 3;          ///< times the gap: at the image of a join
+constexpr double kOfCell = 0.4;  ///< longest chord that is removed at a cell of a round part, in sqrt(area / charts)
+constexpr double kLongest = 4;   ///< longest path between two junctions, in sqrt(area / charts)
 
 /// The charts at a vertex, counter-clockwise.
 using Round = std::vector<std::int32_t>;
@@ -204,10 +205,16 @@ class Joiner {
     const std::optional<Chord> chord = trace(u, v);
     if (!chord) return {};
     const double length = (position_[a] - position_[b]).norm();
+    const bool any_cell = std::any_of(all.begin(), all.end(), [&](std::int32_t l) { return planes_[l].round; });
+    if (any_cell && length > kOfCell * size_) return {};  // a long way would turn the edges of a ring
     const std::optional<Vec3> place = meeting_point(all, (position_[a] + position_[b]) / 2,
                                                     std::max(length, kStep * size_), loosely ? kLoose * gap_ : gap_);
-    if (!place || !is_better(a, b, *place, length, loosely)) return {};
-    Plan p{a, b, *place, gifts_of(*chord, at_u, at_v), std::move(all)};
+    if (!place) return {};
+    const std::optional<double> of_shape = energy_of_shape(a, b, *place);
+    if (!of_shape) return {};
+    const double most = (loosely ? kOfImage : 0) - *of_shape;
+    if (most <= 0) return {};
+    Plan p{a, b, *place, gifts_of(*chord, at_u, at_v, most * size_ * size_), std::move(all)};
     return p.gifts.empty() ? std::nullopt : std::optional(std::move(p));
   }
 
@@ -267,8 +274,9 @@ class Joiner {
     return found;
   }
 
-  /// Whether polygons are well formed with one corner, at a place, instead of two.
-  bool is_better(std::int32_t a, std::int32_t b, const Vec3& place, double length, bool loosely) {
+  /// The change of the energy, without that of the distortion, by one corner at a place instead of two; nothing if a
+  /// polygon vanishes or faces away.
+  [[nodiscard]] std::optional<double> energy_of_shape(std::int32_t a, std::int32_t b, const Vec3& place) {
     std::vector<std::int32_t> round = at_[a];
     round.insert(round.end(), at_[b].begin(), at_[b].end());
     sort_unique(round);
@@ -282,12 +290,9 @@ class Joiner {
       if (good) after.add(angles_of(loop, position_, s_.planes[l].normal));
     }
     position_[a] = was;
-    const double sharper = loosely ? 4 * kSharper : kSharper;
-    if (!good || after.faces_away || after.least < std::min(before.least - sharper, kSharp)) return false;
-    if (loosely) return true;
-    const bool is_short = length < kShort * size_;
-    return after.reflex < before.reflex ||
-           (is_short && after.reflex == before.reflex && after.excess <= before.excess + kExcess);
+    if (!good || after.faces_away) return {};
+    const double reflex = (after.excess - before.excess) / 360, sharp = (after.lack - before.lack) / 360;
+    return kOfReflex * reflex + kOfSharp * sharp - kOfCorner;
   }
 
   /// A loop with a for b.
@@ -304,7 +309,9 @@ class Joiner {
 
   /// The ways to join, the one with the least increase of the error first. All ways if there is a mirror plane, so that
   /// both a join and its image can be made; else only the first.
-  [[nodiscard]] std::vector<Gift> gifts_of(const Chord& chord, const Round& at_u, const Round& at_v) const {
+  /// \param most  the largest increase of the error
+  [[nodiscard]] std::vector<Gift> gifts_of(const Chord& chord, const Round& at_u, const Round& at_v,
+                                           double most) const {
     const std::int32_t left = s_.labels.label[chord.path[0] / 3], right = s_.labels.across(chord.path[0]);
     std::vector<Gift> gifts;
     const auto consider = [&](const Round& at_end, std::int32_t keeps, std::int32_t moves) {
@@ -313,7 +320,7 @@ class Joiner {
           *std::find_if(at_end.begin(), at_end.end(), [&](std::int32_t l) { return l != left && l != right; });
       for (const std::int32_t giver : {left, right}) {
         Gift gift{.giver = giver, .taker = taker, .keeps = keeps, .moves = moves, .faces = {}};
-        if (fill(gift, chord)) gifts.push_back(std::move(gift));
+        if (fill(gift, chord) && gift.error <= most) gifts.push_back(std::move(gift));
       }
     };
     consider(at_u, chord.v, chord.u);
@@ -345,7 +352,7 @@ class Joiner {
     const Vec3 &giver = sums_[gift.giver], &taker = sums_[gift.taker];
     gift.error = 2 * (giver.norm() + taker.norm() - (giver - gift.sum).norm() - (taker + gift.sum).norm());
     return !gift.faces.empty() && area < kOfGiver * s_.planes[gift.giver].area &&
-           gift.error <= kError * size_ * size_ && may_give(s_, gift.giver, gift.taker, gift.faces);
+           may_give(s_, gift.giver, gift.taker, gift.faces);
   }
 
   /// Changes the labels, if all charts stay discs and no other junction changes.
