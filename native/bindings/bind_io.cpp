@@ -1,4 +1,6 @@
 // The Python functions that read, triangulate and write files.
+#include <pybind11/stl.h>
+
 #include <optional>
 #include <utility>
 
@@ -39,6 +41,32 @@ py::tuple read_as_polygons(const py::object& name, Job* job, std::int32_t thread
   PolygonSoup soup = call(job, [&](Job& j) { return read_polygons(path, j, threads); });
   return py::make_tuple(owned(std::move(soup.vertices)), owned(std::move(soup.loops)),
                         owned(std::move(soup.loop_start)));
+}
+
+py::dict to_dict(std::vector<Column>&& columns) {
+  py::dict result;
+  for (Column& c : columns) result[py::str(c.name)] = owned(std::move(c.values)).attr("astype")(c.kind);
+  return result;
+}
+
+/// Bytes that are no UTF-8 stay as os.fsdecode keeps them.
+py::list to_texts(const std::vector<std::string>& texts) {
+  py::list result;
+  for (const std::string& text : texts) result.append(py::bytes(text).attr("decode")("utf-8", "surrogateescape"));
+  return result;
+}
+
+py::tuple read_with_columns(const py::object& name, std::vector<std::string> names, Job* job, std::int32_t threads) {
+  const auto path = to_path(name);
+  check_threads(threads);
+  Columns columns;
+  columns.names = std::move(names);
+  PolygonSoup soup = call(job, [&](Job& j) { return read_polygons(path, j, threads, &columns); });
+  py::object uv = py::none();
+  if (columns.uv) uv = owned(std::move(*columns.uv)).reshape({-1, 2});
+  return py::make_tuple(owned(std::move(soup.vertices)), owned(std::move(soup.loops)),
+                        owned(std::move(soup.loop_start)), to_dict(std::move(columns.vertices)),
+                        to_dict(std::move(columns.faces)), uv, to_texts(columns.textures));
 }
 
 PolygonSoup read_soup(const py::object& vertices, const py::object& loops, const py::object& loop_start) {
@@ -86,6 +114,7 @@ Raises FileError, which names the file, the place in it and the expected content
 
 (V, 3) float64, (L,) int32, (Q,) int32: polygon q has the corners loops[loop_start[q] : loop_start[q + 1]], the last one
 the rest of `loops`. Polygons keep the file's order and number, broken ones too. `threads` and errors as in `read`.)");
+  m.def("_read_columns", &read_with_columns, "path"_a, "names"_a, "job"_a = py::none(), "threads"_a = 0);
   m.def("triangulate", &cut, "vertices"_a, "loops"_a, "loop_start"_a, "job"_a = py::none(),
         R"(Cut polygons into triangles without new vertices; returns (triangles, source_polygon).
 

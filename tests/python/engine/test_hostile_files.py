@@ -3,6 +3,7 @@
 import gzip
 import json
 import math
+import re
 import struct
 import subprocess
 import sys
@@ -373,6 +374,37 @@ def test_wrong_transforms_are_named_with_the_tileset(tmp_path, value):
         engine.FileError, match=r"tileset\.json: (a tile: transform must be 16 finite|the transforms of)"
     ):
         tileset.leaves(write(tmp_path / "t", root))
+
+
+# PLY
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("0.5 7\n3 1", "0.5 x\n3 1", 'line 17: expected a number for face 0 (the first is 0), got "x"'),
+        ("6 0 0 1", "5 0 0 1", "face 0 has 5 numbers in texcoord, not two for each corner"),
+        ("0 9\n", "0\n", "it ends within face 1 (the first is 0) of 2; it is cut short or damaged"),
+        ("element face 2", "element face 3", "it ends within face 2 (the first is 0) of 3; it is cut short or damaged"),
+        ("texnumber\n", "count\n", None),
+        ("0.5 7\n3 1", "0.5 1\n3 1", "a face has texnumber 9, but it names 1 texture files"),
+    ],
+)
+def test_wrong_columns_of_ply_files_are_named(tmp_path, old, new, said):
+    (tmp_path / "t.png").write_bytes(png(4, 4))
+    head = "ply\nformat ascii 1.0\ncomment TextureFile t.png\nelement vertex 4\n"
+    head += "".join(f"property float {axis}\n" for axis in "xyz") + "element face 2\n"
+    head += "property list uchar int vertex_indices\nproperty list uchar float texcoord\nproperty int texnumber\n"
+    rows = "end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2 6 0 0 1 0 0 0.5 7\n3 1 3 2 0 9\n"
+    text = head + rows
+    assert old in text
+    (tmp_path / "a.ply").write_text(text.replace(old, new))
+    if said is None:
+        soup = engine.read_textured(tmp_path / "a.ply")
+        np.testing.assert_array_equal(soup.uv, [[[0, 0], [1, 0], [0, 0.5]], np.zeros((3, 2))])
+        return
+    with pytest.raises(engine.FileError, match=re.escape(said)):
+        engine.read_textured(tmp_path / "a.ply")
 
 
 # OBJ

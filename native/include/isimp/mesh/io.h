@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "isimp/core/array.h"
@@ -21,11 +23,27 @@ struct PolygonSoup {
   [[nodiscard]] std::span<const std::int32_t> polygon(std::int32_t q) const;
 };
 
+/// A number of each vertex or face in a file.
+struct Column {
+  std::string name;
+  std::string kind;  ///< its type in the file, as numpy writes it: "u1", "f4"
+  std::vector<double> values;
+};
+
+/// The content of a PLY file besides its geometry.
+struct Columns {
+  std::vector<std::string> names;         ///< set by the caller: the properties to read
+  std::vector<Column> vertices;           ///< (V) numbers each
+  std::vector<Column> faces;              ///< (Q) numbers each; none in a file with triangle strips
+  std::optional<std::vector<double>> uv;  ///< (L, 2) of each corner from "texcoord"; zeros for a face without any
+  std::vector<std::string> textures;      ///< the texture files that comments name
+};
+
 /// Reads a mesh file: PLY (text, binary of either byte order), OBJ, STL (text, binary) or OFF (text). The extension, in
 /// upper or lower case, determines the format.
 ///
 /// Polygons keep the file's order and number, broken ones too (a vertex named twice, fewer than three corners), so that
-/// labels can be returned for the file's faces. Only geometry is read; colours, normals and the like are skipped.
+/// labels can be returned for the file's faces. Normals and the like are skipped.
 /// Coordinates keep the file's precision. STL has no shared vertices: corners at equal positions become one vertex,
 /// corners with NaN do not. A file without faces (a point cloud) gives no polygons. Triangle strips of PLY
 /// (element tristrips) give their triangles. Data from a pipe is read to its end.
@@ -35,13 +53,15 @@ struct PolygonSoup {
 ///                    expected content
 /// \throws Cancelled  polled at least every 50 ms of work and while it waits for a pipe, not while the system waits for
 ///                    the disk
+/// \param columns    filled if not null; only PLY has any
 /// \param threads    0: as many as there are cores; the result does not depend on it. They share all of the work on
 ///                   plain files: binary PLY with one number of corners, text PLY with a row in each line, OBJ whose
 ///                   faces count vertices from 1. In other binary PLY files they share stretches of faces with equal
 ///                   numbers of corners
-/// Cost: O(bytes). Plain files are read in small parts; others are held in memory meanwhile. A million
+/// Cost: O(bytes). Plain files are read in small parts; others, and all with columns, are held in memory meanwhile. A million
 ///       faces of binary PLY take about 25 ms of processor time.
-PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int32_t threads = 0);
+PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int32_t threads = 0,
+                          Columns* columns = nullptr);
 
 /// Writes polygons as binary PLY (little-endian, places as double) or OBJ (shortest decimals that give the same double
 /// back), depending on the extension. The file appears whole or not at all: it is written next to its place under

@@ -40,6 +40,13 @@ class Words {
     while (at_ != end_ && !is_space(*at_)) ++at_;
     return {begin, static_cast<std::size_t>(at_ - begin)};
   }
+  /// The text behind the last word, without the spaces around it.
+  [[nodiscard]] std::string_view rest() const {
+    const char *begin = at_, *end = end_;
+    while (begin != end && is_space(*begin)) ++begin;
+    while (begin != end && is_space(end[-1])) --end;
+    return {begin, static_cast<std::size_t>(end - begin)};
+  }
 
  private:
   static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }

@@ -74,6 +74,7 @@ class SoupBuilder {
   /// Removes the last `count` polygons, which have `corners` corners each.
   void drop_polygons(std::size_t count, std::size_t corners);
   [[nodiscard]] const std::vector<Vec3>& vertices() const { return soup_.vertices; }
+  [[nodiscard]] std::size_t corners() const { return soup_.loops.size(); }
   /// Checks the indices.
   /// \param first_index  index of the first vertex in the format
   PolygonSoup finish(std::int32_t first_index, Job& job);
@@ -97,9 +98,10 @@ std::optional<PolygonSoup> read_plain_ply(const FileParts& parts, const Threads&
 /// counted first, so no array is larger than it must be.
 std::optional<PolygonSoup> read_plain_obj(const FileParts& parts, const Threads& threads, Job& job);
 
-PolygonSoup read_ply(const FileText& file, const Threads& threads, Job& job);
-PolygonSoup read_obj(const FileText& file, const Threads& threads, Job& job);
-PolygonSoup read_stl(const FileText& file, const Threads& threads, Job& job);
-PolygonSoup read_off(const FileText& file, const Threads& threads, Job& job);
+/// Readers of all files. \param columns  see `read_polygons`
+PolygonSoup read_ply(const FileText& file, Columns* columns, const Threads& threads, Job& job);
+PolygonSoup read_obj(const FileText& file, Columns* columns, const Threads& threads, Job& job);
+PolygonSoup read_stl(const FileText& file, Columns* columns, const Threads& threads, Job& job);
+PolygonSoup read_off(const FileText& file, Columns* columns, const Threads& threads, Job& job);
 
 }  // namespace isimp::detail

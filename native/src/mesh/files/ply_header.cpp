@@ -1,6 +1,8 @@
 #include "files/ply_header.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <utility>
 
 namespace isimp::detail {
@@ -42,6 +44,10 @@ PlyProperty read_property(const FileText& file, Words& words) {
   property.type = scalar(file, type);
   property.name = words.next();
   return property;
+}
+
+bool is_texture_file(std::string_view word) {
+  return std::ranges::equal(word, std::string_view("texturefile"), {}, [](unsigned char c) { return std::tolower(c); });
 }
 
 PlyElement read_element(const FileText& file, std::string_view line, Words& words) {
@@ -104,7 +110,9 @@ PlyHeader read_ply_header(const FileText& file) {
     } else if (keyword == "property") {
       if (header.elements.empty()) file.fail_at(line.data(), "a PLY property comes before any element");
       header.elements.back().properties.push_back(read_property(file, words));
-    } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
+    } else if (keyword == "comment") {
+      if (is_texture_file(words.next()) && !words.rest().empty()) header.textures.emplace_back(words.rest());
+    } else if (keyword != "obj_info" && !keyword.empty()) {
       file.fail_at(line.data(), "unknown word " + shown(keyword) + " in the PLY header");
     }
   }

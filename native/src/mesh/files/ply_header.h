@@ -20,6 +20,12 @@ constexpr std::size_t size_of(PlyScalar type) {
   return kSizes[static_cast<std::size_t>(type)];
 }
 
+/// The type as numpy writes it.
+constexpr std::string_view kind_of(PlyScalar type) {
+  constexpr std::array<std::string_view, 8> kKinds{"i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8"};
+  return kKinds[static_cast<std::size_t>(type)];
+}
+
 /// A number of each row of an element, or a list of them with its count before it.
 struct PlyProperty {
   std::string name;
@@ -49,7 +55,8 @@ enum class PlyEncoding { text, little_endian, big_endian };
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::text;
   std::vector<PlyElement> elements;
-  std::size_t body = 0;  ///< first byte of the data
+  std::size_t body = 0;               ///< first byte of the data
+  std::vector<std::string> textures;  ///< the texture files that comments name
 
   /// Whether the file's byte order is not this machine's.
   [[nodiscard]] bool swaps() const {

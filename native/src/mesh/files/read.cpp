@@ -64,7 +64,7 @@ std::optional<std::size_t> begin(const fs::path& path, FileText& file, Job& job)
 /// The readers of a format.
 struct Format {
   std::optional<PolygonSoup> (*plain)(const FileParts&, const Threads&, Job&);  ///< for usual files, or null
-  PolygonSoup (*any)(const FileText&, const Threads&, Job&);
+  PolygonSoup (*any)(const FileText&, Columns*, const Threads&, Job&);
 };
 
 std::optional<Format> format_of(std::string_view extension) {
@@ -75,9 +75,10 @@ std::optional<Format> format_of(std::string_view extension) {
   return {};
 }
 
-PolygonSoup read_with(const Format& format, const fs::path& path, FileText& file, const Threads& threads, Job& job) {
+PolygonSoup read_with(const Format& format, const fs::path& path, FileText& file, Columns* columns,
+                      const Threads& threads, Job& job) {
   const std::optional<std::size_t> size = begin(path, file, job);
-  if (format.plain != nullptr) {
+  if (format.plain != nullptr && columns == nullptr) {
     const FileParts parts = size ? FileParts(path, file, *size) : FileParts(file);
     if (auto soup = format.plain(parts, threads, job)) return std::move(*soup);
   }
@@ -85,7 +86,7 @@ PolygonSoup read_with(const Format& format, const fs::path& path, FileText& file
     file.bytes.resize(*size);
     read_bytes(path, file, threads, job);
   }
-  return format.any(file, threads, job);
+  return format.any(file, columns, threads, job);
 }
 
 }  // namespace
@@ -96,13 +97,13 @@ std::span<const std::int32_t> PolygonSoup::polygon(std::int32_t q) const {
   return std::span(loops).subspan(begin, end - begin);
 }
 
-PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int32_t threads) {
+PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int32_t threads, Columns* columns) {
   const std::string extension = lower_extension(path);
   FileText file{detail::utf8(path), {}};
   const std::optional<Format> format = format_of(extension);
   if (!format) file.fail("the extension \"" + extension + "\" is not known; PLY, OBJ, STL and OFF files can be read");
   try {
-    return read_with(*format, path, file, Threads(threads), job);
+    return read_with(*format, path, file, columns, Threads(threads), job);
   } catch (const std::bad_alloc&) {
     file.fail("there is not enough memory for it");
   }

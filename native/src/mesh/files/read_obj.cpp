@@ -35,7 +35,7 @@ void read_face(const FileText& file, std::string_view line, Words& words, SoupBu
 
 }  // namespace
 
-PolygonSoup read_obj(const FileText& file, const Threads& threads, Job& job) {
+PolygonSoup read_obj(const FileText& file, Columns* /*columns*/, const Threads& threads, Job& job) {
   SoupBuilder soup(file, threads);
   Lines lines(file.text());
   std::string_view line;

@@ -66,7 +66,7 @@ Counts read_counts(const FileText& file, OffLines& lines) {
 
 }  // namespace
 
-PolygonSoup read_off(const FileText& file, const Threads& threads, Job& job) {
+PolygonSoup read_off(const FileText& file, Columns* /*columns*/, const Threads& threads, Job& job) {
   OffLines lines(file);
   const Counts counts = read_counts(file, lines);
   SoupBuilder soup(file, threads);

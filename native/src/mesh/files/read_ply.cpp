@@ -137,14 +137,36 @@ void skip_element(const PlyElement& element, Values& values, Job& job) {
   }
 }
 
-void read_vertices(const FileText& file, const PlyElement& element, Values& values, SoupBuilder& soup,
+/// For each property of an element where its values go, or null to skip them.
+using Targets = std::vector<std::vector<double>*>;
+
+bool has_any(const Targets& targets) {
+  return std::ranges::any_of(targets, [](const auto* target) { return target != nullptr; });
+}
+
+/// Adds the columns of an element that are wanted.
+Targets add_columns(const PlyElement& element, const std::vector<std::string>& names, std::vector<Column>& columns) {
+  Targets targets(element.properties.size());
+  columns.reserve(targets.size());  // the targets are members of its items
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const PlyProperty& p = element.properties[i];
+    if (p.is_list || std::ranges::find(names, p.name) == names.end()) continue;
+    targets[i] = &columns.emplace_back(Column{p.name, std::string(kind_of(p.type)), {}}).values;
+    targets[i]->reserve(element.count);
+  }
+  return targets;
+}
+
+void read_vertices(const FileText& file, const PlyElement& element, Values& values, Columns& columns, SoupBuilder& soup,
                    const Threads& threads, Job& job) {
   const std::array<int, 3> axes{element.find("x"), element.find("y"), element.find("z")};
   for (const int axis : axes)
     if (axis < 0 || element.properties[static_cast<std::size_t>(axis)].is_list)
       file.fail("the PLY vertices have no x, y and z");
-  if (const std::size_t read = read_vertex_rows(values.bytes(), element, axes, soup, threads, job); read > 0)
-    return values.pass(read);
+  const Targets targets = add_columns(element, columns.names, columns.vertices);
+  if (!has_any(targets))
+    if (const std::size_t read = read_vertex_rows(values.bytes(), element, axes, soup, threads, job); read > 0)
+      return values.pass(read);
   for (std::size_t row = 0; row < element.count; ++row) {
     if (row % kPollEvery == 0) job.poll();
     Vec3 place = Vec3::Zero();
@@ -154,6 +176,8 @@ void read_vertices(const FileText& file, const PlyElement& element, Values& valu
           values.skip(p.type, element, row);
       } else if (i == axes[0] || i == axes[1] || i == axes[2]) {
         place[i == axes[0] ? 0 : i == axes[1] ? 1 : 2] = values.number(p.type, element, row);
+      } else if (auto* target = targets[static_cast<std::size_t>(i)]; target != nullptr) {
+        target->push_back(values.number(p.type, element, row));
       } else {
         values.skip(p.type, element, row);
       }
@@ -171,13 +195,16 @@ int list_of_corners(const FileText& file, const PlyElement& element, const char*
   return corners;
 }
 
-void read_face(const PlyElement& element, std::size_t row, int corners, Values& values, SoupBuilder& soup) {
+void read_face(const PlyElement& element, std::size_t row, int corners, const Targets& targets, Values& values,
+               SoupBuilder& soup) {
   soup.begin_polygon();
   for (int i = 0; const PlyProperty& p : element.properties) {
     const std::int64_t count = p.is_list ? values.list_count(p, element, row) : 1;
     for (std::int64_t k = 0; k < count; ++k)
       if (i == corners) {
         soup.add_corner(values.integer(p.type, element, row));
+      } else if (auto* target = targets[static_cast<std::size_t>(i)]; target != nullptr) {
+        target->push_back(values.number(p.type, element, row));
       } else {
         values.skip(p.type, element, row);
       }
@@ -185,25 +212,44 @@ void read_face(const PlyElement& element, std::size_t row, int corners, Values& 
   }
 }
 
+/// Checks the texture coordinates of a face, and adds zeros if it has none.
+/// \param before  how many numbers the faces before it have
+void finish_uv(const FileText& file, std::size_t row, std::size_t before, std::size_t corners,
+               std::vector<double>& uv) {
+  const std::size_t found = uv.size() - before;
+  if (found != 0 && found != 2 * corners)
+    file.fail("face " + std::to_string(row) + " has " + std::to_string(found) +
+              " numbers in texcoord, not two for each corner");
+  uv.resize(before + 2 * corners);
+}
+
 /// Stretches of faces with the same number of corners are read together, the others one by one. After each end of a
 /// stretch the next one is tried over few rows, then over more: so files without long stretches lose little.
-void read_faces(const FileText& file, const PlyElement& element, Values& values, SoupBuilder& soup,
+void read_faces(const FileText& file, const PlyElement& element, Values& values, Columns& columns, SoupBuilder& soup,
                 const Threads& threads, Job& job) {
   constexpr std::size_t kOneByOne = 1024, kFew = 1 << 12;  // rows
   const int corners = list_of_corners(file, element, "faces");
+  Targets targets = add_columns(element, columns.names, columns.faces);
+  if (const int list = element.find("texcoord"); !columns.names.empty() && list >= 0)
+    if (const auto i = static_cast<std::size_t>(list); element.properties[i].is_list)
+      targets[i] = &columns.uv.emplace();
+  const bool in_stretches = !has_any(targets);
   std::size_t tried = element.count;
   for (std::size_t row = 0; row < element.count;) {
     job.poll();
     const PlyBytes bytes = values.bytes();
-    if (bytes.size() > 0) {
+    if (in_stretches && bytes.size() > 0) {
       const PlyRows read = read_face_rows(bytes, element, static_cast<std::size_t>(corners),
                                           std::min(tried, element.count - row), soup, threads, job);
       values.pass(read.bytes);
       row += read.rows;
       tried = read.rows < tried ? kFew : 2 * tried;
     }
-    for (const std::size_t end = std::min(element.count, row + kOneByOne); row < end; ++row)
-      read_face(element, row, corners, values, soup);
+    for (const std::size_t end = std::min(element.count, row + kOneByOne); row < end; ++row) {
+      const std::size_t corners_before = soup.corners(), uv_before = columns.uv ? columns.uv->size() : 0;
+      read_face(element, row, corners, targets, values, soup);
+      if (columns.uv) finish_uv(file, row, uv_before, soup.corners() - corners_before, *columns.uv);
+    }
   }
 }
 
@@ -257,8 +303,11 @@ void read_strips(const FileText& file, const PlyElement& element, Values& values
 
 }  // namespace
 
-PolygonSoup read_ply(const FileText& file, const Threads& threads, Job& job) {
+PolygonSoup read_ply(const FileText& file, Columns* wanted, const Threads& threads, Job& job) {
   const PlyHeader header = read_ply_header(file);
+  Columns none;
+  Columns& columns = wanted != nullptr ? *wanted : none;
+  columns.textures = header.textures;
   Values values(file, header);
   SoupBuilder soup(file, threads);
   bool vertices = false, faces = false;
@@ -267,11 +316,11 @@ PolygonSoup read_ply(const FileText& file, const Threads& threads, Job& job) {
     if (element.name == "vertex" && !vertices) {
       vertices = true;
       soup.reserve(element.count, 0);
-      read_vertices(file, element, values, soup, threads, job);
+      read_vertices(file, element, values, columns, soup, threads, job);
     } else if (element.name == "face" && !faces) {
       faces = true;
       soup.reserve(0, element.count);
-      read_faces(file, element, values, soup, threads, job);
+      read_faces(file, element, values, columns, soup, threads, job);
     } else if (element.name == "tristrips") {
       read_strips(file, element, values, soup, job);
     } else {
@@ -279,7 +328,10 @@ PolygonSoup read_ply(const FileText& file, const Threads& threads, Job& job) {
     }
   }
   if (!vertices) file.fail("the PLY header has no vertex element");
-  return soup.finish(0, job);
+  PolygonSoup result = soup.finish(0, job);
+  if (columns.uv && columns.uv->size() != 2 * result.loops.size()) columns.uv.reset();  // triangles of strips have none
+  std::erase_if(columns.faces, [&](const Column& c) { return c.values.size() != result.loop_start.size(); });
+  return result;
 }
 
 }  // namespace isimp::detail

@@ -137,7 +137,7 @@ class TextReader {
 }  // namespace
 
 /// A binary file may begin with "solid" too: the file is binary if its length fits the number of facets that it states.
-PolygonSoup read_stl(const FileText& file, const Threads& threads, Job& job) {
+PolygonSoup read_stl(const FileText& file, Columns* /*columns*/, const Threads& threads, Job& job) {
   const std::size_t size = file.bytes.size();
   const std::size_t facets = size >= kHead ? load<std::uint32_t>(file.bytes.data() + 80) : 0;
   if (size >= kHead && size == kHead + facets * kFacet) return read_binary(file, facets, threads, job);
