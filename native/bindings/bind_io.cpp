@@ -50,11 +50,7 @@ py::dict to_dict(std::vector<Column>&& columns) {
 }
 
 /// Bytes that are no UTF-8 stay as os.fsdecode keeps them.
-py::list to_texts(const std::vector<std::string>& texts) {
-  py::list result;
-  for (const std::string& text : texts) result.append(py::bytes(text).attr("decode")("utf-8", "surrogateescape"));
-  return result;
-}
+py::object to_text(const std::string& text) { return py::bytes(text).attr("decode")("utf-8", "surrogateescape"); }
 
 py::tuple read_with_columns(const py::object& name, std::vector<std::string> names, Job* job, std::int32_t threads) {
   const auto path = to_path(name);
@@ -64,9 +60,12 @@ py::tuple read_with_columns(const py::object& name, std::vector<std::string> nam
   PolygonSoup soup = call(job, [&](Job& j) { return read_polygons(path, j, threads, &columns); });
   py::object uv = py::none();
   if (columns.uv) uv = owned(std::move(*columns.uv)).reshape({-1, 2});
+  py::list files, materials;
+  for (const std::string& file : columns.files) files.append(to_text(file));
+  for (const auto& [face, material] : columns.materials) materials.append(py::make_tuple(face, to_text(material)));
   return py::make_tuple(owned(std::move(soup.vertices)), owned(std::move(soup.loops)),
                         owned(std::move(soup.loop_start)), to_dict(std::move(columns.vertices)),
-                        to_dict(std::move(columns.faces)), uv, to_texts(columns.textures));
+                        to_dict(std::move(columns.faces)), uv, files, materials);
 }
 
 PolygonSoup read_soup(const py::object& vertices, const py::object& loops, const py::object& loop_start) {

@@ -3,13 +3,14 @@
 import math
 import os
 import shlex
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import FileError, Job, read_polygons, triangulate
+from .._core import FileError, Job, _read_columns, triangulate
 from . import images, named, udim
 from .layers import NORMAL, TextureLayer, channel, scaled_colors, to_srgb
 from .soup import TexturedSoup, corner_places
@@ -22,18 +23,19 @@ _UP_TO_THREE = ("-o", "-s", "-t")
 _NUMBERS = {"Pr": "roughness", "Pm": "metallic", "Ke": "emission"}
 _MAPS = {f"map_{word}": name for word, name in _NUMBERS.items()} | {"norm": NORMAL}
 _LARGEST = 1e30  # largest of such numbers
-_LARGEST_NUMBER = 1 << 62  # largest number of corners
 
 
 def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
-    vertices, loops, loop_start = read_polygons(path, job, threads=threads)
+    vertices, loops, loop_start, vertex, _, uv, names, uses = _read_columns(path, [], job, threads)
     triangles, polygon = triangulate(vertices, loops, loop_start, job)
     places = corner_places(loops, loop_start, triangles, polygon)
-    rows = _Rows(path)
-    corner_uv = rows.corner_uv(len(loops))
-    materials = rows.materials()
-    material = np.asarray(rows.material_of(materials), dtype=np.int32)
-    colors = rows.colors(len(vertices))
+    libraries = _library_files(path, names if uses else [])  # without a material no image is shown
+    used = dict.fromkeys(name for face, name in uses if face < len(loop_start))  # in the order of their first use
+    materials = _materials(path, used, libraries)
+    number = {name: i for i, name in enumerate(materials)}
+    begin = [0, *(face for face, _ in uses), len(loop_start)]
+    material = np.repeat([-1, *(number.get(name, -1) for _, name in uses)], np.diff(begin)).astype(np.int32)
+    colors = _colors(vertex)
     pictures, shown = images.Pictures(), list[Any]()
     for m in materials.values():
         if m.map is not None:
@@ -41,8 +43,8 @@ def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
         else:
             shown.append(None if colors is not None else m.plain())
     names, layers = list(materials), _layers(materials, pictures)
-    files = [*rows.library_files(), *(file for m in materials.values() for file in m.files())]
-    return TexturedSoup(vertices, triangles, corner_uv[places], material[polygon], shown, colors, names, files, layers)
+    files = [*libraries, *(file for m in materials.values() for file in m.files())]
+    return TexturedSoup(vertices, triangles, uv[places], material[polygon], shown, colors, names, files, layers)
 
 
 def _layers(materials: dict[str, "_Material"], pictures: images.Pictures) -> dict[str, TextureLayer]:
@@ -54,14 +56,6 @@ def _layers(materials: dict[str, "_Material"], pictures: images.Pictures) -> dic
         if any(picture is not None for picture in shown):
             found[name] = TextureLayer(shown, strength=strength if name == "emission" else 1.0)
     return found
-
-
-def _lines(path: Path, joined: bool = False) -> list[bytes]:
-    """The lines of a text file, as in the engine's readers. joined: a line continues after a backslash."""
-    data = path.read_bytes().removeprefix(b"\xef\xbb\xbf")
-    for end in (b"\r\n", b"\n", b"\r") if joined else ():
-        data = data.replace(b"\\" + end, b" ")
-    return data.splitlines()  # splits bytes: no other character ends a line
 
 
 def _text(word: bytes) -> str:
@@ -105,124 +99,43 @@ class _Material:
         return np.append(rgb, np.uint8(255)).reshape(1, 1, 4)
 
 
-class _Rows:
-    """The lines of an OBJ file that define its appearance."""
+def _library_files(path: Path, libraries: list[str]) -> list[Path]:
+    root, files = named.root_of(path), list[Path]()
+    for names in libraries:
+        whole = [names] if (path.parent / names).is_file() else names.split()
+        files += [named.file(name, path.parent, root, str(path)) for name in whole]
+    for file in files:
+        if not file.is_file():
+            raise FileError(f"{path}: its material file {file} does not exist; put it there")
+    return files
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.faces: list[bytes] = []
-        self.uv_before: list[int] = []  # texture coordinates before each face; negative numbers count back from it
-        self.uses: list[tuple[int, str]] = []  # the face from which on a material is used
-        self.libraries: list[str] = []
-        uv: list[list[bytes]] = []
-        self.vertices: list[bytes] = []
-        for line in _lines(path, joined=True):
-            word, rest = (*line.split(None, 1), b"", b"")[:2]
-            if word in (b"f", b"fo"):
-                self.faces.append(rest.partition(b"#")[0])
-                self.uv_before.append(len(uv))
-            elif word == b"vt":
-                uv.append(rest.split()[:2])
-            elif word == b"v":
-                self.vertices.append(rest)
-            elif word == b"usemtl":
-                self.uses.append((len(self.faces), _text(rest)))
-            elif word == b"mtllib":
-                self.libraries.append(_text(rest))
-        try:
-            self.uv = np.array([(*pair, b"0")[:2] for pair in uv], dtype=np.float64).reshape(-1, 2)
-        except ValueError:
-            raise FileError(f'{path}: a line that begins with "vt" does not have two numbers') from None
 
-    def corner_uv(self, corners: int) -> NDArray[np.float64]:
-        """(L, 2) of each corner; zeros where a corner has none."""
-        numbers = self._uv_numbers()
-        if len(numbers) != corners:
-            raise FileError(f"{self.path}: its faces have {corners} corners, {len(numbers)} of them could be read")
-        bad = (numbers < 0) | (numbers > len(self.uv))
-        if bad.any():
-            raise FileError(
-                f"{self.path}: a face uses texture coordinate {numbers[bad][0]}, but there are {len(self.uv)}"
-            )
-        return np.vstack([np.zeros((1, 2)), self.uv])[numbers]
+def _materials(path: Path, used: Iterable[str], libraries: list[Path]) -> dict[str, _Material]:
+    known: dict[str, _Material] = {}
+    for file in libraries:
+        known |= read_mtl(file, named.root_of(path))
+    for name in used:
+        if name not in known and libraries:
+            raise FileError(f"{path}: uses the material {name!r}, which {libraries[-1]} does not have")
+    return {name: known.get(name, _Material(str(path))) for name in used}
 
-    def _uv_numbers(self) -> NDArray[np.int64]:
-        """(L,) the number of the texture coordinate of each corner, 0 for none."""
-        words = b" ".join(self.faces).split()
-        if not words:
-            return np.zeros(0, dtype=np.int64)
-        slashes = words[0].count(b"/")
-        joined = b" ".join(words)
-        if slashes and b"//" not in joined and b"-" not in joined and all(w.count(b"/") == slashes for w in words):
-            try:
-                return np.array(joined.replace(b"/", b" ").split(), dtype=np.int64).reshape(-1, slashes + 1)[:, 1]
-            except (ValueError, OverflowError):
-                raise FileError(f"{self.path}: a face has a corner that is not made of whole numbers") from None
-        numbers: list[int] = []
-        for face, before in zip(self.faces, self.uv_before, strict=True):
-            for word in face.split():
-                parts = word.split(b"/")
-                try:
-                    number = int(parts[1]) if len(parts) > 1 and parts[1] else 0
-                except ValueError:
-                    number = _LARGEST_NUMBER
-                if abs(number) >= _LARGEST_NUMBER:
-                    shown = repr(_text(word[:40]))
-                    raise FileError(f"{self.path}: a face has the corner {shown}, which is no number")
-                numbers.append(number if number >= 0 else before + 1 + number)
-        return np.array(numbers, dtype=np.int64)
 
-    def colors(self, count: int) -> NDArray[np.uint8] | None:
-        """(V, 4) where all vertices have three more numbers, their colours from 0 to 1."""
-        if not self.vertices or len(self.vertices[0].split()) not in (6, 7):
-            return None
-        try:
-            numbers = np.array([row.split()[-3:] for row in self.vertices], dtype=np.float64)
-        except ValueError:
-            return None
-        if numbers.shape != (count, 3):
-            return None
-        if numbers.max(initial=0) > 1.001:  # some programs write them from 0 to 255
-            numbers = numbers / 255
-        rgb = np.round(np.clip(np.nan_to_num(numbers), 0, 1) * 255).astype(np.uint8)
-        return np.hstack([rgb, np.full((count, 1), 255, dtype=np.uint8)])
-
-    def materials(self) -> dict[str, _Material]:
-        """The materials that faces use, in the order of their first use."""
-        known: dict[str, _Material] = {}
-        if not self.uses:  # without a material no image is shown
-            return {}
-        for file in self.library_files():
-            known |= read_mtl(file, named.root_of(self.path))
-        used = dict.fromkeys(name for (face, name) in self.uses if face < len(self.faces))
-        for name in used:
-            if name not in known and self.libraries:
-                raise FileError(f"{self.path}: uses the material {name!r}, which {self.libraries[-1]} does not have")
-        return {name: known.get(name, _Material(str(self.path))) for name in used}
-
-    def library_files(self) -> list[Path]:
-        """The material files, if any face has a material."""
-        root, files = named.root_of(self.path), list[Path]()
-        for names in self.libraries if self.uses else ():
-            whole = [names] if (self.path.parent / names).is_file() else names.split()
-            files += [named.file(name, self.path.parent, root, str(self.path)) for name in whole]
-        for file in files:
-            if not file.is_file():
-                raise FileError(f"{self.path}: its material file {file} does not exist; put it there")
-        return files
-
-    def material_of(self, materials: dict[str, _Material]) -> NDArray[np.int64]:
-        """(Q,) of each face, -1 before the first is named."""
-        number = {name: i for i, name in enumerate(materials)}
-        begin = [0, *(face for face, _ in self.uses), len(self.faces)]
-        return np.repeat([-1, *(number.get(name, -1) for _, name in self.uses)], np.diff(begin))
+def _colors(vertex: dict[str, NDArray[np.float64]]) -> NDArray[np.uint8] | None:
+    """(V, 4) where all vertices have three more numbers, their colours from 0 to 1."""
+    if not vertex:
+        return None
+    numbers = np.stack([vertex["red"], vertex["green"], vertex["blue"]], axis=1)
+    if numbers.max(initial=0) > 1.001:  # some programs write them from 0 to 255
+        numbers = numbers / 255
+    rgb = np.round(np.clip(np.nan_to_num(numbers), 0, 1) * 255).astype(np.uint8)
+    return np.hstack([rgb, np.full((len(rgb), 1), 255, dtype=np.uint8)])
 
 
 def read_mtl(path: Path, root: Path) -> dict[str, _Material]:
     """The materials of an MTL file by name. root: see `named`."""
     found: dict[str, _Material] = {}
     material = _Material(str(path))
-    for row, line in enumerate(_lines(path), start=1):
+    for row, line in enumerate(path.read_bytes().removeprefix(b"\xef\xbb\xbf").splitlines(), start=1):
         word, rest = (*map(_text, line.split(None, 1)), "", "")[:2]
         place = f"{path}, line {row}"
         if word == "newmtl":

@@ -24,7 +24,7 @@ Columns = dict[str, NDArray[Any]]
 
 
 def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
-    vertices, loops, loop_start, vertex, face, uv, textures = _read_columns(path, _NAMES, job, threads)
+    vertices, loops, loop_start, vertex, face, uv, textures, _ = _read_columns(path, _NAMES, job, threads)
     triangles, polygon = triangulate(vertices, loops, loop_start, job)
     places = corner_places(loops, loop_start, triangles, polygon)
     for u, v in _UV_NAMES:

@@ -34,9 +34,9 @@ class Io : public testing::Test {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
     return folder_ / name;
   }
-  PolygonSoup parse(const std::string& name, const std::string& bytes) const {
+  PolygonSoup parse(const std::string& name, const std::string& bytes, Columns* columns = nullptr) const {
     Job job;
-    return read_polygons(file(name, bytes), job);
+    return read_polygons(file(name, bytes), job, 0, columns);
   }
   /// The error's text after the file's name.
   std::string error(const std::string& name, const std::string& bytes) const {
@@ -170,6 +170,27 @@ TEST_F(Io, PlySkipsUnusedProperties) {
   EXPECT_EQ(soup.loops, (Array<std::int32_t>{0, 1, 2, 2, 1, 0}));
 }
 
+const std::string kPlyOfColumns =
+    "ply\nformat ascii 1.0\ncomment TextureFile a b.png \nelement vertex 3\nproperty float x\nproperty float y\n"
+    "property float z\nproperty uchar red\nproperty uchar notes\nelement face 2\n"
+    "property list uchar float texcoord\nproperty list uchar int vertex_indices\nproperty short red\nend_header\n"
+    "0 0 0 7 x\n1 0 0 8 x\n0 1 0 9 x\n6 .1 .2 .3 .4 .5 .6 3 0 1 2 -5\n0 2 2 1 6\n";
+
+TEST_F(Io, PlyColumnsThatAreWantedAreRead) {
+  Columns columns;
+  columns.names = {"red", "green"};
+  const PolygonSoup soup = parse("a.ply", kPlyOfColumns, &columns);
+  EXPECT_EQ(soup.loops, (Array<std::int32_t>{0, 1, 2, 2, 1}));
+  ASSERT_EQ(columns.vertices.size(), 1);
+  EXPECT_EQ(columns.vertices[0].name + columns.vertices[0].kind, "redu1");
+  EXPECT_EQ(columns.vertices[0].values, (std::vector<double>{7, 8, 9}));
+  ASSERT_EQ(columns.faces.size(), 1);
+  EXPECT_EQ(columns.faces[0].kind, "i2");
+  EXPECT_EQ(columns.faces[0].values, (std::vector<double>{-5, 6}));
+  EXPECT_EQ(columns.uv.value(), (std::vector<double>{.1, .2, .3, .4, .5, .6, 0, 0, 0, 0}));
+  EXPECT_EQ(columns.files, std::vector<std::string>{"a b.png"});
+}
+
 TEST_F(Io, PlyTextKeepsNaNAndReadsOn) {
   const PolygonSoup soup =
       parse("a.ply", "ply\nformat ascii 1.0\n" + kPlyHead + "nan 0 -1.#IND\ninf 0 1e999\n0 1 5\n3 0 1 2");
@@ -258,6 +279,22 @@ TEST_F(Io, ObjTakesItsManySpellings) {
   EXPECT_EQ(soup.vertices[3], Vec3(0, 1, 0));
   EXPECT_EQ(soup.loops, (Array<std::int32_t>{0, 1, 2, 0, 2, 3, 0, 1, 2, 3, 0, 0, 1, 4, 1, 0}));
   EXPECT_EQ(soup.loop_start, (Array<std::int32_t>{0, 3, 6, 10, 13}));
+}
+
+const std::string kObjOfColumns =
+    "mtllib a b.mtl \nv 0 0 0 .5 0 1\nv 1 0 0 1 .5 0 1\nvt .1 .2\nvt .3\nusemtl a\nusemtl b\nf 1/-1 2/3 1// \\\n"
+    "2/1\nvt .5 .6\nusemtl a\nf 1 2/1#\n";
+
+TEST_F(Io, ObjColumnsAreRead) {
+  Columns columns;
+  EXPECT_EQ(parse("a.obj", kObjOfColumns, &columns).loops, (Array<std::int32_t>{0, 1, 0, 1, 0, 1}));
+  EXPECT_EQ(columns.uv.value(), (std::vector<double>{.3, 0, .5, .6, 0, 0, .1, .2, 0, 0, .1, .2}));
+  EXPECT_EQ(columns.files, std::vector<std::string>{"a b.mtl"});
+  using Uses = std::vector<std::pair<std::int32_t, std::string>>;
+  EXPECT_EQ(columns.materials, (Uses{{0, "a"}, {0, "b"}, {1, "a"}}));
+  ASSERT_EQ(columns.vertices.size(), 3);
+  EXPECT_EQ(columns.vertices[0].values, (std::vector<double>{.5, .5}));
+  EXPECT_EQ(columns.vertices[2].values, (std::vector<double>{1, 1}));
 }
 
 TEST_F(Io, DamagedObjIsNamed) {
@@ -436,12 +473,16 @@ TEST_F(Io, EveryFileCutShortIsReadOrNamed) {
       {"cut.stl", binary_stl(shapes::cube())},
       {"text.stl", text_stl(shapes::cube())},
       {"cut.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n3 0 1 2 255 0 0\n"},
-      {"text.ply", "ply\nformat ascii 1.0\n" + kPlyHead + "0 0 0\n1 0 0\n0 1e0 -0.5\n3 0 1 2\n"}};
+      {"text.ply", "ply\nformat ascii 1.0\n" + kPlyHead + "0 0 0\n1 0 0\n0 1e0 -0.5\n3 0 1 2\n"},
+      {"columns.ply", kPlyOfColumns},
+      {"columns.obj", kObjOfColumns}};
   int refused = 0;
   for (const auto& [name, bytes] : files)
     for (std::size_t length = 0; length < bytes.size(); length += 1 + bytes.size() / 200) {
       try {
-        parse(name, bytes.substr(0, length));
+        Columns columns;
+        columns.names = {"red"};
+        parse(name, bytes.substr(0, length), name.starts_with("columns") ? &columns : nullptr);
       } catch (const FileError&) {
         ++refused;
       }

@@ -21,7 +21,6 @@ from isimp_engine import machine, reading
 from isimp_engine.texturing import images
 from isimp_engine.texturing.gltf_file import GltfFile
 from isimp_engine.texturing.images import decode
-from isimp_engine.texturing.obj import _Rows
 from isimp_engine.tiles import tileset
 from test_cli import isimp
 from test_texture import write_plane_obj
@@ -432,7 +431,7 @@ def test_a_material_before_each_face_takes_no_square_of_time(tmp_path, monkeypat
     count = 2_000
     lines = [f"usemtl m{k % 3}\nf 1 2 3" for k in range(count)]
     (tmp_path / "a.obj").write_text("\n".join(["v 0 0 0", "v 1 0 0", "v 0 1 0", *lines]))
-    rows, full = _Rows(tmp_path / "a.obj"), np.full
+    full = np.full
     written = [0]
 
     class Counted(np.ndarray):
@@ -441,25 +440,27 @@ def test_a_material_before_each_face_takes_no_square_of_time(tmp_path, monkeypat
             super().__setitem__(at, value)
 
     monkeypatch.setattr(np, "full", lambda *given, **named: full(*given, **named).view(Counted))
-    np.testing.assert_array_equal(np.asarray(rows.material_of(rows.materials())), np.arange(count) % 3)
+    np.testing.assert_array_equal(engine.read_textured(tmp_path / "a.obj").material, np.arange(count) % 3)
     assert written[0] <= count
 
 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("f 1/1 ", "f 1/99999999999999999999 ", "a face has a corner that is not made of whole numbers"),
-        ("f 1/1 ", "f 1/-99999999999999999999 ", "a face has the corner '1/-99999999999999999999', which is no number"),
-        ("f 1/1 ", "f 1/x ", "whole numbers"),
-        ("vt 0.0 0.0", "vt a b", 'begins with "vt" does not have two numbers'),
+        ("f 1/1 ", "f 1/99999999999999999999 ", 'line {}: expected the number of a texture coordinate, got "1/999'),
+        ("f 1/1 ", "f 1/-99999999999999999999 ", 'line {}: expected the number of a texture coordinate, got "1/-999'),
+        ("f 1/1 ", "f 1/x ", 'line {}: expected the number of a texture coordinate, got "1/x"'),
+        ("f 1/1 ", "f 1/-99 ", 'line {}: expected the number of a texture coordinate, got "1/-99"'),
+        ("f 1/1 ", "f 1/99 ", "a face uses texture coordinate 99, but there are 49"),
+        ("vt 0.0 0.0", "vt a b", 'line {}: expected two numbers after "vt", got "vt a b"'),
     ],
 )
 def test_wrong_numbers_of_obj_files_are_named(tmp_path, old, new, said):
     (tmp_path / "t.png").write_bytes(png(4, 4))
     path = write_plane_obj(tmp_path, lambda p: p)
-    assert old in path.read_text()
-    path.write_text(path.read_text().replace(old, new))
-    with pytest.raises(engine.FileError, match=said):
+    text = path.read_text()
+    path.write_text(text.replace(old, new))
+    with pytest.raises(engine.FileError, match=said.format(1 + text[: text.index(old)].count("\n"))):
         engine.read_textured(path)
 
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "isimp/core/array.h"
@@ -30,13 +31,14 @@ struct Column {
   std::vector<double> values;
 };
 
-/// The content of a PLY file besides its geometry.
+/// The content of a PLY or OBJ file besides its geometry.
 struct Columns {
-  std::vector<std::string> names;         ///< set by the caller: the properties to read
-  std::vector<Column> vertices;           ///< (V) numbers each
+  std::vector<std::string> names;         ///< set by the caller: the properties of PLY to read
+  std::vector<Column> vertices;           ///< (V) numbers each; OBJ: red, green and blue if each vertex has them
   std::vector<Column> faces;              ///< (Q) numbers each; none in a file with triangle strips
-  std::optional<std::vector<double>> uv;  ///< (L, 2) of each corner from "texcoord"; zeros for a face without any
-  std::vector<std::string> textures;      ///< the texture files that comments name
+  std::optional<std::vector<double>> uv;  ///< (L, 2) of each corner (PLY: from "texcoord"); zeros where it has none
+  std::vector<std::string> files;         ///< PLY: textures that comments name; OBJ: material libraries
+  std::vector<std::pair<std::int32_t, std::string>> materials;  ///< OBJ: each name with the first face behind it
 };
 
 /// Reads a mesh file: PLY (text, binary of either byte order), OBJ, STL (text, binary) or OFF (text). The extension, in
@@ -53,7 +55,7 @@ struct Columns {
 ///                    expected content
 /// \throws Cancelled  polled at least every 50 ms of work and while it waits for a pipe, not while the system waits for
 ///                    the disk
-/// \param columns    filled if not null; only PLY has any
+/// \param columns    filled if not null; only PLY and OBJ have any
 /// \param threads    0: as many as there are cores; the result does not depend on it. They share all of the work on
 ///                   plain files: binary PLY with one number of corners, text PLY with a row in each line, OBJ whose
 ///                   faces count vertices from 1. In other binary PLY files they share stretches of faces with equal

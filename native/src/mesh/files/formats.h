@@ -75,6 +75,7 @@ class SoupBuilder {
   void drop_polygons(std::size_t count, std::size_t corners);
   [[nodiscard]] const std::vector<Vec3>& vertices() const { return soup_.vertices; }
   [[nodiscard]] std::size_t corners() const { return soup_.loops.size(); }
+  [[nodiscard]] std::size_t polygons() const { return soup_.loop_start.size(); }
   /// Checks the indices.
   /// \param first_index  index of the first vertex in the format
   PolygonSoup finish(std::int32_t first_index, Job& job);

@@ -307,7 +307,7 @@ PolygonSoup read_ply(const FileText& file, Columns* wanted, const Threads& threa
   const PlyHeader header = read_ply_header(file);
   Columns none;
   Columns& columns = wanted != nullptr ? *wanted : none;
-  columns.textures = header.textures;
+  columns.files = header.textures;
   Values values(file, header);
   SoupBuilder soup(file, threads);
   bool vertices = false, faces = false;
