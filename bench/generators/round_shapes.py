@@ -231,7 +231,7 @@ def shapes():
 
 
 def extruded():
-    """Two more, extrusions of a free profile: an oval can and a moulding with a waved top."""
+    """Return two extrusions of a free profile: an oval can and a moulding with a waved top."""
 
     def oval(p):
         x, y = p[:, 0] / 2, p[:, 1]

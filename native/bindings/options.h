@@ -127,7 +127,7 @@ class OptionsClass {
     }
   }
 
-  /// An enumeration, by names in Python.
+  /// Binds an enumeration. Python reads and sets its values by name.
   template <class Enum, std::size_t N>
   void add(const Choice<Options, Enum, N>& c) {
     std::vector<std::string> names;

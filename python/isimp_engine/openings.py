@@ -37,7 +37,7 @@ class Lengths:
         return close_openings(mesh, CleanOptions(**self.options(), threads=threads), job)
 
     def options(self) -> dict[str, float]:
-        """For CleanOptions."""
+        """Return the lengths as keywords of CleanOptions."""
         return {"fill_holes": self.holes, "fill_flat_holes": self.flat_holes, "cut_handles": self.handles}
 
 

@@ -76,7 +76,7 @@ class Cuts {
   std::unique_ptr<Profile> profile_;
 };
 
-/// Sets segments, rings and knots. A segment of a full turn, not an edge, looks along `across`.
+/// Sets segments, rings and knots. In a full turn `across` passes through the middle of a segment, not through an edge.
 void apply(CurvedProxy& proxy, const Grid& grid);
 
 }  // namespace isimp::curved

@@ -30,9 +30,9 @@ class Cells {
  public:
   Cells(const Layout& layout, const Room& room);
 
-  [[nodiscard]] std::int32_t count() const { return count_; }  ///< a side
+  [[nodiscard]] std::int32_t count() const { return count_; }  ///< cells along a side of the image
   [[nodiscard]] double size() const { return size_; }          ///< texels
-  [[nodiscard]] double grow() const { return grow_; }          ///< cells
+  [[nodiscard]] double grow() const { return grow_; }          ///< margin of an outline on each side, cells
   [[nodiscard]] const std::vector<std::int32_t>& order() const { return order_; }
   [[nodiscard]] std::int32_t group(std::int32_t chart) const { return layout_.group[members_[chart].front()]; }
 

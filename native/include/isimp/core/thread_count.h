@@ -6,7 +6,7 @@
 
 namespace isimp {
 
-/// More threads than this are not started unless the machine has more cores: systems limit the number of threads.
+/// Largest number of threads, unless the machine has more cores: systems limit it.
 inline constexpr std::int32_t kMostThreads = 256;
 
 /// The number of threads for a requested number. All loops and libraries use it. Results never depend on it.

@@ -31,9 +31,9 @@ struct EarlierBake {
   const Partition& partition;
   const PolygonMesh& polygons;
   const Atlas& atlas;
-  std::span<const std::uint8_t> color;                ///< as of Texture
-  std::span<const std::uint8_t> normal;               ///< the same; empty: none was requested
-  std::vector<std::span<const std::uint8_t>> layers;  ///< the same
+  std::span<const std::uint8_t> color;                ///< as Texture::color
+  std::span<const std::uint8_t> normal;               ///< as Texture::normal; empty: none was requested
+  std::vector<std::span<const std::uint8_t>> layers;  ///< as Texture::layers
   std::span<const PolygonTexels> texels;              ///< (earlier Q)
 };
 

@@ -28,7 +28,7 @@ struct Opening {
   RepairKind kind = RepairKind::filled_holes;
   std::vector<std::int32_t> removed;             ///< faces, rising
   std::vector<std::vector<std::int32_t>> loops;  ///< vertices in the order in which a patch runs along them
-  std::vector<Patch> patches;                    ///< one a loop, once found
+  std::vector<Patch> patches;                    ///< one for each loop; empty until patches are searched
   double length = 0;                             ///< length of a hole's border, or of a handle's loop
   std::vector<std::int32_t> round;               ///< vertices of a handle's loop
 };

@@ -121,8 +121,8 @@ struct MeshArrays {
 };
 
 // separate.cpp
-/// Makes a vertex of its own for every fan of faces, and halves edges with the same ends as another. Moves out of the
-/// soup.
+/// Makes a vertex of its own for every fan of faces, and halves edges with the same ends as another. Leaves
+/// the soup empty.
 MeshArrays separate(Soup& soup, Job& job);
 
 // manifold_fast_path.cpp
