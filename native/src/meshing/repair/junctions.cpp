@@ -22,14 +22,15 @@ constexpr double kRounding = 1e-9;                 ///< share of the diagonal: p
 constexpr double kFixed = 0.0625;                  ///< share of the largest eigenvalue: below, planes fix no point
 constexpr double kParallel = 1e-6, kMeets = 1e-6;  ///< the same of planes of cells; how far these may miss, of the size
 constexpr double kStep = 0.3;                      ///< from the middle to the vertex, in sqrt(area / charts)
-// The energy of polygons, in area / charts: the distortion of their faces, a price for each corner, for each full turn by
-// which reflex corners open too far, and for each full turn that sharp corners lack. A join must lower it.
-constexpr double kOfCorner = 0.003, kOfReflex = 0.3, kOfSharp = 6;
+// The energy of polygons, in area / charts: the distortion of their faces, a price for an edge of no length that falls to
+// 0 for one of kShort, for each full turn by which reflex corners open too far, and for each full turn that sharp corners
+// lack. A join must lower it.
+constexpr double kOfShort = 0.003, kOfReflex = 0.3, kOfSharp = 6;
+constexpr double kShort = 0.4;  ///< sqrt(area / charts); at cells of round parts also the longest chord that is removed
 constexpr double kOfImage = 0.1;      ///< energy that the image of a join may add
 constexpr double kOfGiver = 1.0 / 3;  ///< share of its area that a chart may give
 constexpr double kLoose = 3;          ///< times the gap: at the image of a join
-constexpr double kOfCell = 0.4;  ///< longest chord that is removed at a cell of a round part, in sqrt(area / charts)
-constexpr double kLongest = 4;   ///< longest path between two junctions, in sqrt(area / charts)
+constexpr double kLongest = 4;        ///< longest path between two junctions, in sqrt(area / charts)
 
 /// The charts at a vertex, counter-clockwise.
 using Round = std::vector<std::int32_t>;
@@ -206,11 +207,11 @@ class Joiner {
     if (!chord) return {};
     const double length = (position_[a] - position_[b]).norm();
     const bool any_cell = std::any_of(all.begin(), all.end(), [&](std::int32_t l) { return planes_[l].round; });
-    if (any_cell && length > kOfCell * size_) return {};  // a long way would turn the edges of a ring
+    if (any_cell && length > kShort * size_) return {};  // a long way would turn the edges of a ring
     const std::optional<Vec3> place = meeting_point(all, (position_[a] + position_[b]) / 2,
                                                     std::max(length, kStep * size_), loosely ? kLoose * gap_ : gap_);
     if (!place) return {};
-    const std::optional<double> of_shape = energy_of_shape(a, b, *place);
+    const std::optional<double> of_shape = energy_of_shape(a, b, *place, length);
     if (!of_shape) return {};
     const double most = (loosely ? kOfImage : 0) - *of_shape;
     if (most <= 0) return {};
@@ -276,7 +277,8 @@ class Joiner {
 
   /// The change of the energy, without that of the distortion, by one corner at a place instead of two; nothing if a
   /// polygon vanishes or faces away.
-  [[nodiscard]] std::optional<double> energy_of_shape(std::int32_t a, std::int32_t b, const Vec3& place) {
+  [[nodiscard]] std::optional<double> energy_of_shape(std::int32_t a, std::int32_t b, const Vec3& place,
+                                                      double length) {
     std::vector<std::int32_t> round = at_[a];
     round.insert(round.end(), at_[b].begin(), at_[b].end());
     sort_unique(round);
@@ -292,7 +294,7 @@ class Joiner {
     position_[a] = was;
     if (!good || after.faces_away) return {};
     const double reflex = (after.excess - before.excess) / 360, sharp = (after.lack - before.lack) / 360;
-    return kOfReflex * reflex + kOfSharp * sharp - kOfCorner;
+    return kOfReflex * reflex + kOfSharp * sharp - kOfShort * std::max(0.0, 1 - length / (kShort * size_));
   }
 
   /// A loop with a for b.
