@@ -1,10 +1,11 @@
 """The sources that clang-tidy checks after a change: BUILD_DIR COMMIT -> one path a line.
 
 Each source of native/src whose code has changed since COMMIT, and one source for each header whose code has changed.
-Comments, blank lines and includes are no code: clang-tidy finds nothing in them. A moved file is compared with the file
-that it was.
+Comments, blank lines and includes are no code: clang-tidy finds nothing in them. Neither is it a change if names get
+other names of the same style, each everywhere. A moved file is compared with the file that it was.
 """
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,14 @@ from affected_sources import ROOT, output, read_by_source
 from plain_words import OF_CPP
 
 SUFFIXES = (".cpp", ".h", ".cu")
+TOKEN = re.compile(r"(?:std|CGAL|Eigen)(?:::\w+)+|[A-Za-z_]\w*|\S")
+WORDS = """
+alignas auto bool break case catch char class concept const consteval constexpr constinit continue decltype default
+delete do double else enum explicit extern false final float for friend if inline int long mutable namespace new
+noexcept nullptr operator override private protected public requires return short signed sizeof static static_cast
+struct switch template this throw true try typename union unsigned using virtual void volatile while
+"""
+KEYWORDS = frozenset(WORDS.split())
 
 
 def code_of(text: str) -> list[str]:
@@ -20,6 +29,24 @@ def code_of(text: str) -> list[str]:
     bare = OF_CPP.sub(lambda found: " " if found["comment"] else found.group(), text)
     lines = (" ".join(line.split()) for line in bare.splitlines())
     return [line for line in lines if line and not line.startswith("#include")]
+
+
+def style_of(name: str) -> str:
+    """The parts of a name that the rules of names look at."""
+    start = "k" if re.match("k[A-Z]", name) else "upper " if name[0].isupper() else "lower "
+    return start + ("_" if name.endswith("_") else "")
+
+
+def without_own_names(code: list[str]) -> list[str]:
+    """The tokens of some code, with numbers for names that are neither keywords nor of a library."""
+    numbers: dict[str, int] = {}
+
+    def token(text: str) -> str:
+        if text in KEYWORDS or "::" in text or not re.match(r"[A-Za-z_]", text):
+            return text
+        return f"{style_of(text)}{numbers.setdefault(text, len(numbers))}"
+
+    return [token(text) for text in TOKEN.findall("\n".join(code))]
 
 
 def at(commit: str, name: str) -> str:
@@ -34,8 +61,8 @@ def with_changed_code(commit: str) -> set[Path]:
     for line in output("git", "diff", "--name-status", "-M", "-l0", commit).splitlines():
         status, *names = line.split("\t")
         if status != "D" and names[-1].endswith(SUFFIXES):
-            now = (ROOT / names[-1]).read_text()
-            if code_of(now) != code_of(at(commit, names[0])):
+            now, before = (code_of(text) for text in ((ROOT / names[-1]).read_text(), at(commit, names[0])))
+            if now != before and without_own_names(now) != without_own_names(before):
                 changed.add((ROOT / names[-1]).resolve())
     return changed
 

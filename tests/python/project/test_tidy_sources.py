@@ -30,6 +30,23 @@ def test_comments_and_includes_are_no_code(tidy, text, same):
     assert (tidy.code_of(text) == code) == same
 
 
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("std::list<Chart> charts_;\nint f(Chart c) { return charts_; }", True),
+        ("std::list<Chart> pieces_;\nint f(Chart c)\n{ return pieces_; }", True),
+        ("std::list<Chart> charts_;\nint f(Piece c) { return charts_; }", False),
+        ("std::list<Chart> charts;\nint f(Chart c) { return charts; }", False),
+        ("std::list<chart> pieces_;\nint f(chart c) { return pieces_; }", False),
+        ("std::vector<Piece> pieces_;\nint f(Piece c) { return pieces_; }", False),
+        ("std::list<Piece> pieces_;\nlong f(Piece c) { return pieces_; }", False),
+    ],
+)
+def test_names_of_the_same_style_are_no_change(tidy, text, same):
+    tokens = tidy.without_own_names(["std::list<Piece> pieces_;", "int f(Piece c) { return pieces_; }"])
+    assert (tidy.without_own_names(text.splitlines()) == tokens) == same
+
+
 def test_each_changed_header_is_read_once(tidy):
     a, b, c, h, i, k = (Path(name) for name in ("a.cpp", "b.cpp", "c.cpp", "h.h", "i.h", "k.h"))
     read = {a: {a, h}, b: {b, h, i}, c: {c, k}}
