@@ -76,7 +76,7 @@ def artist(hand):
     same("the texture is seen at once", hand.area.spaces.active.shading.color_type, "TEXTURE")
     yield from hand.shot("jobs-1-artist")
     for _ in range(2):
-        user.does("**Keep as LOD** (keeps the result as `<scan>_LOD0`, `_LOD1` ..., and has the next Partition make a")
+        user.does("**Keep as LOD** (keeps the result as `<scan>_LOD0`, `_LOD1` ..., and sets a third")
         with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
             bpy.ops.isimp.keep_lod("INVOKE_DEFAULT", True)
         yield 0.3
