@@ -3,7 +3,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "judge/judge.h"
@@ -42,6 +44,7 @@ Flat flat(std::span<const std::int32_t> polygon, std::span<const Vec3> position)
   int axis = 0;
   n.cwiseAbs().minCoeff(&axis);
   const Vec3 u = n.cross(Vec3::Unit(axis)).normalized(), v = n.cross(u);
+  f.points.reserve(p.size());
   for (const Vec3& x : p) {
     f.points.emplace_back(x.dot(u), x.dot(v));
     f.bend = std::max(f.bend, std::abs(x.dot(n)));
@@ -59,15 +62,14 @@ inline bool boxes_apart(const Point& a, const Point& b, const Point& c, const Po
 /// Cost: O(n).
 bool is_convex(const std::vector<Point>& p) {
   const std::size_t n = p.size();
-  const auto rises = [&](std::size_t i) {  // edge i, of the half of all directions from 0 to 180 degrees
-    const Point &a = p[i], &b = p[(i + 1) % n];
+  const auto rises = [](const Point& a, const Point& b) {  // of the half of all directions from 0 to 180 degrees
     return b.y() > a.y() || (b.y() == a.y() && b.x() > a.x());
   };
   int rounds = 0;
-  bool before = rises(n - 1);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (CGAL::orientation(p[i], p[(i + 1) % n], p[(i + 2) % n]) != CGAL::LEFT_TURN) return false;
-    const bool here = rises(i);
+  bool before = rises(p[n - 2], p[n - 1]);
+  for (std::size_t i = 0, last = n - 1, last_but_one = n - 2; i < n; last_but_one = last, last = i++) {
+    if (CGAL::orientation(p[last_but_one], p[last], p[i]) != CGAL::LEFT_TURN) return false;
+    const bool here = rises(p[last], p[i]);
     rounds += here && !before;
     before = here;
   }
@@ -77,7 +79,7 @@ bool is_convex(const std::vector<Point>& p) {
 /// Whether edge i touches edge j, j > i, elsewhere than where they follow each other.
 bool touch(const std::vector<Point>& p, std::size_t i, std::size_t j) {
   const std::size_t n = p.size();
-  const Point &a = p[i], &b = p[i + 1], &c = p[j], &d = p[(j + 1) % n];
+  const Point &a = p[i], &b = p[i + 1], &c = p[j], &d = p[j + 1 < n ? j + 1 : 0];
   if (j == i + 1) return CGAL::collinear(a, b, d) && !CGAL::collinear_are_strictly_ordered_along_line(a, b, d);
   if (i == 0 && j == n - 1)
     return CGAL::collinear(c, a, b) && !CGAL::collinear_are_strictly_ordered_along_line(c, a, b);
@@ -128,9 +130,13 @@ std::array<std::int32_t, 2> find_crossing(const std::vector<Point>& p) {
 }
 
 /// Cuts ears off a simple polygon, the one with the shortest diagonal first (the first one, where corners are many).
+/// A cut changes only whether the two corners beside it are ears: a triangle with corners inside has one inside that is
+/// not convex, and that one is not cut.
+/// Cost: O(n^2).
 class Ears {
  public:
-  Ears(const std::vector<Point>& points, std::span<const std::int32_t> polygon) : p_(points), polygon_(polygon) {
+  Ears(const std::vector<Point>& points, std::span<const std::int32_t> polygon)
+      : p_(points), polygon_(polygon), is_ear_(points.size(), Ear::unknown) {
     for (std::size_t i = 0; i < p_.size(); ++i) left_.push_back(i);
   }
 
@@ -139,6 +145,7 @@ class Ears {
       const std::size_t ear = find();
       if (ear == left_.size()) return;  // only if rounding made the polygon not simple
       add(ear, like, facets);
+      is_ear_[before(ear)] = is_ear_[after(ear)] = Ear::unknown;
       left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(ear));
     }
     add(1, like, facets);
@@ -146,6 +153,7 @@ class Ears {
 
  private:
   static constexpr std::size_t kMany = 48;
+  enum class Ear : std::uint8_t { unknown, yes, no };
   [[nodiscard]] std::size_t before(std::size_t i) const { return left_[i > 0 ? i - 1 : left_.size() - 1]; }
   [[nodiscard]] std::size_t after(std::size_t i) const { return left_[i + 1 < left_.size() ? i + 1 : 0]; }
 
@@ -154,17 +162,23 @@ class Ears {
     facets.push_back(like);
   }
 
-  [[nodiscard]] std::size_t find() const {
+  [[nodiscard]] std::size_t find() {
     std::size_t best = left_.size();
     double shortest = 0;
     for (std::size_t i = 0; i < left_.size(); ++i) {
       const double diagonal = CGAL::squared_distance(p_[before(i)], p_[after(i)]);
-      if ((best < left_.size() && diagonal >= shortest) || !is_ear(i)) continue;
+      if ((best < left_.size() && diagonal >= shortest) || !knows_ear(i)) continue;
       best = i;
       shortest = diagonal;
       if (left_.size() > kMany) break;
     }
     return best;
+  }
+
+  bool knows_ear(std::size_t i) {
+    Ear& ear = is_ear_[left_[i]];
+    if (ear == Ear::unknown) ear = is_ear(i) ? Ear::yes : Ear::no;
+    return ear == Ear::yes;
   }
 
   [[nodiscard]] bool is_ear(std::size_t i) const {
@@ -186,6 +200,7 @@ class Ears {
   const std::vector<Point>& p_;
   std::span<const std::int32_t> polygon_;
   std::vector<std::size_t> left_;
+  std::vector<Ear> is_ear_;  // by corner
 };
 
 /// The triangulation of a simple bent polygon with the least surface, among all that do not fold over along the normal.
@@ -193,31 +208,25 @@ class Ears {
 /// Cost: O(n^3).
 class LeastSurface {
  public:
+  static constexpr std::size_t kMost = 64;  ///< most corners of a polygon
+
   /// \param thin  triangles thinner than this are used only if there is no other way; 0: no bound
   LeastSurface(const std::vector<Point>& points, bool convex, std::span<const std::int32_t> polygon,
                std::span<const Vec3> position, double thin)
-      : p_(points),
-        convex_(convex),
-        thin_(thin),
-        polygon_(polygon),
-        position_(position),
-        n_(points.size()),
-        cost_(n_ * n_, kNever),
-        via_(n_ * n_, 0),
-        x_(n_),
-        y_(n_),
-        side_(n_) {
+      : p_(points), convex_(convex), thin_(thin), polygon_(polygon), n_(points.size()) {
     for (std::size_t i = 0; i < n_; ++i) {
+      at_[i] = position[polygon[i]];
       x_[i] = p_[i].x();
       y_[i] = p_[i].y();
       if (i > 0) cost_[(i - 1) * n_ + i] = cost_[i * n_ + i - 1] = 0;
+      if (!convex_) reflex_[i] = CGAL::orientation(p_[before(i)], p_[i], p_[after(i)]) == CGAL::RIGHT_TURN;
     }
   }
 
   /// \return whether there is one
   bool cut(const Facet& like, std::vector<Facet>& facets) {
     for (std::size_t gap = 2; gap < n_; ++gap)
-      for (std::size_t i = 0; i + gap < n_; ++i) best(i, i + gap);
+      for (std::size_t i = 0; i + gap < n_; ++i) cost_[i * n_ + i + gap] = cost_[(i + gap) * n_ + i] = best(i, i + gap);
     if (cost_[n_ - 1] >= kNever) return false;
     collect(0, n_ - 1, like, facets);
     return true;
@@ -225,61 +234,84 @@ class LeastSurface {
 
  private:
   static constexpr double kNever = 1e300;
-  static constexpr double kSliver = 1e18;  ///< cost of a sliver: more than any surface, in squares of `thin`
+  static constexpr std::size_t kStride = 8;  ///< edges that are skipped at once
+  static constexpr double kSliver = 1e18;    ///< cost of a sliver: more than any surface, in squares of `thin`
+
+  [[nodiscard]] std::size_t before(std::size_t i) const { return i > 0 ? i - 1 : n_ - 1; }
+  [[nodiscard]] std::size_t after(std::size_t i) const { return i + 1 < n_ ? i + 1 : 0; }
 
   static double longest(const Vec3& a, const Vec3& b, const Vec3& c) {
     return std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
   }
 
-  void best(std::size_t i, std::size_t j) {
-    double least = kNever;
+  /// The least surface between the corners i to j and the segment that joins them, kNever if none is possible.
+  double best(std::size_t i, std::size_t j) {
+    const double *of_i = &cost_[i * n_], *of_j = &cost_[j * n_];
     const bool side = convex_ || j - i == n_ - 1;
-    if (!side && (!leads_inside(i, j) || !leads_inside(j, i))) return;
+    if (!side) {
+      if (!leads_inside(i, j) || !leads_inside(j, i)) return kNever;
+      std::size_t k = i + 1;
+      while (k < j && of_i[k] + of_j[k] >= kNever) ++k;
+      if (k == j || touches_edges(i, j)) return kNever;
+    }
+    // A triangle of more than the least surface so far, less the rest, is left out before its root and its turn.
+    constexpr double kRounding = 1 + 1e-9;
+    double least = kNever;
+    const Vec3 &a = at_[i], &c = at_[j], side_c = c - a;
     for (std::size_t k = i + 1; k < j; ++k) {
-      const double rest = cost_[i * n_ + k] + cost_[j * n_ + k];
+      const double rest = of_i[k] + of_j[k];
       if (rest >= least) continue;
+      const Vec3& b = at_[k];
+      const double squared = (b - a).cross(side_c).squaredNorm(), most = least - rest;
+      if (squared > kRounding * most * most) continue;
       if (!convex_ && CGAL::orientation(p_[i], p_[k], p_[j]) != CGAL::LEFT_TURN) continue;
-      const Vec3 &a = position_[polygon_[i]], &b = position_[polygon_[k]], &c = position_[polygon_[j]];
-      double sum = rest + (b - a).cross(c - a).norm();
-      if (thin_ > 0 && (b - a).cross(c - a).norm() <= thin_ * longest(a, b, c)) sum += kSliver * thin_ * thin_;
+      const double doubled = std::sqrt(squared);
+      double sum = rest + doubled;
+      if (thin_ > 0 && doubled <= thin_ * longest(a, b, c)) sum += kSliver * thin_ * thin_;
       if (sum >= least) continue;
       least = sum;
-      via_[i * n_ + j] = k;
+      via_[i * n_ + j] = static_cast<std::uint8_t>(k);
     }
-    if (least < kNever && (side || !touches_edges(i, j))) cost_[i * n_ + j] = cost_[j * n_ + i] = least;
+    return least;
   }
 
   /// Whether the segment from corner i to corner j touches the polygon elsewhere than at its ends.
   [[nodiscard]] bool touches_edges(std::size_t i, std::size_t j) {
-    find_sides(i, j);
+    find_near_line(i, j);
     const Kernel::Segment_2 s(p_[i], p_[j]);
-    for (std::size_t k = 0; k < n_; ++k) {
-      const std::size_t m = k + 1 < n_ ? k + 1 : 0;
-      if (side_[k] * side_[m] > 0 || k == i || k == j || m == i || m == j) continue;
-      if (!boxes_apart(p_[i], p_[j], p_[k], p_[m]) && CGAL::do_intersect(s, Kernel::Segment_2(p_[k], p_[m])))
-        return true;
+    for (std::size_t first = 0; first < n_; first += kStride) {
+      std::uint64_t any = 0;
+      std::memcpy(&any, &near_line_[first], kStride);
+      if (any == 0) continue;
+      for (std::size_t k = first; k < std::min(first + kStride, n_); ++k) {
+        const std::size_t m = after(k);
+        if (near_line_[k] == 0 || k == i || k == j || m == i || m == j) continue;
+        if (!boxes_apart(p_[i], p_[j], p_[k], p_[m]) && CGAL::do_intersect(s, Kernel::Segment_2(p_[k], p_[m])))
+          return true;
+      }
     }
     return false;
   }
 
   /// Whether the segment from corner i to corner j begins between both edges at corner i, inside the polygon.
   [[nodiscard]] bool leads_inside(std::size_t i, std::size_t j) const {
-    const Point &before = p_[i > 0 ? i - 1 : n_ - 1], &at = p_[i], &after = p_[i + 1 < n_ ? i + 1 : 0], &to = p_[j];
-    const bool right_of_last = CGAL::orientation(at, to, before) == CGAL::LEFT_TURN;
-    const bool left_of_next = CGAL::orientation(at, to, after) == CGAL::RIGHT_TURN;
-    return CGAL::orientation(before, at, after) == CGAL::RIGHT_TURN ? right_of_last || left_of_next
-                                                                    : right_of_last && left_of_next;
+    const Point &at = p_[i], &to = p_[j];
+    const bool right_of_last = CGAL::orientation(at, to, p_[before(i)]) == CGAL::LEFT_TURN;
+    if (right_of_last == reflex_[i]) return right_of_last;
+    return CGAL::orientation(at, to, p_[after(i)]) == CGAL::RIGHT_TURN;
   }
 
-  /// By corner: 1 and -1 where it surely lies on the left and on the right of the line from corner i to corner j, else 0.
-  void find_sides(std::size_t i, std::size_t j) {
+  /// By edge: 0 where it surely lies on one side of the line from corner i to corner j.
+  void find_near_line(std::size_t i, std::size_t j) {
     constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
     const double x = x_[i], y = y_[i], ux = x_[j] - x, uy = y_[j] - y, ax = std::abs(ux), ay = std::abs(uy);
     for (std::size_t k = 0; k < n_; ++k) {
       const double vx = x_[k] - x, vy = y_[k] - y, turn = ux * vy - uy * vx;
       const double unsure = kRounding * (ax * std::abs(vy) + ay * std::abs(vx));
-      side_[k] = static_cast<double>(turn > unsure) - static_cast<double>(turn < -unsure);
+      side_[k] = static_cast<std::int8_t>((turn > unsure) - (turn < -unsure));
     }
+    side_[n_] = side_[0];
+    for (std::size_t k = 0; k < n_; ++k) near_line_[k] = static_cast<std::uint8_t>(side_[k] * side_[k + 1] <= 0);
   }
 
   void collect(std::size_t i, std::size_t j, Facet like, std::vector<Facet>& facets) const {
@@ -295,11 +327,15 @@ class LeastSurface {
   const bool convex_;
   const double thin_;
   std::span<const std::int32_t> polygon_;
-  std::span<const Vec3> position_;
-  std::size_t n_;
-  std::vector<double> cost_;
-  std::vector<std::size_t> via_;
-  std::vector<double> x_, y_, side_;  ///< by corner: its place, and its side of a line
+  const std::size_t n_;
+  // By corner, or by two corners: arrays in place, as most polygons have few corners and would wait for the allocations.
+  std::array<Vec3, kMost> at_;
+  std::array<double, kMost> x_, y_;          ///< place along the normal
+  std::array<std::int8_t, kMost + 1> side_;  ///< 1 and -1 on the left and on the right of a line
+  std::array<std::uint8_t, kMost> near_line_;
+  std::array<bool, kMost> reflex_;  ///< of a polygon that is not convex
+  std::array<double, kMost * kMost> cost_;
+  std::array<std::uint8_t, kMost * kMost> via_;
 };
 
 }  // namespace
@@ -320,8 +356,7 @@ PolygonDefects judge_polygon(std::span<const std::int32_t> polygon, std::span<co
   if (found.crossing[0] >= 0) {
     found.kinds |= kCrossing;
   } else if (facets) {
-    constexpr std::size_t kFew = 64;
-    if (polygon.size() == 3 || polygon.size() > kFew ||
+    if (polygon.size() == 3 || polygon.size() > LeastSurface::kMost ||
         !LeastSurface(f.points, convex, polygon, position, bounds.no_slivers ? 4 * bounds.thickness : 0)
              .cut(like, *facets))
       Ears(f.points, polygon).cut(like, *facets);
