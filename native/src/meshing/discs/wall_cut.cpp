@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -55,52 +54,80 @@ class Chains {
     std::int32_t left_at = kNone;
   };
 
-  [[nodiscard]] double out_price(std::int32_t hole, std::size_t corner) const {
-    const Wall::Way& way = out_[hole][corner];
-    const bool is_forbidden = forbidden_.contains({wall_.corners(hole)[corner].vertex, way.end.vertex});
-    return is_forbidden ? std::numeric_limits<double>::infinity() : way.price;
+  static constexpr std::size_t kMost = Wall::kMostCorners;
+
+  /// A cut between two corners of holes.
+  struct Link {
+    double price = std::numeric_limits<double>::infinity();  ///< as long as it meets no boundary
+    bool is_checked = true;                                  ///< whether it is known that it meets none
+  };
+
+  [[nodiscard]] bool is_forbidden(const LoopPlace& a, const LoopPlace& b) const {
+    return forbidden_.contains({a.vertex, b.vertex});
   }
 
-  [[nodiscard]] double link_price(const LoopPlace& a, const LoopPlace& b) {
-    if (forbidden_.contains({a.vertex, b.vertex})) return std::numeric_limits<double>::infinity();
-    const auto key = std::pair(std::min(a.vertex, b.vertex), std::max(a.vertex, b.vertex));
-    const auto known = prices_.find(key);
-    if (known != prices_.end()) return known->second;
-    return prices_[key] = wall_.price(a, b);
+  /// Lists the corners of some holes, their ways out, and the cuts between them: in a chain in the given order only
+  /// those between a hole and the next one.
+  void list_links(std::span<const std::int32_t> holes, bool in_order) {
+    const std::size_t places = holes.size() * kMost;
+    places_.assign(places, nullptr);
+    outs_.assign(places, std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < holes.size(); ++i)
+      for (std::size_t c = 0; c < wall_.corners(holes[i]).size(); ++c) {
+        places_[i * kMost + c] = &wall_.corners(holes[i])[c];
+        const Wall::Way& way = out_[holes[i]][c];
+        if (!is_forbidden(*places_[i * kMost + c], way.end)) outs_[i * kMost + c] = way.price;
+      }
+    links_.assign(places * places, {});
+    for (std::size_t a = 0; a < places; ++a)
+      for (std::size_t b = 0; b < places; ++b) {
+        const std::size_t i = a / kMost, j = b / kMost;
+        if (!places_[a] || !places_[b] || i == j || (in_order && j != i + 1)) continue;
+        if (!is_forbidden(*places_[a], *places_[b]))
+          links_[a * places + b] = {Wall::least_price(*places_[a], *places_[b]), false};
+      }
+  }
+
+  /// Whether a cut meets no boundary. If it does, its price becomes infinite.
+  bool is_free(std::size_t a, std::size_t b) {
+    Link& link = links_[a * places_.size() + b];
+    if (!std::exchange(link.is_checked, true)) {
+      const auto [from, to] = std::minmax(places_[a], places_[b], [](auto p, auto q) { return p->vertex < q->vertex; });
+      link.price = wall_.price(*from, *to);
+    }
+    return std::isfinite(link.price);
   }
 
   /// Source: Held, Karp 1962, over the corners of the holes.
   [[nodiscard]] Chain search(std::span<const std::int32_t> holes, bool in_order) {
-    const std::size_t n = holes.size(), most = Wall::kMostCorners;
-    const std::size_t sets = in_order ? n + 1 : std::size_t{1} << n;
-    const auto index = [&](std::size_t set, std::size_t i, std::size_t c) { return (set * n + i) * most + c; };
+    const std::size_t n = holes.size(), sets = in_order ? n + 1 : std::size_t{1} << n;
+    list_links(holes, in_order);
     const auto with = [&](std::size_t set, std::size_t i) { return in_order ? set + 1 : set | std::size_t{1} << i; };
     const auto may_follow = [&](std::size_t set, std::size_t i) { return in_order ? set == i : !(set >> i & 1); };
-    std::vector<WayThrough> states(sets * n * most);
+    std::vector<WayThrough> states(sets * n * kMost);  // by set, hole and corner
     const double left_out = kCostLeftOut * wall_.size();
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t c = 0; c < wall_.corners(holes[i]).size(); ++c)
-        states[index(with(in_order ? i : 0, i), i, c)].price =
-            out_price(holes[i], c) + left_out * static_cast<double>(n - 1);
+    for (std::size_t a = 0; a < n * kMost; ++a)
+      states[with(in_order ? a / kMost : 0, a / kMost) * n * kMost + a].price =
+          outs_[a] + left_out * static_cast<double>(n - 1);
     WayThrough last;
     for (std::size_t set = 1; set < sets; ++set)
-      for (std::size_t i = 0; i < n; ++i) {
-        const auto corners = wall_.corners(holes[i]);
-        for (std::size_t c = 0; c < corners.size(); ++c) {
-          const std::size_t at = index(set, i, c);
-          if (!std::isfinite(states[at].price)) continue;
-          for (std::size_t d = 0; d < corners.size(); ++d) {
-            if (d == c) continue;
-            const double so_far = states[at].price + kThrough * (corners[c].at - corners[d].at).norm();
-            const auto improve = [&](WayThrough& to, double price) {
-              if (price < to.price) to = {price, static_cast<std::int32_t>(at), static_cast<std::int32_t>(d)};
-            };
-            improve(last, so_far + out_price(holes[i], d));
-            for (std::size_t j = 0; j < n; ++j) {
-              if (!may_follow(set, j)) continue;
-              const auto next = wall_.corners(holes[j]);
-              for (std::size_t e = 0; e < next.size(); ++e)
-                improve(states[index(with(set, j), j, e)], so_far + link_price(corners[d], next[e]) - left_out);
+      for (std::size_t c = 0; c < n * kMost; ++c) {
+        const std::size_t at = set * n * kMost + c, i = c / kMost;
+        if (!std::isfinite(states[at].price)) continue;
+        for (std::size_t d = i * kMost; d < (i + 1) * kMost && places_[d]; ++d) {
+          if (d == c) continue;
+          const double so_far = states[at].price + kThrough * (places_[c]->at - places_[d]->at).norm();
+          const auto set_to = [&](WayThrough& to, double price) {
+            to = {price, static_cast<std::int32_t>(at), static_cast<std::int32_t>(d % kMost)};
+          };
+          if (so_far + outs_[d] < last.price) set_to(last, so_far + outs_[d]);
+          for (std::size_t j = 0; j < n; ++j) {
+            if (!may_follow(set, j)) continue;
+            for (std::size_t e = j * kMost; e < (j + 1) * kMost && places_[e]; ++e) {
+              WayThrough& next = states[with(set, j) * n * kMost + e];
+              // Boundaries are searched only for cuts that would be cheaper.
+              const double price = so_far + links_[d * n * kMost + e].price - left_out;
+              if (price < next.price && is_free(d, e)) set_to(next, price);
             }
           }
         }
@@ -114,25 +141,28 @@ class Chains {
     if (!std::isfinite(last.price)) return chain;
     LoopPlace to{kNone, Vec2::Zero()};
     while (true) {
-      const std::size_t most = Wall::kMostCorners, n = holes.size();
+      const std::size_t n = holes.size();
       const auto at = static_cast<std::size_t>(last.before);
-      const std::int32_t hole = holes[at / most % n];
+      const std::int32_t hole = holes[at / kMost % n];
       const auto corners = wall_.corners(hole);
       const auto left_at = static_cast<std::size_t>(last.left_at);
       if (to.vertex == kNone) to = out_[hole][left_at].end;
       chain.push_back({corners[left_at], to});
-      to = corners[at % most];
+      to = corners[at % kMost];
       last = states[at];
       if (last.before != kNone) continue;
-      chain.push_back({out_[hole][at % most].end, to});
+      chain.push_back({out_[hole][at % kMost].end, to});
       return chain;
     }
   }
 
   const Wall& wall_;
-  std::vector<std::vector<Wall::Way>> out_;                         // by hole and corner
-  std::set<std::pair<std::int32_t, std::int32_t>> forbidden_;       // pairs of vertices
-  std::map<std::pair<std::int32_t, std::int32_t>, double> prices_;  // prices of cuts, cached
+  std::vector<std::vector<Wall::Way>> out_;                    // by hole and corner
+  std::set<std::pair<std::int32_t, std::int32_t>> forbidden_;  // pairs of vertices
+  // Of the holes of a search: a place is a corner of a hole, kMost a hole.
+  std::vector<const LoopPlace*> places_;
+  std::vector<double> outs_;  // by place: the price of the way out
+  std::vector<Link> links_;   // by two places
 };
 
 /// The holes of the fullest row, in order: holes that face each other along one of the main directions.

@@ -36,7 +36,9 @@ class Wall {
   [[nodiscard]] std::span<const LoopPlace> corners(std::int32_t hole) const { return corners_[hole]; }
   /// The bounding box of a hole: its low and its high corner.
   [[nodiscard]] const std::array<Vec2, 2>& box(std::int32_t hole) const { return box_[hole]; }
-  /// The cost of a straight cut: its length, more if it is slanted; infinite if it meets a boundary.
+  /// The cost of a straight cut that meets no boundary: its length, more if it is slanted.
+  [[nodiscard]] static double least_price(const LoopPlace& a, const LoopPlace& b);
+  /// The cost of a straight cut; infinite if it meets a boundary.
   [[nodiscard]] double price(const LoopPlace& a, const LoopPlace& b) const;
 
   struct Way {
@@ -52,8 +54,6 @@ class Wall {
     std::int32_t loop;
   };
   explicit Wall(const Labels& labels) : labels_(labels) {}
-  /// The cost of a cut that meets no boundary.
-  [[nodiscard]] static double least_price(const LoopPlace& a, const LoopPlace& b);
   [[nodiscard]] Vec2 flat(std::int32_t vertex) const;
   bool turn_to_main_directions(const Shape& shape);
   void collect(const Shape& shape);
