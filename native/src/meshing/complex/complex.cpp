@@ -274,6 +274,10 @@ std::vector<std::int32_t> Complex::make_regular() {
     any = add_third_corners();
     if (any) continue;
     const std::vector<std::int32_t> near = with_neighbours(changed_);
+    // Only what is at corners of changed charts alone can have become irregular.
+    labels_.vertex_marks.clear();
+    for (const std::int32_t l : changed_)
+      for (const std::int32_t h : chords_[l]) labels_.vertex_marks.add(mesh_.from(h));
     any = part_multi_edges(near) || part_duplicates(near);
   }
   ISIMP_ASSERT(dirty_.empty(), "all chords are up to date");
@@ -317,11 +321,12 @@ bool Complex::part_multi_edges(std::span<const std::int32_t> charts) {
   };
   std::vector<ChordOf> entries;
   for (const std::int32_t l : charts) {
-    const auto n = chords_[l].size();
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::int32_t h = chords_[l][i];
-      if (!labels_.owns(h)) continue;
-      const std::int32_t a = mesh_.from(h), b = mesh_.from(chords_[l][(i + 1) % n]);
+    const std::vector<std::int32_t>& chords = chords_[l];
+    for (std::size_t i = 0; i < chords.size(); ++i) {
+      const std::int32_t h = chords[i], a = mesh_.from(h);
+      if (!labels_.vertex_marks.has(a)) continue;
+      const std::int32_t b = mesh_.from(chords[i + 1 < chords.size() ? i + 1 : 0]);
+      if (!labels_.vertex_marks.has(b) || !labels_.owns(h)) continue;
       entries.push_back({std::min(a, b), std::max(a, b), h});
     }
   }
@@ -352,9 +357,11 @@ bool Complex::part_duplicates(std::span<const std::int32_t> charts) {
   };
   std::vector<CornersOf> entries;
   for (const std::int32_t l : charts) {
-    if (loops_[l].empty()) continue;
+    const std::vector<std::int32_t>& chords = chords_[l];
+    const auto is_marked = [&](std::int32_t h) { return labels_.vertex_marks.has(mesh_.from(h)); };
+    if (loops_[l].empty() || !std::all_of(chords.begin(), chords.end(), is_marked)) continue;
     CornersOf e{{}, l};
-    for (const std::int32_t h : chords_[l]) e.corners.push_back(mesh_.from(h));
+    for (const std::int32_t h : chords) e.corners.push_back(mesh_.from(h));
     std::sort(e.corners.begin(), e.corners.end());
     entries.push_back(std::move(e));
   }

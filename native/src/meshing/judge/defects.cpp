@@ -189,7 +189,11 @@ bool Defects::accepts(std::span<const std::int32_t> charts, std::int32_t whole) 
   std::vector<std::int32_t> changed;
   for (const std::int32_t l : charts)
     if (!is_source(found_[l].source, l)) changed.push_back(l);
-  for (const std::int32_t l : changed) {  // without facets first: most that are refused have a defect of their own
+  // Without facets first, and `whole` before the others: most changes that are refused have a defect there.
+  std::vector<std::int32_t> order = changed;
+  if (const auto at = std::find(order.begin(), order.end(), whole); at != order.end())
+    std::rotate(order.begin(), at, at + 1);
+  for (const std::int32_t l : order) {
     const std::uint8_t allowed = l == whole ? kGiven : kinds_[l] | kGiven;
     const std::vector<Vec3> beyond = areas_beyond(l);
     for (std::int32_t part = 0; part < s_.polygons.count_of(l); ++part)
