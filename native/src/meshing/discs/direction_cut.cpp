@@ -119,8 +119,12 @@ class Looks {
 
   static std::uint8_t nearest(std::span<const Vec3> directions, const Vec3& normal) {
     std::size_t best = 0;
+    double most = directions[0].dot(normal);
     for (std::size_t i = 1; i < directions.size(); ++i)
-      if (directions[i].dot(normal) > directions[best].dot(normal)) best = i;
+      if (const double cosine = directions[i].dot(normal); cosine > most) {
+        best = i;
+        most = cosine;
+      }
     return static_cast<std::uint8_t>(best);
   }
 

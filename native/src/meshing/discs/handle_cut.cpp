@@ -144,17 +144,18 @@ std::vector<std::int32_t> keep_largest_component(Labels& labels, std::int32_t ch
                                                  std::vector<std::int32_t>& strip) {
   const std::int32_t to = labels.label[strip[0]];
   std::vector<std::vector<std::int32_t>> components;
+  labels.face_marks.clear();
   for (const std::int32_t f : faces) {
-    if (labels.label[f] != chart) continue;
+    if (labels.label[f] != chart || labels.face_marks.has(f)) continue;
     labels.charts.edit(chart).face = f;
-    components.push_back(labels.faces_of(chart));
-    for (const std::int32_t g : components.back()) labels.label.set(g, kNone);
+    components.push_back(labels.flood(chart));
   }
   const auto largest = std::max_element(components.begin(), components.end(),
                                         [](const auto& a, const auto& b) { return a.size() < b.size(); });
   for (auto c = components.begin(); c != components.end(); ++c) {
-    for (const std::int32_t f : *c) labels.label.set(f, c == largest ? chart : to);
-    if (c != largest) strip.insert(strip.end(), c->begin(), c->end());
+    if (c == largest) continue;
+    for (const std::int32_t f : *c) labels.label.set(f, to);
+    strip.insert(strip.end(), c->begin(), c->end());
   }
   labels.charts.edit(chart).face = largest->front();
   return std::move(*largest);

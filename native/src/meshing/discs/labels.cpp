@@ -74,9 +74,13 @@ std::vector<std::int32_t> Labels::flood(std::int32_t chart) const {
   ISIMP_ASSERT(label[charts[chart].face] == chart, "the face of a chart has its label");
   std::vector<std::int32_t> faces{charts[chart].face};
   face_marks.add(faces[0]);
-  for (std::size_t i = 0; i < faces.size(); ++i)
-    for (std::int32_t h = 3 * faces[i], end = h + 3; h < end; ++h)
-      if (inner(h) && face_marks.add(mesh.opposite(h) / 3)) faces.push_back(mesh.opposite(h) / 3);
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    if (i + kAhead < faces.size()) prefetch(&mesh.opposite()[3 * static_cast<std::size_t>(faces[i + kAhead])]);
+    for (std::int32_t h = 3 * faces[i], end = h + 3; h < end; ++h) {
+      const std::int32_t o = mesh.opposite(h), g = o / 3;
+      if (o != kNone && label[g] == chart && face_marks.add(g)) faces.push_back(g);
+    }
+  }
   walked.fetch_add(static_cast<std::int64_t>(faces.size()), std::memory_order_relaxed);
   return faces;
 }
