@@ -1,9 +1,10 @@
 // Finds triangles that cross others.
-#include <CGAL/Bbox_3.h>
-#include <CGAL/box_intersection_d.h>
-
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
 
 #include "cleaning/close.h"
 #include "isimp/core/to_integer.h"
@@ -12,78 +13,87 @@
 namespace isimp::detail {
 namespace {
 
-using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::int32_t>;
+using Box = Eigen::AlignedBox3d;
 
-CGAL::Bbox_3 box_of(const Corners& t) {
-  const Vec3 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
-  return {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()};
+Box box_of(const Corners& t) { return {t[0].cwiseMin(t[1]).cwiseMin(t[2]), t[0].cwiseMax(t[1]).cwiseMax(t[2])}; }
+
+bool overlap(const Box& a, const Box& b) {
+  return (a.min().array() <= b.max().array()).all() && (b.min().array() <= a.max().array()).all();
 }
 
-/// The cells of a grid that some boxes touch, to exclude most other boxes at once.
+/// Some boxes in the cells of a grid, about one a cell and axis.
 class Cells {
  public:
-  explicit Cells(const std::vector<Box>& boxes) : marked_(kSide * kSide * kSide, 0) {
-    for (const Box& b : boxes) reach_ += b.bbox();
+  explicit Cells(std::vector<Box> boxes) : boxes_(std::move(boxes)) {
+    side_ = to_integer(kFine * std::cbrt(static_cast<double>(boxes_.size())), 1, kMostSide);
+    for (const Box& b : boxes_) reach_.extend(b);
     for (int k = 0; k < 3; ++k) {
-      const double length = reach_.max(k) - reach_.min(k);
-      per_length_[k] = length > 0 ? kSide / length : 0;
+      const double length = boxes_.empty() ? 0 : reach_.max()[k] - reach_.min()[k];
+      per_length_[k] = length > 0 ? side_ / length : 0;
     }
-    for (const Box& b : boxes)
-      find(b.bbox(), [&](std::size_t cell) {
-        marked_[cell] = 1;
-        return false;
-      });
+    start_.assign(static_cast<std::size_t>(side_) * side_ * side_ + 1, 0);
+    const auto each = [&](auto fn) {
+      for (std::size_t i = 0; i < boxes_.size(); ++i)
+        find(boxes_[i], [&](std::size_t cell) {
+          fn(cell, static_cast<std::int32_t>(i));
+          return false;
+        });
+    };
+    each([&](std::size_t cell, std::int32_t) { ++start_[cell + 1]; });
+    std::partial_sum(start_.begin(), start_.end(), start_.begin());
+    inside_.resize(start_.back());
+    std::vector<std::int32_t> fill(start_.begin(), start_.end() - 1);
+    each([&](std::size_t cell, std::int32_t i) { inside_[fill[cell]++] = i; });
   }
-  /// Whether a box may touch one of these boxes.
-  [[nodiscard]] bool has(const CGAL::Bbox_3& box) const {
-    return CGAL::do_overlap(box, reach_) && find(box, [&](std::size_t cell) { return marked_[cell] != 0; });
+
+  /// Whether fn(index) is true of one of the boxes that touch a box. It may be called several times for each.
+  template <class Function>
+  bool any(const Box& box, Function fn) const {
+    return !boxes_.empty() && overlap(box, reach_) && find(box, [&](std::size_t cell) {
+      return std::any_of(inside_.begin() + start_[cell], inside_.begin() + start_[cell + 1],
+                         [&](std::int32_t i) { return overlap(box, boxes_[i]) && fn(i); });
+    });
   }
 
  private:
-  static constexpr int kSide = 64;
+  static constexpr int kMostSide = 64;
+  static constexpr double kFine = 4;
 
   /// Whether fn(cell) is true of a cell that a box touches, which reaches into the grid.
   template <class Function>
-  bool find(const CGAL::Bbox_3& box, Function fn) const {
+  bool find(const Box& box, Function fn) const {
     std::array<std::array<int, 2>, 3> range{};
     for (int k = 0; k < 3; ++k)
       for (int side = 0; side < 2; ++side) {
-        const double at = ((side == 0 ? box.min(k) : box.max(k)) - reach_.min(k)) * per_length_[k];
-        range[k][side] = to_integer(at, 0, kSide - 1);
+        const double at = ((side == 0 ? box.min()[k] : box.max()[k]) - reach_.min()[k]) * per_length_[k];
+        range[k][side] = to_integer(at, 0, side_ - 1);
       }
     for (int x = range[0][0]; x <= range[0][1]; ++x)
       for (int y = range[1][0]; y <= range[1][1]; ++y)
         for (int z = range[2][0]; z <= range[2][1]; ++z)
-          if (fn((static_cast<std::size_t>(x) * kSide + y) * kSide + z)) return true;
+          if (fn((static_cast<std::size_t>(x) * side_ + y) * side_ + z)) return true;
     return false;
   }
 
-  std::vector<char> marked_;
-  CGAL::Bbox_3 reach_;
+  std::vector<Box> boxes_;
+  Box reach_;
+  int side_ = 1;
   std::array<double, 3> per_length_{};
+  std::vector<std::int32_t> start_, inside_;  // by cell: where its boxes start in `inside_`
 };
 
 }  // namespace
 
 std::vector<std::int32_t> find_near(const MeshArrays& arrays, const std::vector<std::int32_t>* among,
                                     const std::vector<Eigen::AlignedBox3d>& boxes, const Threads& threads, Job& job) {
-  std::vector<Box> places;
-  places.reserve(boxes.size());
-  for (const Eigen::AlignedBox3d& b : boxes)
-    places.emplace_back(CGAL::Bbox_3(b.min().x(), b.min().y(), b.min().z(), b.max().x(), b.max().y(), b.max().z()),
-                        kNone);
-  const Cells cells(places);
+  const Cells cells(boxes);
   const std::size_t count = among ? among->size() : arrays.triangles.size();
-  std::vector<Box> faces = gather<Box>(threads, count, job, [&](std::size_t i, auto& found) {
+  return rising(gather<std::int32_t>(threads, count, job, [&](std::size_t i, auto& found) {
     const std::int32_t f = among ? (*among)[i] : static_cast<std::int32_t>(i);
     const auto& [a, b, c] = arrays.triangles[f];
-    const CGAL::Bbox_3 box = box_of({arrays.vertices[a], arrays.vertices[b], arrays.vertices[c]});
-    if (cells.has(box)) found.emplace_back(box, f);
-  });
-  std::vector<std::int32_t> near;
-  CGAL::box_intersection_d(places.begin(), places.end(), faces.begin(), faces.end(),
-                           [&](const Box&, const Box& face) { near.push_back(face.info()); });
-  return rising(std::move(near));
+    const Box box = box_of({arrays.vertices[a], arrays.vertices[b], arrays.vertices[c]});
+    if (cells.any(box, [](std::int32_t) { return true; })) found.push_back(f);
+  }));
 }
 
 std::vector<char> find_crossed(const MeshArrays& arrays, const std::vector<std::int32_t>& others,
@@ -93,19 +103,28 @@ std::vector<char> find_crossed(const MeshArrays& arrays, const std::vector<std::
     return Corners{arrays.vertices[a], arrays.vertices[b], arrays.vertices[c]};
   };
   const auto all = static_cast<std::int32_t>(arrays.triangles.size()), old = all - static_cast<std::int32_t>(fresh);
-  std::vector<Box> patches, kept;
-  for (std::int32_t f = old; f < all; ++f) patches.emplace_back(box_of(corners(f)), f);
-  for (const std::int32_t f : others)
-    if (!removed[f]) kept.emplace_back(box_of(corners(f)), f);
-  std::vector<char> crossed(fresh, 0);
+  std::vector<Box> patches(fresh);
+  std::vector<char> solid(fresh), crossed(fresh, 0);
+  for (std::size_t i = 0; i < fresh; ++i) {
+    const Corners s = corners(old + static_cast<std::int32_t>(i));
+    patches[i] = box_of(s);
+    solid[i] = has_area(s);
+  }
+  const Cells cells(std::move(patches));
   std::size_t tests = 0;
-  CGAL::box_intersection_d(patches.begin(), patches.end(), kept.begin(), kept.end(), [&](const Box& x, const Box& y) {
-    if (++tests % kPollEvery == 0) job.poll();
-    const std::int32_t f = x.info(), g = y.info();
-    if (f == g || crossed[f - old]) return;
-    const Corners s = corners(f), t = corners(g);
-    if (has_area(s) && has_area(t)) crossed[f - old] = meet_elsewhere(arrays.triangles[f], s, arrays.triangles[g], t);
-  });
+  for (const std::int32_t g : others) {
+    if (removed[g]) continue;
+    const Corners t = corners(g);
+    std::optional<bool> is_solid;
+    cells.any(box_of(t), [&](std::int32_t i) {
+      if (++tests % kPollEvery == 0) job.poll();
+      const std::int32_t f = old + i;
+      if (f == g || crossed[i] || !solid[i]) return false;
+      if (!is_solid) is_solid = has_area(t);
+      if (*is_solid) crossed[i] = meet_elsewhere(arrays.triangles[f], corners(f), arrays.triangles[g], t);
+      return false;
+    });
+  }
   return crossed;
 }
 

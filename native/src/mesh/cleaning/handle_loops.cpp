@@ -62,7 +62,7 @@ class HandleLoops {
     const auto count = static_cast<std::int32_t>(distance_.size());
     for (std::int32_t i = 0; i < count; ++i) {
       const std::int32_t v = last ? count - 1 - i : i;
-      if (distance_[v] == kFar && topology_.vertex_halfedge[v] != kNone) grow(v, kFar);
+      if (distance_[v] == kFar && topology_.vertex_halfedge[v] != kNone) grow({&v, 1}, kFar);
     }
     std::vector<std::int32_t> starts = left_over(core());
     for (std::int32_t& h : starts) h = from(h);
@@ -80,16 +80,13 @@ class HandleLoops {
   /// The edges near some vertices. A first tree that grows from one of these vertices, up to the radius, has no other
   /// edge. So the faces that the other edges join are one node.
   [[nodiscard]] Dual near_edges(const std::vector<std::int32_t>& starts, double radius) {
-    std::vector<char> near(distance_.size(), 0);
-    for (const std::int32_t v : starts) {
-      forget();
-      grow(v, radius);
-      for (const std::int32_t w : reached_) near[w] = 1;
-    }
+    forget();
+    grow(starts, radius);
+    const auto is_near = [&](std::int32_t v) { return distance_[v] != kFar; };
     Forest far(nodes_);
     Dual dual;
     for_each_edge([&](std::int32_t h) {
-      if (near[from(h)] && near[to(h)]) {
+      if (is_near(from(h)) && is_near(to(h))) {
         dual.edges.push_back(h);
         dual.sides.push_back({h / 3, across(h)});
       } else {
@@ -113,7 +110,7 @@ class HandleLoops {
     for (std::size_t begin = 0; begin < starts.size();) {
       std::vector<Reached> some;
       for (std::size_t sum = 0; begin < starts.size() && sum < most; ++begin) {
-        some.push_back({starts[begin], edges_reached(starts[begin], longest / 2, at, dual)});
+        some.push_back(reached_from(starts[begin], longest / 2, at, dual));
         sum += some.back().edges.size();
       }
       Halving halving{dual, longest, UndoForest(dual.nodes), std::vector<std::int32_t>(dual.edges.size(), 0), 1};
@@ -137,8 +134,9 @@ class HandleLoops {
     return (arrays_.vertices[a] - arrays_.vertices[b]).norm();
   }
 
-  /// By buckets of distances, which are taken in order; inside one, vertices are taken again where a shorter way comes.
-  void grow(std::int32_t root, double radius) {
+  /// Grows one tree from some vertices, so that each vertex hangs on the nearest of them: by buckets of distances, which
+  /// are taken in order; inside one, vertices are taken again where a shorter way comes.
+  void grow(std::span<const std::int32_t> roots, double radius) {
     std::size_t last = 0;
     const auto reach = [&](std::int32_t v, double d, std::int32_t via, std::int32_t edge) {
       if (d > radius || d >= distance_[v]) return;
@@ -151,7 +149,7 @@ class HandleLoops {
       buckets_[at].push_back(v);
       last = std::max(last, at);
     };
-    reach(root, 0, kNone, kNone);
+    for (const std::int32_t root : roots) reach(root, 0, kNone, kNone);
     std::size_t taken = 0;
     for (std::size_t now = 0; now <= last; ++now) {
       for (std::size_t i = 0; i < buckets_[now].size(); ++i) {
@@ -249,9 +247,14 @@ class HandleLoops {
     return dual;
   }
 
-  /// A start, and the edges of the dual with both ends in its reach, by number.
+  /// A vertex of a tree that grew from a start.
+  struct Grown {
+    double distance;
+    std::int32_t vertex, via, edge;
+  };
+  /// The tree of a start, and the edges of the dual with both ends in its reach, by number.
   struct Reached {
-    std::int32_t start;
+    std::vector<Grown> tree;
     std::vector<std::int32_t> edges;
   };
 
@@ -273,15 +276,18 @@ class HandleLoops {
     return at;
   }
 
-  std::vector<std::int32_t> edges_reached(std::int32_t start, double radius, const EdgesAt& at, const Dual& dual) {
+  Reached reached_from(std::int32_t start, double radius, const EdgesAt& at, const Dual& dual) {
     forget();
-    grow(start, radius);
-    std::vector<std::int32_t> edges;
-    for (const std::int32_t v : reached_)
+    grow({&start, 1}, radius);
+    Reached r;
+    r.tree.reserve(reached_.size());
+    for (const std::int32_t v : reached_) {
+      r.tree.push_back({distance_[v], v, via_[v], edge_[v]});
       for (const std::int32_t i : at.of(v))
-        if (distance_[to(dual.edges[i])] != kFar) edges.push_back(i);
-    std::sort(edges.begin(), edges.end());
-    return edges;
+        if (distance_[to(dual.edges[i])] != kFar) r.edges.push_back(i);
+    }
+    std::sort(r.edges.begin(), r.edges.end());
+    return r;
   }
 
   /// The state of a search that halves the starts: edges that no current start reaches are joined.
@@ -323,7 +329,12 @@ class HandleLoops {
   /// Adds the loops of one start. All edges that it does not reach are joined.
   void find_at(const Reached& reached, Halving& h, std::vector<Loop>& loops) {
     forget();
-    grow(reached.start, h.longest / 2);
+    for (const auto& [distance, vertex, via, edge] : reached.tree) {
+      distance_[vertex] = distance;
+      via_[vertex] = via;
+      edge_[vertex] = edge;
+      reached_.push_back(vertex);
+    }
     std::vector<Edge> edges;
     for (const std::int32_t i : reached.edges)
       if (!in_tree(h.dual.edges[i])) edges.push_back(edge_of(i, h.dual));

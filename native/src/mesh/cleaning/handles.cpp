@@ -26,7 +26,8 @@ class Rings {
         topology_(topology),
         taken_(arrays.vertices.size(), 0),
         gone_(arrays.triangles.size(), 0),
-        seen_(arrays.triangles.size(), 0) {}
+        seen_(arrays.triangles.size(), 0),
+        in_ring_(arrays.triangles.size(), 0) {}
 
   /// \return no loops if the faces along the loop are no ring, or reach a border of the mesh or an opening taken before
   Opening take(const Loop& loop) { return take(ring_of(loop)); }
@@ -50,7 +51,7 @@ class Rings {
   static constexpr int kMostRows = 32;
   static constexpr double kWider = 1.3;  // times the loop's length: a border beyond is no longer in the tunnel
 
-  [[nodiscard]] Opening ring_of(const Loop& loop) const {
+  [[nodiscard]] Opening ring_of(const Loop& loop) {
     Opening o;
     o.kind = RepairKind::cut_handles;
     o.length = loop.length;
@@ -71,7 +72,7 @@ class Rings {
   /// Adds the next faces on both sides to the ring, if they are in the same tunnel or on the same handle: a cut in the
   /// middle alone would leave a dent on both sides.
   /// \return whether there were any
-  bool widen(Opening& o, const Loop& loop) const {
+  bool widen(Opening& o, const Loop& loop) {
     bool any = false;
     for (int side = 0; side < 2; ++side) {
       Opening wider;
@@ -101,8 +102,10 @@ class Rings {
 
   /// Adds the faces at some vertices to a rising list of faces.
   void add_fans(const std::vector<std::int32_t>& vertices, std::vector<std::int32_t>& faces) const {
+    const auto had = static_cast<std::ptrdiff_t>(faces.size());
     for (const std::int32_t v : vertices) add_fan(v, faces);
-    std::sort(faces.begin(), faces.end());
+    std::sort(faces.begin() + had, faces.end());
+    std::inplace_merge(faces.begin(), faces.begin() + had, faces.end());
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
   }
 
@@ -125,12 +128,14 @@ class Rings {
 
   /// Finds the border loops of the removed faces.
   /// \return whether there are two, with no vertex twice and no vertex of `loop`
-  [[nodiscard]] bool find_borders(Opening& o, const Loop& loop) const {
+  [[nodiscard]] bool find_borders(Opening& o, const Loop& loop) {
+    ++ring_;
+    for (const std::int32_t f : o.removed) in_ring_[f] = ring_;
     std::unordered_map<std::int32_t, std::int32_t> next;
     std::vector<std::int32_t> starts;
     for (const std::int32_t f : o.removed)
       for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
-        if (std::binary_search(o.removed.begin(), o.removed.end(), topology_.opposite[h] / 3)) continue;
+        if (in_ring_[topology_.opposite[h] / 3] == ring_) continue;
         const std::int32_t a = arrays_.triangles[f][h % 3], b = arrays_.triangles[f][(h + 1) % 3];
         if (!next.emplace(a, b).second) return false;  // the border touches itself
         starts.push_back(a);
@@ -184,6 +189,8 @@ class Rings {
   std::vector<char> gone_;          // their faces
   std::vector<std::int32_t> seen_;  // by face: the last ring, and its border, from which it was reached
   std::int32_t rings_ = 0;
+  std::vector<std::int32_t> in_ring_;  // by face: the last ring whose borders were searched that has it
+  std::int32_t ring_ = 0;
 };
 
 }  // namespace
