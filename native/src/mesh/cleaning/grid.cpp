@@ -20,19 +20,47 @@ constexpr std::size_t kLeast = 8;     // values along an axis, with fewer there 
 constexpr double kOffLattice = 0.02;  // share of half a cell
 constexpr double kShare = 0.98;       // least share of the vertices at places of a grid of occupancy
 
+/// The values of an axis without those that are equal to a lower one, rising. The values are sorted into intervals only,
+/// as these are few.
+std::vector<double> distinct_values(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const double first = *low, same = kSame * (*high - first);
+  if (!(same > 0)) return {first};
+  constexpr std::size_t kIntervals = 1.5 / kSame;
+  const auto interval = [&](double v) { return to_integer((v - first) / same, std::size_t{0}, kIntervals - 1); };
+  std::vector<std::size_t> start(kIntervals + 1, 0);
+  for (const double v : values) ++start[interval(v) + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<double> sorted(values.size());
+  std::vector<std::size_t> fill(start.begin(), start.end() - 1);
+  for (const double v : values) sorted[fill[interval(v)]++] = v;
+  std::vector<double> distinct{first};
+  for (std::size_t i = 0; i < kIntervals;) {
+    double next = std::numeric_limits<double>::infinity();
+    for (std::size_t k = start[i]; k < start[i + 1]; ++k)
+      if (sorted[k] - distinct.back() > same) next = std::min(next, sorted[k]);
+    if (std::isfinite(next))
+      distinct.push_back(next);
+    else
+      ++i;
+  }
+  return distinct;
+}
+
 /// The distance that most of the different values of an axis are apart; 0 where few vertices share a value.
-double common_step(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const double same = kSame * (values.back() - values.front());
-  std::vector<double> distinct;
-  for (const double v : values)
-    if (distinct.empty() || v - distinct.back() > same) distinct.push_back(v);
+double common_step(const std::vector<double>& values) {
+  const std::vector<double> distinct = distinct_values(values);
   if (distinct.size() < kLeast || distinct.size() * 2 > values.size()) return 0;
   std::vector<double> steps;
   for (std::size_t i = 1; i < distinct.size(); ++i) steps.push_back(distinct[i] - distinct[i - 1]);
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
   return *middle;
+}
+
+/// Whether so many of some things do not fit that less than kShare can fit.
+bool too_many(std::size_t off, std::size_t all) {
+  return static_cast<double>(all - off) < kShare * static_cast<double>(all);
 }
 
 /// Whether the vertices are where marching cubes of occupied and empty cells has them, in the middles of the edges of a
@@ -45,9 +73,13 @@ bool is_of_grid(const std::vector<Vec3>& vertices, double half) {
   if ((step / half - Vec3::Ones()).cwiseAbs().maxCoeff() > kOffLattice) return false;
   // Which places are odd along an axis is not known: all eight ways are counted.
   std::array<std::array<std::size_t, 3>, 8> odd_along{};
+  std::size_t off = 0;
   for (const Vec3& v : vertices) {
     const Vec3 place = (v - box.min()).cwiseQuotient(step), whole = place.array().round();
-    if ((place - whole).cwiseAbs().maxCoeff() > kOffLattice) continue;
+    if ((place - whole).cwiseAbs().maxCoeff() > kOffLattice) {
+      if (too_many(++off, vertices.size())) return false;
+      continue;
+    }
     int odd = 0;
     for (int k = 0; k < 3; ++k) odd |= (to_integer(whole[k], 0, std::numeric_limits<int>::max()) & 1) << k;
     for (int way = 0; way < 8; ++way) {
@@ -70,7 +102,7 @@ double find_cell(const std::vector<Vec3>& vertices) {
     std::vector<double> values;
     values.reserve(vertices.size());
     for (const Vec3& v : vertices) values.push_back(v[k]);
-    const double own = common_step(std::move(values));
+    const double own = common_step(values);
     if (!(own > 0)) return 0;
     step = std::min(step, own);
   }
@@ -85,23 +117,25 @@ double find_cell(const std::vector<Vec3>& vertices) {
 std::optional<Eigen::Matrix3d> find_axes(const MeshArrays& arrays) {
   constexpr double kSameLength = 2e-3;  // share of a cell
   const std::array lengths{std::sqrt(0.5), 1.0, std::sqrt(1.5), std::sqrt(2.0)};
-  std::vector<Vec3> edges;
-  edges.reserve(3 * arrays.triangles.size());
+  const auto edge = [&](const Triangle& t, int k) -> Vec3 {
+    return arrays.vertices[t[k < 2 ? k + 1 : 0]] - arrays.vertices[t[k]];
+  };
   double shortest = std::numeric_limits<double>::infinity();
   for (const Triangle& t : arrays.triangles)
-    for (int k = 0; k < 3; ++k) {
-      edges.emplace_back(arrays.vertices[t[(k + 1) % 3]] - arrays.vertices[t[k]]);
-      shortest = std::min(shortest, edges.back().norm());
-    }
-  const double cell = shortest / lengths[0];
-  std::size_t fitting = 0;
+    for (int k = 0; k < 3; ++k) shortest = std::min(shortest, edge(t, k).squaredNorm());
+  const double cell = std::sqrt(shortest) / lengths[0];
+  const std::size_t edges = 3 * arrays.triangles.size();
+  std::size_t off = 0;
   std::array<Vec3, 3> sum{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   int known = 0;
-  for (const Vec3& e : edges) {
+  for (std::size_t i = 0; i < edges; ++i) {
+    const Vec3 e = edge(arrays.triangles[i / 3], static_cast<int>(i % 3));
     const double length = e.norm() / cell;
     const auto is = [&](double l) { return std::abs(length - l) < kSameLength; };
-    if (!std::any_of(lengths.begin(), lengths.end(), is)) continue;
-    ++fitting;
+    if (!std::any_of(lengths.begin(), lengths.end(), is)) {
+      if (too_many(++off, edges)) return std::nullopt;
+      continue;
+    }
     if (!is(lengths[1])) continue;
     int axis = 0;  // the known one along which it is, else a new one at right angles to all
     while (axis < known && std::abs(e.dot(sum[axis])) < 0.5 * e.norm() * sum[axis].norm()) ++axis;
@@ -109,7 +143,7 @@ std::optional<Eigen::Matrix3d> find_axes(const MeshArrays& arrays) {
     if (axis == known) ++known;
     sum[axis] += e.dot(sum[axis]) < 0 ? Vec3(-e) : e;
   }
-  if (static_cast<double>(fitting) < kShare * static_cast<double>(edges.size()) || known < 3) return std::nullopt;
+  if (known < 3) return std::nullopt;
   Eigen::Matrix3d axes;
   axes.col(0) = sum[0].normalized();
   axes.col(2) = axes.col(0).cross(sum[1]).normalized();
