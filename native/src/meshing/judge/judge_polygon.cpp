@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "judge/judge.h"
@@ -204,6 +203,8 @@ class Ears {
 };
 
 /// The triangulation of a simple bent polygon with the least surface, among all that do not fold over along the normal.
+/// No segment is tested against the boundary: triangles that all turn left along the normal, with the polygon as their
+/// common boundary, cover each point as often as it winds around the point, so they cover its inside once.
 /// Source: Gilbert 1979.
 /// Cost: O(n^3).
 class LeastSurface {
@@ -216,10 +217,7 @@ class LeastSurface {
       : p_(points), convex_(convex), thin_(thin), polygon_(polygon), n_(points.size()) {
     for (std::size_t i = 0; i < n_; ++i) {
       at_[i] = position[polygon[i]];
-      x_[i] = p_[i].x();
-      y_[i] = p_[i].y();
       if (i > 0) cost_[(i - 1) * n_ + i] = cost_[i * n_ + i - 1] = 0;
-      if (!convex_) reflex_[i] = CGAL::orientation(p_[before(i)], p_[i], p_[after(i)]) == CGAL::RIGHT_TURN;
     }
   }
 
@@ -234,11 +232,7 @@ class LeastSurface {
 
  private:
   static constexpr double kNever = 1e300;
-  static constexpr std::size_t kStride = 8;  ///< edges that are skipped at once
-  static constexpr double kSliver = 1e18;    ///< cost of a sliver: more than any surface, in squares of `thin`
-
-  [[nodiscard]] std::size_t before(std::size_t i) const { return i > 0 ? i - 1 : n_ - 1; }
-  [[nodiscard]] std::size_t after(std::size_t i) const { return i + 1 < n_ ? i + 1 : 0; }
+  static constexpr double kSliver = 1e18;  ///< cost of a sliver: more than any surface, in squares of `thin`
 
   static double longest(const Vec3& a, const Vec3& b, const Vec3& c) {
     return std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
@@ -247,13 +241,6 @@ class LeastSurface {
   /// The least surface between the corners i to j and the segment that joins them, kNever if none is possible.
   double best(std::size_t i, std::size_t j) {
     const double *of_i = &cost_[i * n_], *of_j = &cost_[j * n_];
-    const bool side = convex_ || j - i == n_ - 1;
-    if (!side) {
-      if (!leads_inside(i, j) || !leads_inside(j, i)) return kNever;
-      std::size_t k = i + 1;
-      while (k < j && of_i[k] + of_j[k] >= kNever) ++k;
-      if (k == j || touches_edges(i, j)) return kNever;
-    }
     // A triangle of more than the least surface so far, less the rest, is left out before its root and its turn.
     constexpr double kRounding = 1 + 1e-9;
     double least = kNever;
@@ -275,45 +262,6 @@ class LeastSurface {
     return least;
   }
 
-  /// Whether the segment from corner i to corner j touches the polygon elsewhere than at its ends.
-  [[nodiscard]] bool touches_edges(std::size_t i, std::size_t j) {
-    find_near_line(i, j);
-    const Kernel::Segment_2 s(p_[i], p_[j]);
-    for (std::size_t first = 0; first < n_; first += kStride) {
-      std::uint64_t any = 0;
-      std::memcpy(&any, &near_line_[first], kStride);
-      if (any == 0) continue;
-      for (std::size_t k = first; k < std::min(first + kStride, n_); ++k) {
-        const std::size_t m = after(k);
-        if (near_line_[k] == 0 || k == i || k == j || m == i || m == j) continue;
-        if (!boxes_apart(p_[i], p_[j], p_[k], p_[m]) && CGAL::do_intersect(s, Kernel::Segment_2(p_[k], p_[m])))
-          return true;
-      }
-    }
-    return false;
-  }
-
-  /// Whether the segment from corner i to corner j begins between both edges at corner i, inside the polygon.
-  [[nodiscard]] bool leads_inside(std::size_t i, std::size_t j) const {
-    const Point &at = p_[i], &to = p_[j];
-    const bool right_of_last = CGAL::orientation(at, to, p_[before(i)]) == CGAL::LEFT_TURN;
-    if (right_of_last == reflex_[i]) return right_of_last;
-    return CGAL::orientation(at, to, p_[after(i)]) == CGAL::RIGHT_TURN;
-  }
-
-  /// By edge: 0 where it surely lies on one side of the line from corner i to corner j.
-  void find_near_line(std::size_t i, std::size_t j) {
-    constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
-    const double x = x_[i], y = y_[i], ux = x_[j] - x, uy = y_[j] - y, ax = std::abs(ux), ay = std::abs(uy);
-    for (std::size_t k = 0; k < n_; ++k) {
-      const double vx = x_[k] - x, vy = y_[k] - y, turn = ux * vy - uy * vx;
-      const double unsure = kRounding * (ax * std::abs(vy) + ay * std::abs(vx));
-      side_[k] = static_cast<std::int8_t>((turn > unsure) - (turn < -unsure));
-    }
-    side_[n_] = side_[0];
-    for (std::size_t k = 0; k < n_; ++k) near_line_[k] = static_cast<std::uint8_t>(side_[k] * side_[k + 1] <= 0);
-  }
-
   void collect(std::size_t i, std::size_t j, Facet like, std::vector<Facet>& facets) const {
     if (j - i < 2) return;
     const std::size_t k = via_[i * n_ + j];
@@ -330,10 +278,6 @@ class LeastSurface {
   const std::size_t n_;
   // By corner, or by two corners: arrays in place, as most polygons have few corners and would wait for the allocations.
   std::array<Vec3, kMost> at_;
-  std::array<double, kMost> x_, y_;          ///< place along the normal
-  std::array<std::int8_t, kMost + 1> side_;  ///< 1 and -1 on the left and on the right of a line
-  std::array<std::uint8_t, kMost> near_line_;
-  std::array<bool, kMost> reflex_;  ///< of a polygon that is not convex
   std::array<double, kMost * kMost> cost_;
   std::array<std::uint8_t, kMost * kMost> via_;
 };
