@@ -10,8 +10,10 @@
 namespace isimp::meshing {
 namespace {
 
-/// Whether a face of which polygons are made borders one of which none are made.
+/// Whether a face of which polygons are made borders one of which none are made, if no region is left out.
 bool is_cut(const Mesh& mesh, const Partition& partition) {
+  const auto& regions = partition.face_region;
+  if (std::ranges::find(regions, kNone) == regions.end()) return false;  // nearly always, and quicker than all edges
   for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h) {
     const std::int32_t o = mesh.opposite(h);
     if (o > h && (partition.kept_region(h / 3) == kNone) != (partition.kept_region(o / 3) == kNone)) return true;
