@@ -20,8 +20,8 @@ constexpr std::size_t kLeast = 8;     // values along an axis, with fewer there 
 constexpr double kOffLattice = 0.02;  // share of half a cell
 constexpr double kShare = 0.98;       // least share of the vertices at places of a grid of occupancy
 
-/// The values of an axis without those that are equal to a lower one, rising. The values are sorted into intervals only,
-/// as these are few.
+/// The distinct values of an axis, rising; a value equal to a lower one is dropped. The values are only sorted into
+/// intervals, as few values are distinct.
 std::vector<double> distinct_values(const std::vector<double>& values) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   const double first = *low, same = kSame * (*high - first);
@@ -58,7 +58,7 @@ double common_step(const std::vector<double>& values) {
   return *middle;
 }
 
-/// Whether so many of some things do not fit that less than kShare can fit.
+/// Whether less than kShare of all can fit if `off` do not.
 bool too_many(std::size_t off, std::size_t all) {
   return static_cast<double>(all - off) < kShare * static_cast<double>(all);
 }

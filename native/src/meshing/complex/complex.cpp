@@ -274,7 +274,7 @@ std::vector<std::int32_t> Complex::make_regular() {
     any = add_third_corners();
     if (any) continue;
     const std::vector<std::int32_t> near = with_neighbours(changed_);
-    // Only what is at corners of changed charts alone can have become irregular.
+    // An edge or a chart can occur twice now only if all its corners are corners of changed charts.
     labels_.vertex_marks.clear();
     for (const std::int32_t l : changed_)
       for (const std::int32_t h : chords_[l]) labels_.vertex_marks.add(mesh_.from(h));

@@ -105,7 +105,7 @@ class Complex {
   void collect_dirty();
   bool add_third_corners();
   [[nodiscard]] std::vector<std::int32_t> with_neighbours(std::span<const std::int32_t> charts) const;
-  // Both look at chords and charts all of whose corners are marked in vertex_marks.
+  // Both compare only chords and charts whose corners are all marked in vertex_marks.
   bool part_multi_edges(std::span<const std::int32_t> charts);
   bool part_duplicates(std::span<const std::int32_t> charts);
 

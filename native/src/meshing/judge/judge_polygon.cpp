@@ -61,7 +61,7 @@ inline bool boxes_apart(const Point& a, const Point& b, const Point& c, const Po
 /// Cost: O(n).
 bool is_convex(const std::vector<Point>& p) {
   const std::size_t n = p.size();
-  const auto rises = [](const Point& a, const Point& b) {  // of the half of all directions from 0 to 180 degrees
+  const auto rises = [](const Point& a, const Point& b) {  // whether the direction is one from 0 to 180 degrees
     return b.y() > a.y() || (b.y() == a.y() && b.x() > a.x());
   };
   int rounds = 0;
@@ -129,8 +129,8 @@ std::array<std::int32_t, 2> find_crossing(const std::vector<Point>& p) {
 }
 
 /// Cuts ears off a simple polygon, the one with the shortest diagonal first (the first one, where corners are many).
-/// A cut changes only whether the two corners beside it are ears: a triangle with corners inside has one inside that is
-/// not convex, and that one is not cut.
+/// A cut changes only whether the two adjacent corners are ears: each triangle that contains corners contains one that is
+/// not convex, and such a corner is not cut.
 /// Cost: O(n^2).
 class Ears {
  public:
@@ -241,7 +241,7 @@ class LeastSurface {
   /// The least surface between the corners i to j and the segment that joins them, kNever if none is possible.
   double best(std::size_t i, std::size_t j) {
     const double *of_i = &cost_[i * n_], *of_j = &cost_[j * n_];
-    // A triangle of more than the least surface so far, less the rest, is left out before its root and its turn.
+    // A triangle that is too large for a smaller surface is skipped before its root and its turn are computed.
     constexpr double kRounding = 1 + 1e-9;
     double least = kNever;
     const Vec3 &a = at_[i], &c = at_[j], side_c = c - a;
