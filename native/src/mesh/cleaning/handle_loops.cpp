@@ -43,16 +43,14 @@ class HandleLoops {
     number_holes();
   }
 
-  /// By Euler's formula, holes counted as faces.
+  /// By Euler's formula, holes counted as faces. Without a handle, used - edges + nodes is 2 for each component.
   [[nodiscard]] bool any_handle() const {
-    Forest forest(nodes_);
-    std::size_t joins = 0, edges = 0;
-    for_each_edge([&](std::int32_t h) {
-      ++edges;
-      joins += forest.join(h / 3, across(h)) ? 1 : 0;
-    });
     const std::size_t used = topology_.vertex_halfedge.size() - static_cast<std::size_t>(topology_.unused_vertices);
-    // Over all components, used - edges + nodes = 2 (nodes - joins) without a handle.
+    const std::size_t edges = (topology_.opposite.size() + topology_.border.size()) / 2;
+    if (used + nodes_ < edges + 2) return true;  // whatever the number of components
+    Forest forest(nodes_);
+    std::size_t joins = 0;
+    for_each_edge([&](std::int32_t h) { joins += forest.join(h / 3, across(h)) ? 1 : 0; });
     return used + 2 * joins != edges + nodes_;
   }
 
