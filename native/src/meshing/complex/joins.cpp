@@ -24,14 +24,6 @@ bool crosses_barrier(const State& state, std::int32_t taker, const std::vector<s
 
 }  // namespace
 
-std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t chart) {
-  std::int32_t last = kNone;
-  for (const std::int32_t f : faces)
-    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
-      if (labels.across(h) == chart) last = labels.mesh.opposite(h) / 3;
-  return last;
-}
-
 bool parts_wall(const State& state, std::int32_t a, std::int32_t b) {
   const auto is_wall = [&](std::int32_t l) { return state.labels.charts[l].cause == Cause::wall; };
   return (state.cutter.perforated || is_wall(a) || is_wall(b)) &&
@@ -72,11 +64,8 @@ bool take_back(State& state, const std::vector<bool>& defective, std::vector<Joi
   for (std::size_t i = joins.size(); i-- > 0;) {
     const Join& join = joins[i];
     if (!goes[i]) continue;
-    state.relabel(join.faces, join.giver);
-    if (labels.label[labels.charts[join.taker].face] != join.taker)
-      state.name(join.taker, face_beside(labels, join.faces, join.taker));
-    state.add_corner(join.gone);
     state.hand_over(join.taker, join.giver, join.faces, join.charts);
+    state.add_corner(join.gone);
   }
   for (std::size_t i = 0; i < joins.size(); ++i)
     if (!goes[i]) kept.push_back(std::move(joins[i]));

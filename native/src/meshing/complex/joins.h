@@ -17,9 +17,6 @@ struct Join {
   bool alone = false;                ///< its image should have been made too, and was not
 };
 
-/// The last face of a chart that shares an edge with some faces; kNone if there is none.
-std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t chart);
-
 /// Whether two charts face different directions, and one of them is the wall of a hole or, in a perforated mesh, may be
 /// one.
 bool parts_wall(const State& state, std::int32_t a, std::int32_t b);

@@ -42,6 +42,15 @@ std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> 
   return kNone;
 }
 
+/// The last face of a chart that shares an edge with some faces; kNone if there is none.
+std::int32_t face_beside(const Labels& labels, std::span<const std::int32_t> faces, std::int32_t chart) {
+  std::int32_t last = kNone;
+  for (const std::int32_t f : faces)
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      if (labels.across(h) == chart) last = labels.mesh.opposite(h) / 3;
+  return last;
+}
+
 }  // namespace
 
 State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job,
@@ -199,9 +208,9 @@ void State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t
   std::vector<std::int32_t> between;
   for (const std::int32_t h : complex.loop(gone))
     if (labels.across(h) == kept) between.insert(between.end(), {mesh.from(h), mesh.to(h)});
-  relabel(labels.faces_of(gone), kept);
+  for (const std::int32_t f : labels.faces_of(gone)) labels_.label.set(f, kept);
   if (kept_chart.cause == Cause::repair) labels_.charts.edit(kept).cause = gone_chart.cause;
-  name(gone, kNone);
+  labels_.charts.edit(gone).face = kNone;
   labels_.touched.push_back(kept);
   discs_.erase(kept);
   // Most of the area of each chart is of the same region, so most of their union is of it too.
@@ -218,10 +227,6 @@ void State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t
   for (const std::int32_t v : between) drop_corner(v);
 }
 
-void State::relabel(std::span<const std::int32_t> faces, std::int32_t label) {
-  for (const std::int32_t f : faces) labels_.label.set(f, label);
-}
-
 void State::touch(std::span<const std::int32_t> charts) {
   labels_.touched.insert(labels_.touched.end(), charts.begin(), charts.end());
 }
@@ -229,8 +234,14 @@ void State::touch(std::span<const std::int32_t> charts) {
 void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const std::int32_t> faces,
                       std::span<const std::int32_t> charts) {
   ISIMP_ASSERT(giver != taker &&
-                   std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) { return labels.label[f] == taker; }),
-               "faces that are handed over have the label of who takes them");
+                   std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) { return labels.label[f] == giver; }),
+               "faces that are handed over have the label of who gives them");
+  for (const std::int32_t f : faces) labels_.label.set(f, taker);
+  if (labels.label[labels.charts[giver].face] != giver) {
+    const std::int32_t kept = face_beside(labels, faces, giver);
+    ISIMP_ASSERT(kept != kNone, "a chart keeps some of its faces");
+    labels_.charts.edit(giver).face = kept;
+  }
   touch(charts);
   if (mesh.face_count() / kMany < labels.chart_count()) return;
   const auto is_simple = [&](std::int32_t l) {  // neither held nor of a region that may change with its faces

@@ -75,14 +75,10 @@ class State {
   /// \param loop  the result of `loop_together` for them
   /// Cost: O(faces of the absorbed chart + boundaries of both).
   void unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t> loop);
-  /// Sets the label of some faces. When `update` is called, all charts must be discs and all changed ones touched.
-  void relabel(std::span<const std::int32_t> faces, std::int32_t label);
-  /// Names a chart by another one of its faces; kNone where it is no more.
-  void name(std::int32_t chart, std::int32_t face) { labels_.charts.edit(chart).face = face; }
   /// Marks some charts, so that the next `update` measures their faces again.
   void touch(std::span<const std::int32_t> charts);
-  /// Records that faces were relabelled from `giver` to `taker`, so that the next update need not measure all faces of
-  /// these charts. All charts must still be discs, and that update must come before other changes.
+  /// Moves some faces of one chart to another, neither of which may cease to be a disc. The next update need not measure
+  /// all faces of these charts, and must come before changes of other kinds.
   /// \param charts  all charts whose boundary, or a neighbour across it, has changed
   /// Cost: O(faces).
   void hand_over(std::int32_t giver, std::int32_t taker, std::span<const std::int32_t> faces,

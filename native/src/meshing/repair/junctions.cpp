@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
 #include "complex/angles.h"
 #include "isimp/core/sorted.h"
 #include "place/symmetry.h"
+#include "repair/gifts.h"
 
 namespace isimp::meshing {
 namespace {
@@ -32,128 +34,200 @@ constexpr double kOfGiver = 1.0 / 3;  ///< share of its area that a chart may gi
 constexpr double kLoose = 3;          ///< times the gap: at the image of a join
 constexpr double kLongest = 4;        ///< longest path between two junctions, in sqrt(area / charts)
 
-/// The charts at a vertex, counter-clockwise.
-using Round = std::vector<std::int32_t>;
+using Charts = std::vector<std::int32_t>;  ///< in rising order
 
-/// Two junctions, and the boundary half-edges from one to the other.
-struct Chord {
-  std::int32_t u, v;
-  std::vector<std::int32_t> path;
-};
+/// A loop with a for b.
+std::vector<std::int32_t> without(const std::vector<std::int32_t>& loop, std::int32_t a, std::int32_t b) {
+  std::vector<std::int32_t> result;
+  for (const std::int32_t c : loop) {
+    const std::int32_t d = c == b ? a : c;
+    if (result.empty() || result.back() != d) result.push_back(d);
+  }
+  if (result.size() > 1 && result.front() == result.back()) result.pop_back();
+  return result;
+}
 
-/// One of the ways to join: a transfer of faces from one chart to another, by which one end moves to the other.
-struct Gift {
-  double error = 0;
-  std::int32_t giver, taker, keeps, moves;
-  std::vector<std::int32_t> faces;
-  Vec3 sum = Vec3::Zero();
-};
-
-class Joiner {
+/// The polygons of a state as loops of corners. They follow the joins of junctions, which the state does only at its next
+/// update.
+class JunctionNet {
  public:
-  /// \param joins  new joins are appended
-  Joiner(State& state, std::vector<Join>& joins, Job& job) : s_(state), mesh_(state.mesh), joins_(joins), job_(job) {}
-
-  bool run() {
-    read();
-    const std::size_t before = joins_.size();
-    for (const Candidate& c : candidates()) {
-      job_.poll();
-      if (image_.empty())
-        join(c.a, c.b);
-      else
-        join_both(c.a, c.b);
-    }
-    for (std::size_t i = before; i < joins_.size(); ++i)
-      s_.hand_over(joins_[i].giver, joins_[i].taker, joins_[i].faces, joins_[i].charts);
-    return joins_.size() > before;
+  explicit JunctionNet(const State& state)
+      : s_(state),
+        loops_(state.labels.charts.size()),
+        at_(state.corners.count()),
+        vertex_(state.corners.vertex),
+        position_(state.corners.position) {
+    for (std::int32_t l = 0; l < s_.labels.chart_count(); ++l)
+      if (s_.labels.charts[l].face != kNone)
+        for (const std::int32_t h : s_.complex.chords(l)) {
+          const std::int32_t c = s_.corners.of_vertex[s_.mesh.from(h)];
+          loops_[l].push_back(c);
+          at_[c].push_back(l);
+        }
+    for (std::size_t c = 0; c < at_.size(); ++c)
+      if (at_[c].size() > 2 && charts_around(s_.labels, vertex_[c]).size() != at_[c].size()) at_[c].clear();
   }
 
- private:
-  struct Candidate {
+  /// Two adjacent junctions.
+  struct Pair {
     double length;
     std::int32_t a, b;
-    auto operator<=>(const Candidate&) const = default;
+    auto operator<=>(const Pair&) const = default;
   };
-
-  /// Polygons and planes as they are, to be kept up to date while junctions are joined.
-  void read() {
-    const std::int32_t charts = s_.labels.chart_count();
-    loops_.resize(charts);
-    sums_.resize(charts);
-    at_.resize(s_.corners.count());
-    for (std::int32_t l = 0; l < charts; ++l) {
-      if (s_.labels.charts[l].face == kNone) continue;
-      sums_[l] = s_.planes[l].projected * s_.planes[l].normal;
-      for (const std::int32_t h : s_.complex.chords(l)) {
-        const std::int32_t c = s_.corner_at(mesh_.from(h));
-        loops_[l].push_back(c);
-        at_[c].push_back(l);
-      }
-    }
-    const Scale scale = s_.scale();
-    size_ = scale.size;
-    gap_ = std::min(kPlanes * scale.deviation, kGap * size_) + kRounding * mesh_.diagonal();
-    vertex_ = s_.corners.vertex;
-    position_ = s_.corners.position;
-    image_ = chart_images(s_);
-    planes_ = s_.planes;
-    if (!s_.partition.region_cell.empty())
-      for (std::int32_t l = 0; l < charts; ++l)
-        if (const std::int32_t r = s_.labels.charts[l].region;
-            s_.labels.charts[l].face != kNone && s_.partition.region_held[r] == kPlaneRound)
-          hold(planes_[l], s_.partition, r);
-  }
-
-  [[nodiscard]] std::vector<Candidate> candidates() const {
-    std::vector<Candidate> some;
+  /// The pairs of adjacent junctions that are nearer than a limit, the nearest first. Junctions at a border and at faces
+  /// that were left out do not count.
+  /// \param longest  scene units
+  [[nodiscard]] std::vector<Pair> pairs(double longest) const {
+    std::vector<Pair> some;
     for (const auto& loop : loops_)
       for (std::size_t i = 0; i < loop.size(); ++i) {
         const std::int32_t a = loop[i], b = loop[i + 1 < loop.size() ? i + 1 : 0];
         if (a > b || at_[a].size() < 3 || at_[b].size() < 3) continue;
         const double length = (position_[a] - position_[b]).norm();
-        if (length < s_.options.join_junctions * size_) some.push_back({length, a, b});
+        if (length < longest) some.push_back({length, a, b});
       }
     std::sort(some.begin(), some.end());
     return some;
   }
 
-  /// Nothing at a border of the mesh.
-  [[nodiscard]] Round round_of(std::int32_t vertex) const {
-    Round round;
-    if (mesh_.opposite(mesh_.vertex_halfedge()[vertex]) == kNone) return round;
-    for_each_leaving(mesh_, vertex, [&](std::int32_t h) {
-      const std::int32_t l = s_.labels.label[h / 3];
-      if (round.empty() || round.back() != l) round.push_back(l);
-    });
-    if (round.size() > 1 && round.front() == round.back()) round.pop_back();
-    return round;
-  }
-
-  /// The path from u to v along which no other junction is, if there is one.
-  [[nodiscard]] std::optional<Chord> trace(std::int32_t u, std::int32_t v) const {
-    std::optional<Chord> found;
-    for_each_leaving(mesh_, u, [&](std::int32_t first) {
-      if (found || s_.labels.inner(first)) return;
-      Chord chord{u, v, {}};
-      double length = 0;
-      for (std::int32_t h = first;; h = s_.labels.next_on_boundary(h)) {
-        if (s_.labels.across(h) == kNone) return;
-        chord.path.push_back(h);
-        const std::int32_t to = mesh_.to(h);
-        length += (mesh_.vertices()[to] - mesh_.vertices()[mesh_.from(h)]).norm();
-        if (to == v) break;
-        if (length > kLongest * size_ || s_.complex.boundary_edges(to) != 2) return;
+  /// The junction at which exactly these charts meet, or two adjacent junctions that together have these charts.
+  [[nodiscard]] std::array<std::int32_t, 2> junctions_among(const Charts& charts) const {
+    std::array<std::int32_t, 2> found{kNone, kNone};
+    for (const std::int32_t l : charts) {
+      const auto& loop = loops_[l];
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const std::int32_t c = loop[i], d = loop[i + 1 < loop.size() ? i + 1 : 0];
+        if (at_[c] == charts) return {c, kNone};
+        if (at_[c].size() < 3 || at_[d].size() < 3 || at_[c].size() + at_[d].size() != charts.size() + 2) continue;
+        if (charts_at(c, d) == charts) found = {c, d};
       }
-      found = std::move(chord);
-    });
+    }
     return found;
   }
 
+  /// The charts at one of two corners, in rising order.
+  [[nodiscard]] std::vector<std::int32_t> charts_at(std::int32_t a, std::int32_t b) const {
+    std::vector<std::int32_t> all = at_[a];
+    all.insert(all.end(), at_[b].begin(), at_[b].end());
+    sort_unique(all);
+    return all;
+  }
+
+  /// The changes of corner angles by one corner instead of two, in full turns.
+  struct Turns {
+    double reflex;  ///< by how much more reflex corners open too far
+    double sharp;   ///< how much more sharp corners lack
+  };
+  /// \return no value if a polygon vanishes or faces away
+  std::optional<Turns> turns(std::int32_t a, std::int32_t b, const Vec3& place) {
+    const std::vector<std::int32_t> charts = charts_at(a, b);
+    Angles before, after;
+    for (const std::int32_t l : charts) before.add(angles_of(loops_[l], position_, s_.planes[l].normal));
+    const Vec3 was = std::exchange(position_[a], place);
+    bool good = true;
+    for (const std::int32_t l : charts) {
+      const std::vector<std::int32_t> loop = without(loops_[l], a, b);
+      good = good && loop.size() >= 3;
+      if (good) after.add(angles_of(loop, position_, s_.planes[l].normal));
+    }
+    position_[a] = was;
+    if (!good || after.faces_away) return {};
+    return Turns{(after.excess - before.excess) / 360, (after.lack - before.lack) / 360};
+  }
+
+  /// Makes two corners one: `a`, at a junction that is a vertex of either.
+  void join(std::int32_t a, std::int32_t b, const Vec3& place, std::int32_t vertex) {
+    position_[a] = place;
+    vertex_[a] = vertex;
+    for (const std::int32_t l : at_[b]) loops_[l] = without(loops_[l], a, b);
+    at_[a] = charts_at(a, b);
+    at_[b].clear();
+  }
+
+  /// By corner: the charts at it, in rising order; none at a border, at faces that were left out, and for corners that
+  /// have become part of another.
+  [[nodiscard]] const std::vector<std::int32_t>& at(std::int32_t corner) const { return at_[corner]; }
+  [[nodiscard]] std::int32_t vertex(std::int32_t corner) const { return vertex_[corner]; }
+  [[nodiscard]] const Vec3& position(std::int32_t corner) const { return position_[corner]; }
+
+ private:
+  const State& s_;
+  std::vector<std::vector<std::int32_t>> loops_, at_;  // corners by chart, charts by corner
+  std::vector<std::int32_t> vertex_;                   // by corner
+  std::vector<Vec3> position_;                         // by corner
+};
+
+/// By chart: its plane, or that of its cell if it is one of a round part.
+std::vector<Plane> planes_with_cells(const State& state) {
+  std::vector<Plane> planes = state.planes;
+  if (state.partition.region_cell.empty()) return planes;
+  for (std::size_t l = 0; l < planes.size(); ++l)
+    if (const Chart& chart = state.labels.charts[l];
+        chart.face != kNone && state.partition.region_held[chart.region] == kPlaneRound)
+      hold(planes[l], state.partition, chart.region);
+  return planes;
+}
+
+/// The sum of the vector areas of some faces.
+Vec3 vector_area(const Mesh& mesh, std::span<const std::int32_t> faces, double& area) {
+  Vec3 sum = Vec3::Zero();
+  for (const std::int32_t f : faces) {
+    const FaceRecord& r = mesh.graph().faces[mesh.graph().graph_face[f]];
+    const double weight = mesh.graph().area * r.area;
+    area += weight;
+    sum += weight * Vec3(r.nx, r.ny, r.nz);
+  }
+  return sum;
+}
+
+/// One of the ways to join two junctions.
+struct Way {
+  Gift gift;
+  Vec3 area;         ///< vector area of its faces
+  double error = 0;  ///< increase of the distortion
+};
+
+/// The data of a join of two junctions.
+struct Plan {
+  std::int32_t a, b;  ///< corners
+  Vec3 place;
+  std::vector<Way> ways;
+  Charts all;
+};
+
+class Joiner {
+ public:
+  /// \param joins  new joins are appended
+  Joiner(State& state, std::vector<Join>& joins, Job& job)
+      : s_(state),
+        joins_(joins),
+        job_(job),
+        net_(state),
+        planes_(planes_with_cells(state)),
+        image_(chart_images(state)) {
+    const Scale scale = s_.scale();
+    size_ = scale.size;
+    gap_ = std::min(kPlanes * scale.deviation, kGap * size_) + kRounding * s_.mesh.diagonal();
+    for (const Plane& p : s_.planes) areas_.push_back(p.projected * p.normal);
+  }
+
+  bool run() {
+    const std::size_t before = joins_.size();
+    for (const JunctionNet::Pair& pair : net_.pairs(s_.options.join_junctions * size_)) {
+      job_.poll();
+      if (image_.empty())
+        join(pair.a, pair.b, false);
+      else
+        join_both(pair.a, pair.b);
+    }
+    return joins_.size() > before;
+  }
+
+ private:
   /// Whether corners of some charts stay on the planes of cells exactly: two cells of one round part meet in a line, from
   /// which a join would move their corner far if they are nearly parallel. Four cells of two parts nearly meet in a point,
   /// which is good enough.
-  [[nodiscard]] bool holds_cells(const Round& charts) const {
+  [[nodiscard]] bool holds_cells(const Charts& charts) const {
     int cells = 0;
     std::int32_t part = kNone;
     for (const std::int32_t l : charts) {
@@ -167,7 +241,7 @@ class Joiner {
   }
 
   /// Where the planes of some charts meet, near a point; nothing where they do not.
-  [[nodiscard]] std::optional<Vec3> meeting_point(const Round& charts, const Vec3& near, double radius,
+  [[nodiscard]] std::optional<Vec3> meeting_point(const Charts& charts, const Vec3& near, double radius,
                                                   double gap) const {
     const bool holds = holds_cells(charts);
     std::vector<const Plane*> cells, others;
@@ -185,297 +259,121 @@ class Joiner {
     return is_met ? std::optional(Vec3(near + d)) : std::nullopt;
   }
 
-  /// The data of a join of two junctions.
-  struct Plan {
-    std::int32_t a, b;
-    Vec3 place;
-    std::vector<Gift> gifts;
-    Round all;
-  };
-
   /// \param loosely  whether the image of a join is planned: it may be a little worse
   [[nodiscard]] std::optional<Plan> plan(std::int32_t a, std::int32_t b, bool loosely) {
-    if (at_[a].empty() || at_[b].empty()) return {};
-    const std::int32_t u = vertex_[a], v = vertex_[b];
-    const Round at_u = round_of(u), at_v = round_of(v);
-    if (at_u.size() < 3 || at_v.size() < 3 || at_u.size() + at_v.size() - 2 > kMostLabels) return {};
-    Round all = at_u;
-    all.insert(all.end(), at_v.begin(), at_v.end());
-    sort_unique(all);
-    if (all.size() != at_u.size() + at_v.size() - 2 || all.front() == kNone) return {};
-    const std::optional<Chord> chord = trace(u, v);
-    if (!chord) return {};
-    const double length = (position_[a] - position_[b]).norm();
+    const Charts &at_a = net_.at(a), &at_b = net_.at(b);
+    if (at_a.size() < 3 || at_b.size() < 3) return {};
+    Charts all = net_.charts_at(a, b);
+    if (all.size() > kMostLabels || all.size() + 2 != at_a.size() + at_b.size()) return {};
+    const double length = (net_.position(a) - net_.position(b)).norm();
     const bool any_cell = std::any_of(all.begin(), all.end(), [&](std::int32_t l) { return planes_[l].round; });
     if (any_cell && length > kShort * size_) return {};  // a long way would turn the edges of a ring
-    const std::optional<Vec3> place = meeting_point(all, (position_[a] + position_[b]) / 2,
+    const std::optional<Vec3> place = meeting_point(all, (net_.position(a) + net_.position(b)) / 2,
                                                     std::max(length, kStep * size_), loosely ? kLoose * gap_ : gap_);
     if (!place) return {};
-    const std::optional<double> of_shape = energy_of_shape(a, b, *place, length);
-    if (!of_shape) return {};
-    const double most = (loosely ? kOfImage : 0) - *of_shape;
+    const std::optional<JunctionNet::Turns> turns = net_.turns(a, b, *place);
+    if (!turns) return {};
+    const double gain =
+        kOfReflex * turns->reflex + kOfSharp * turns->sharp - kOfShort * std::max(0.0, 1 - length / (kShort * size_));
+    const double most = (loosely ? kOfImage : 0) - gain;
     if (most <= 0) return {};
-    Plan p{a, b, *place, gifts_of(*chord, at_u, at_v, most * size_ * size_), std::move(all)};
-    return p.gifts.empty() ? std::nullopt : std::optional(std::move(p));
-  }
-
-  bool carry_out(Plan& p) {
-    for (Gift& gift : p.gifts) {
-      if (!give(gift, p.all)) continue;
-      replace(p.a, p.b, p.place, gift.keeps);
-      joins_.push_back({gift.giver, gift.taker, gift.moves, std::move(gift.faces), std::move(p.all)});
-      return true;
-    }
-    return false;
-  }
-
-  void join(std::int32_t a, std::int32_t b) {
-    if (std::optional<Plan> p = plan(a, b, false)) carry_out(*p);
-  }
-
-  /// Joins two junctions and their images, or none of them. If the images are one junction already, or there are none,
-  /// only the two junctions are joined.
-  void join_both(std::int32_t a, std::int32_t b) {
-    if (at_[a].empty() || at_[b].empty()) return;
-    Round images = at_[a];
-    images.insert(images.end(), at_[b].begin(), at_[b].end());
-    sort_unique(images);
-    bool mirrors = !images.empty();
-    for (std::int32_t& l : images) mirrors = (l = image_[l]) != kNone && mirrors;
-    if (!mirrors) return join(a, b);
-    std::sort(images.begin(), images.end());
-    const auto [c, d] = junctions_among(images);
-    if (c == kNone) return;
-    if (d == kNone || (std::min(a, b) == std::min(c, d) && std::max(a, b) == std::max(c, d))) {
-      if (std::optional<Plan> p = plan(a, b, d == kNone)) carry_out(*p);
-      return;
-    }
-    std::optional<Plan> here = plan(a, b, false), there = plan(c, d, true);
-    if (here && there && carry_out(*here)) {
-      there = plan(c, d, true);
-      if (!there || !carry_out(*there)) joins_.back().alone = true;
-    }
-  }
-
-  /// The junction at which exactly these charts meet, or two adjacent junctions that together have these charts.
-  [[nodiscard]] std::array<std::int32_t, 2> junctions_among(const Round& charts) const {
-    std::array<std::int32_t, 2> found{kNone, kNone};
-    for (const std::int32_t l : charts) {
-      const auto& loop = loops_[l];
-      for (std::size_t i = 0; i < loop.size(); ++i) {
-        const std::int32_t c = loop[i], d = loop[i + 1 < loop.size() ? i + 1 : 0];
-        if (at_[c] == charts) return {c, kNone};
-        if (at_[c].size() < 3 || at_[d].size() < 3 || at_[c].size() + at_[d].size() != charts.size() + 2) continue;
-        Round together = at_[c];
-        together.insert(together.end(), at_[d].begin(), at_[d].end());
-        sort_unique(together);
-        if (together == charts) found = {c, d};
-      }
-    }
-    return found;
-  }
-
-  /// The change of the energy, without that of the distortion, by one corner at a place instead of two; nothing if a
-  /// polygon vanishes or faces away.
-  [[nodiscard]] std::optional<double> energy_of_shape(std::int32_t a, std::int32_t b, const Vec3& place,
-                                                      double length) {
-    std::vector<std::int32_t> round = at_[a];
-    round.insert(round.end(), at_[b].begin(), at_[b].end());
-    sort_unique(round);
-    Angles before, after;
-    for (const std::int32_t l : round) before.add(angles_of(loops_[l], position_, s_.planes[l].normal));
-    const Vec3 was = std::exchange(position_[a], place);
-    bool good = true;
-    for (const std::int32_t l : round) {
-      const std::vector<std::int32_t> loop = without(loops_[l], a, b);
-      good = good && loop.size() >= 3;
-      if (good) after.add(angles_of(loop, position_, s_.planes[l].normal));
-    }
-    position_[a] = was;
-    if (!good || after.faces_away) return {};
-    const double reflex = (after.excess - before.excess) / 360, sharp = (after.lack - before.lack) / 360;
-    return kOfReflex * reflex + kOfSharp * sharp - kOfShort * std::max(0.0, 1 - length / (kShort * size_));
-  }
-
-  /// A loop with a for b.
-  [[nodiscard]] static std::vector<std::int32_t> without(const std::vector<std::int32_t>& loop, std::int32_t a,
-                                                         std::int32_t b) {
-    std::vector<std::int32_t> result;
-    for (const std::int32_t c : loop) {
-      const std::int32_t d = c == b ? a : c;
-      if (result.empty() || result.back() != d) result.push_back(d);
-    }
-    if (result.size() > 1 && result.front() == result.back()) result.pop_back();
-    return result;
+    Plan p{a, b, *place, ways(a, b, most * size_ * size_), std::move(all)};
+    return p.ways.empty() ? std::nullopt : std::optional(std::move(p));
   }
 
   /// The ways to join, the one with the least increase of the error first. All ways if there is a mirror plane, so that
   /// both a join and its image can be made; else only the first.
   /// \param most  the largest increase of the error
-  [[nodiscard]] std::vector<Gift> gifts_of(const Chord& chord, const Round& at_u, const Round& at_v,
-                                           double most) const {
-    const std::int32_t left = s_.labels.label[chord.path[0] / 3], right = s_.labels.across(chord.path[0]);
-    std::vector<Gift> gifts;
-    const auto consider = [&](const Round& at_end, std::int32_t keeps, std::int32_t moves) {
+  [[nodiscard]] std::vector<Way> ways(std::int32_t a, std::int32_t b, double most) const {
+    const std::int32_t u = net_.vertex(a), v = net_.vertex(b);
+    Charts both;
+    std::set_intersection(net_.at(a).begin(), net_.at(a).end(), net_.at(b).begin(), net_.at(b).end(),
+                          std::back_inserter(both));
+    const std::vector<std::int32_t> path = path_between(s_.labels, u, v, both, kLongest * size_);
+    std::vector<Way> ways;
+    if (path.empty()) return ways;
+    const auto consider = [&](const Charts& at_end, std::int32_t keeps, std::int32_t moves) {
       if (at_end.size() != 3) return;
       const std::int32_t taker =
-          *std::find_if(at_end.begin(), at_end.end(), [&](std::int32_t l) { return l != left && l != right; });
-      for (const std::int32_t giver : {left, right}) {
-        Gift gift{.giver = giver, .taker = taker, .keeps = keeps, .moves = moves, .faces = {}};
-        if (fill(gift, chord) && gift.error <= most) gifts.push_back(std::move(gift));
+          *std::find_if(at_end.begin(), at_end.end(), [&](std::int32_t l) { return l != both[0] && l != both[1]; });
+      const std::int32_t left = s_.labels.label[path[0] / 3];
+      for (const std::int32_t giver : {left, both[0] == left ? both[1] : both[0]}) {
+        Way way{{giver, taker, keeps, moves, {}}, Vec3::Zero()};
+        fill(way.gift, s_.labels, path);
+        if (may_be(way) && way.error <= most) ways.push_back(std::move(way));
       }
     };
-    consider(at_u, chord.v, chord.u);
-    consider(at_v, chord.u, chord.v);
-    std::stable_sort(gifts.begin(), gifts.end(), [](const Gift& x, const Gift& y) { return x.error < y.error; });
-    if (image_.empty() && gifts.size() > 1) gifts.erase(gifts.begin() + 1, gifts.end());
-    return gifts;
+    consider(net_.at(a), v, u);
+    consider(net_.at(b), u, v);
+    std::stable_sort(ways.begin(), ways.end(), [](const Way& x, const Way& y) { return x.error < y.error; });
+    if (image_.empty() && ways.size() > 1) ways.erase(ways.begin() + 1, ways.end());
+    return ways;
   }
 
-  /// Finds the faces to give and the increase of the error.
-  /// \return whether they may be given
-  bool fill(Gift& gift, const Chord& chord) const {
-    const auto add_star = [&](std::int32_t w) {
-      if (w == gift.keeps) return;
-      for_each_leaving(mesh_, w, [&](std::int32_t h) {
-        if (s_.labels.label[h / 3] == gift.giver) gift.faces.push_back(h / 3);
-      });
-    };
-    for (const std::int32_t h : chord.path) add_star(mesh_.from(h));
-    add_star(chord.v);
-    sort_unique(gift.faces);
+  /// Finds the increase of the error by a gift.
+  /// \return whether its faces may be given
+  bool may_be(Way& way) const {
+    const Gift& gift = way.gift;
     double area = 0;
-    for (const std::int32_t f : gift.faces) {
-      const FaceRecord& r = mesh_.graph().faces[mesh_.graph().graph_face[f]];
-      const double weight = mesh_.graph().area * r.area;
-      area += weight;
-      gift.sum += weight * Vec3(r.nx, r.ny, r.nz);
-    }
-    const Vec3 &giver = sums_[gift.giver], &taker = sums_[gift.taker];
-    gift.error = 2 * (giver.norm() + taker.norm() - (giver - gift.sum).norm() - (taker + gift.sum).norm());
+    way.area = vector_area(s_.mesh, gift.faces, area);
+    const Vec3 &giver = areas_[gift.giver], &taker = areas_[gift.taker];
+    way.error = 2 * (giver.norm() + taker.norm() - (giver - way.area).norm() - (taker + way.area).norm());
     return !gift.faces.empty() && area < kOfGiver * s_.planes[gift.giver].area &&
            may_give(s_, gift.giver, gift.taker, gift.faces);
   }
 
-  /// Changes the labels, if all charts stay discs and no other junction changes.
-  /// \param all  the charts that shall meet in the vertex that stays
-  bool give(const Gift& gift, const Round& all) {
-    std::vector<std::int32_t> near;
-    for (const std::int32_t f : gift.faces)
-      for (const std::int32_t w : mesh_.triangles()[f]) near.push_back(w);
-    sort_unique(near);
-    std::vector<Round> before;
-    before.reserve(near.size());
-    for (const std::int32_t w : near) before.push_back(round_of(w));
-    if (std::any_of(before.begin(), before.end(), [](const Round& r) { return r.empty(); })) return false;
-    s_.relabel(gift.faces, gift.taker);
-    const std::int32_t face = s_.labels.charts[gift.giver].face;
-    bool good = true;
-    for (std::size_t i = 0; i < near.size() && good; ++i)
-      good = is_kept(before[i], round_of(near[i]), near[i] == gift.keeps, near[i] == gift.moves, all);
-    good = good && stay_discs(gift);
-    if (good) {
-      sums_[gift.giver] -= gift.sum;
-      sums_[gift.taker] += gift.sum;
-      return true;
+  /// Makes the first of the ways by which all charts stay discs and no other junction changes.
+  bool carry_out(Plan& p) {
+    const auto way =
+        std::find_if(p.ways.begin(), p.ways.end(), [&](const Way& w) { return keeps_discs(s_.labels, w.gift, p.all); });
+    if (way == p.ways.end()) return false;
+    Gift& gift = way->gift;
+    areas_[gift.giver] -= way->area;
+    areas_[gift.taker] += way->area;
+    s_.hand_over(gift.giver, gift.taker, gift.faces, p.all);
+    s_.drop_corner(gift.moves);
+    s_.add_corner(gift.keeps);
+    net_.join(p.a, p.b, p.place, gift.keeps);
+    joins_.push_back({gift.giver, gift.taker, gift.moves, std::move(gift.faces), std::move(p.all)});
+    return true;
+  }
+
+  bool join(std::int32_t a, std::int32_t b, bool loosely) {
+    std::optional<Plan> p = plan(a, b, loosely);
+    return p && carry_out(*p);
+  }
+
+  /// Joins two junctions and their images, or none of them. If the images are one junction already, or there are none,
+  /// only the two junctions are joined.
+  void join_both(std::int32_t a, std::int32_t b) {
+    if (net_.at(a).empty() || net_.at(b).empty()) return;
+    Charts images = net_.charts_at(a, b);
+    bool mirrors = true;
+    for (std::int32_t& l : images) mirrors = (l = image_[l]) != kNone && mirrors;
+    if (!mirrors) {
+      join(a, b, false);
+      return;
     }
-    s_.relabel(gift.faces, gift.giver);
-    s_.name(gift.giver, face);
-    return false;
-  }
-
-  [[nodiscard]] static bool is_kept(const Round& before, const Round& after, bool keeps, bool moves, const Round& all) {
-    Round sorted = after;
-    sort_unique(sorted);
-    if (sorted.size() != after.size()) return false;  // a chart would touch itself
-    if (keeps) return sorted == all;
-    if (after.size() <= 2) return moves || before.size() <= 2;
-    return before == after;
-  }
-
-  /// Names the giver by a face that it keeps.
-  /// \return whether both charts are discs still
-  bool stay_discs(const Gift& gift) {
-    const std::int32_t kept = face_beside(s_.labels, gift.faces, gift.giver);
-    if (kept == kNone) return false;
-    if (s_.labels.label[s_.labels.charts[gift.giver].face] != gift.giver) s_.name(gift.giver, kept);
-    const std::vector<std::int32_t> loop = outline(gift.faces);
-    // A disc without a disc along one path of its boundary is a disc, and so are two discs with one common path.
-    // `is_kept` has already checked that no chart touches itself at a vertex.
-    const auto runs = [&](std::int32_t label) {
-      int count = 0;
-      for (std::size_t i = 0; i < loop.size(); ++i)
-        count += is_beside(loop[i], label) && !is_beside(loop[i > 0 ? i - 1 : loop.size() - 1], label);
-      return count;
-    };
-    return runs(gift.giver) == 1 && runs(gift.taker) == 1;
-  }
-
-  /// Whether the face across a half-edge of the marked faces has a label and is none of them.
-  [[nodiscard]] bool is_beside(std::int32_t h, std::int32_t label) const {
-    const std::int32_t o = mesh_.opposite(h);
-    return o != kNone && s_.labels.label[o / 3] == label && !s_.labels.face_marks.has(o / 3);
-  }
-
-  /// Marks some faces.
-  /// \return their boundary half-edges in order; empty if they are no disc
-  std::vector<std::int32_t> outline(const std::vector<std::int32_t>& faces) {
-    auto &in = s_.labels.face_marks, &seen = s_.labels.vertex_marks;
-    in.clear();
-    seen.clear();
-    for (const std::int32_t f : faces) in.add(f);
-    std::int64_t vertices = 0, edges = 0, boundary = 0;  // edges twice
-    std::int32_t start = kNone;
-    const auto is_inner = [&](std::int32_t h) {
-      const std::int32_t o = mesh_.opposite(h);
-      return o != kNone && in.has(o / 3);
-    };
-    for (const std::int32_t f : faces)
-      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
-        vertices += seen.add(mesh_.from(h));
-        ++edges;
-        if (is_inner(h)) continue;
-        ++edges;
-        ++boundary;
-        start = h;
-      }
-    std::vector<std::int32_t> loop;
-    if (2 * (vertices + static_cast<std::int64_t>(faces.size())) - edges != 2) return loop;
-    seen.clear();
-    for (std::int32_t h = start; seen.add(mesh_.from(h));) {
-      loop.push_back(h);
-      h = Mesh::next(h);
-      while (is_inner(h)) h = Mesh::next(mesh_.opposite(h));
+    std::sort(images.begin(), images.end());
+    const auto [c, d] = net_.junctions_among(images);
+    if (c == kNone) return;
+    if (d == kNone || std::minmax(a, b) == std::minmax(c, d)) {
+      join(a, b, d == kNone);
+      return;
     }
-    if (static_cast<std::int64_t>(loop.size()) != boundary) loop.clear();
-    return loop;
-  }
-
-  /// The polygons with one corner instead of two.
-  void replace(std::int32_t a, std::int32_t b, const Vec3& place, std::int32_t keeps) {
-    const std::int32_t gone = vertex_[a] == keeps ? vertex_[b] : vertex_[a];
-    position_[a] = place;
-    vertex_[a] = keeps;
-    for (const std::int32_t l : at_[b]) loops_[l] = without(loops_[l], a, b);
-    at_[a].insert(at_[a].end(), at_[b].begin(), at_[b].end());
-    sort_unique(at_[a]);
-    at_[b].clear();
-    s_.drop_corner(gone);
-    s_.add_corner(keeps);
+    std::optional<Plan> here = plan(a, b, false);
+    if (here && plan(c, d, true) && carry_out(*here) && !join(c, d, true)) joins_.back().alone = true;
   }
 
   State& s_;
-  const Mesh& mesh_;
   std::vector<Join>& joins_;
   Job& job_;
-  double size_ = 0;                                    // size of a region, scene units
-  double gap_ = 0;                                     // distance by which planes may miss the vertex
-  std::vector<std::vector<std::int32_t>> loops_, at_;  // corners by chart, charts by corner
-  std::vector<std::int32_t> vertex_;                   // by corner: where the junction is
-  std::vector<Vec3> position_;                         // by corner
-  std::vector<Plane> planes_;                          // by chart: its plane, or that of its cell
-  std::vector<Vec3> sums_;                             // by chart: vector area of its faces
-  std::vector<std::int32_t> image_;                    // by chart: see chart_images
+  JunctionNet net_;
+  double size_ = 0;                        // size of a region, scene units
+  double gap_ = 0;                         // distance by which planes may miss the vertex
+  const std::vector<Plane> planes_;        // by chart: see planes_with_cells
+  std::vector<Vec3> areas_;                // by chart: vector area of its faces
+  const std::vector<std::int32_t> image_;  // by chart: see chart_images
 };
 
 }  // namespace
