@@ -13,8 +13,6 @@
 namespace isimp::regular {
 namespace {
 
-constexpr double kSame = 1e-9;  ///< difference of two normals that are one direction, and of two offsets that are one
-
 /// The regions of a partition, with their adjacency.
 class Islands {
  public:

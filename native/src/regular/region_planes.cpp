@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kThin = 0.25;  ///< a spread whose smallest eigenvalue is above this share of the next fixes no plane
 constexpr double kAgree = 0.8;  ///< cosine between that plane and the faces' mean normal below which the mean counts
-constexpr double kSame = 1e-9;  ///< difference of two normals that are one direction
 
 void fit(RegionPlane& r) {
   const Vec3& mean = r.scan.normal;

@@ -10,6 +10,9 @@ namespace isimp::regular {
 
 using meshing::Plane;
 
+/// Difference of two normals that are one direction; relative to 1 + offset, also of two offsets that are one.
+constexpr double kSame = 1e-9;
+
 /// A region of a partition as a plane: the best fit, and the given plane.
 struct RegionPlane {
   Plane scan;
