@@ -9,7 +9,6 @@ namespace isimp::meshing {
 
 /// The actions against the defects of a chart.
 enum class Action : std::uint8_t {
-  none,
   pull,          ///< move the corners of the chart halfway back to the scan
   add_corner,    ///< add a corner on one of two chords that cross, else split
   add_diagonal,  ///< split one polygon of the chart between two of its corners, else split the chart
