@@ -4,8 +4,8 @@
 #include <map>
 #include <span>
 
-#include "complex/transaction.h"
 #include "isimp/core/sorted.h"
+#include "judge/trials.h"
 
 namespace isimp::meshing {
 namespace {
@@ -86,14 +86,14 @@ class Keeper {
     if (with_neighbours) s_.add_neighbours(near);
     std::vector<std::int32_t> moving = s_.polygons.corners_of(near);
     std::erase_if(moving, [&](std::int32_t c) { return !is_held_at(c); });
-    Transaction transaction(s_);
-    s_.move_onto(planes_, moving);
-    if (defects_.accepts(s_.polygons.charts_at(moving))) {
-      transaction.commit();
+    const auto move = [&] {
+      s_.move_onto(planes_, moving);
       return true;
-    }
-    for (const std::int32_t l : charts) planes_[l] = s_.planes[l];
-    return false;
+    };
+    const bool is_kept = attempt(s_, defects_, s_.polygons.charts_at(moving), kNone, move, Places::moved);
+    for (const std::int32_t l : charts)
+      if (!is_kept) planes_[l] = s_.planes[l];
+    return is_kept;
   }
 
   State& s_;
