@@ -3,7 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "isimp/core/sorted.h"
 #include "judge/judge.h"
 
 namespace isimp::meshing::planar {
@@ -19,6 +21,12 @@ constexpr double kNever = 1e30;
 constexpr double kFacing = 2 * kFacingApart, kSteep = 0.25;
 constexpr double kOfSteep = 4;    ///< cost of a steep triangle
 constexpr double kThickness = 4;  ///< times the least thickness of the judge
+
+/// The conditions on triangles under which the judge finds no defect in them.
+struct Rules {
+  Vec3 facing = Vec3::UnitZ();  ///< normal of the chart, for triangles without a direction of the scan
+  double thickness = 0;         ///< scene units: a thinner one has no area
+};
 
 /// The triangulation of a polygon that leaves the fewest faces, once triangles on the plane are one again.
 /// Source: Gilbert 1979, with another cost.
@@ -131,22 +139,70 @@ void Edges::remove(const Edge& e) {
   some.erase(std::find(some.begin(), some.end(), e[1]));
 }
 
-bool cut(const Unit& unit, const std::vector<std::uint8_t>& kept, std::span<const Edge> own,
-         const std::vector<Vec3>& at, const Rules& rules, Edges& edges, std::vector<Edge>& cuts) {
-  cuts.clear();
+Cuts::Cuts(State& state, const Defects& defects, Draft& draft)
+    : s_(state),
+      draft_(draft),
+      thickness_(defects.bounds().thickness),
+      diagonals_(state.diagonals),
+      edges_(state.corners.count()),
+      own_(draft.units.size()),
+      cuts_(draft.units.size()),
+      uncut_(draft.units.size(), false) {
+  for (const Unit& u : draft.units)
+    for (std::size_t i = 0; i < u.loop.size(); ++i) {
+      const auto [a, b] = std::minmax(u.loop[i], u.loop[(i + 1) % u.loop.size()]);
+      edges_.add({a, b});
+    }
+  for (std::size_t l = 0; l + 1 < draft.first.size(); ++l)
+    for (const Facet& f : defects.of(static_cast<std::int32_t>(l)).facets.facets)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Edge e{f.corner[k], f.corner[(k + 1) % 3]};
+        if (e[0] < e[1] && !edges_.has(e)) own_[draft.first[l] + f.part].push_back(e);
+      }
+}
+
+/// \return whether there is a way
+bool Cuts::cut(std::int32_t u) {
+  const Unit& unit = draft_.units[u];
+  const auto& kept = draft_.kept[u];
+  const std::vector<Edge>& own = own_[u];
   const bool whole = !unit.free && std::all_of(kept.begin(), kept.end(), [](std::uint8_t k) { return k != 0; });
   if (whole || unit.loop.size() == 3) return true;
   const bool as_before = unit.own && own.size() + 3 == unit.loop.size() &&
-                         std::none_of(own.begin(), own.end(), [&](const Edge& e) { return edges.has(e); });
+                         std::none_of(own.begin(), own.end(), [&](const Edge& e) { return edges_.has(e); });
   if (as_before) {
-    cuts.assign(own.begin(), own.end());
+    cuts_[u] = own;
   } else {
-    Triangulation triangles(unit, kept, at, rules, edges);
+    const Rules rules{s_.planes[unit.chart].normal, thickness_};
+    Triangulation triangles(unit, kept, draft_.at, rules, edges_);
     if (!triangles.find()) return false;
-    triangles.collect(cuts);
+    triangles.collect(cuts_[u]);
   }
-  for (const Edge& e : cuts) edges.add(e);
+  for (const Edge& e : cuts_[u]) edges_.add(e);
   return true;
+}
+
+std::vector<std::int32_t> Cuts::renew() {
+  const std::vector<std::int32_t> dirty = draft_.dirty.take();
+  for (const std::int32_t u : dirty)
+    for (const Edge& e : std::exchange(cuts_[u], {})) edges_.remove(e);
+  std::vector<std::int32_t> charts, changed;
+  for (const std::int32_t u : dirty) {
+    const Unit& unit = draft_.units[u];
+    uncut_[u] = !unit.left && !is_flat(unit.loop, draft_.at, draft_.places.diagonal) && !cut(u);
+    charts.push_back(unit.chart);
+  }
+  sort_unique(charts);
+  for (const std::int32_t l : charts) {
+    std::vector<std::array<std::int32_t, 2>> diagonals = diagonals_[l];
+    for (std::int32_t u = draft_.first[l]; u < draft_.first[l + 1]; ++u)
+      for (const auto& [a, b] : cuts_[u]) diagonals.push_back({s_.corners.vertex[a], s_.corners.vertex[b]});
+    if (diagonals == s_.diagonals[l]) continue;
+    s_.set_diagonals(l, std::move(diagonals));
+    changed.push_back(l);
+  }
+  s_.collect(changed);
+  return charts;
 }
 
 }  // namespace isimp::meshing::planar

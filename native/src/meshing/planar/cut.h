@@ -2,10 +2,11 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
-#include "planar/unit.h"
+#include "complex/state.h"
+#include "judge/defects.h"
+#include "planar/draft.h"
 
 namespace isimp::meshing::planar {
 
@@ -23,21 +24,32 @@ class Edges {
   std::vector<std::vector<std::int32_t>> beyond_;  // by the lower corner; an edge of two polygons stands twice
 };
 
-/// The conditions on triangles under which the judge finds no defect in them.
-struct Rules {
-  Vec3 facing = Vec3::UnitZ();  ///< normal of the chart, for triangles without a direction of the scan
-  double thickness = 0;         ///< scene units: a thinner one has no area
-};
+/// The cuts of units that have corners off their planes: such corners are cut off by as few triangles as possible. The
+/// rest stays one polygon, or a few. No cut joins two corners that an edge joins already.
+class Cuts {
+ public:
+  /// \param defects  of the present polygons
+  Cuts(State& state, const Defects& defects, Draft& draft);
 
-/// Cuts off the corners of a unit that are not on its plane, by as few triangles as possible. The rest stays one
-/// polygon, or a few.
-/// \param kept  by place in the loop: whether the corner is on the plane; ignored for a free unit
-/// \param own  the edges across it of the triangles that the judge saw, used if `unit.own`
-/// \param edges  of all polygons: a cut must not join two corners that an edge joins already; new ones are added
-/// \param cuts  the edges across the polygon, by corners
-/// \return whether there is a way
-/// Cost: O(n^3) for n corners.
-bool cut(const Unit& unit, const std::vector<std::uint8_t>& kept, std::span<const Edge> own,
-         const std::vector<Vec3>& at, const Rules& rules, Edges& edges, std::vector<Edge>& cuts);
+  /// Cuts the waiting units of the draft, and rebuilds their polygons.
+  /// \return their charts, in rising order
+  /// Cost: O(n^3) for each unit of n corners.
+  std::vector<std::int32_t> renew();
+  /// The number of polygons that cuts have added to a unit.
+  [[nodiscard]] std::int32_t added(std::size_t u) const { return static_cast<std::int32_t>(cuts_[u].size()); }
+  [[nodiscard]] bool is_whole(std::size_t u) const { return cuts_[u].empty() && !uncut_[u] && !draft_.units[u].left; }
+
+ private:
+  bool cut(std::int32_t u);
+
+  State& s_;
+  Draft& draft_;
+  const double thickness_;  // scene units; a thinner triangle has no area
+  const std::vector<std::vector<std::array<std::int32_t, 2>>> diagonals_;  // by chart: at the start
+  Edges edges_;
+  std::vector<std::vector<Edge>> own_;   // by unit: the edges across it of the triangles that the judge saw first
+  std::vector<std::vector<Edge>> cuts_;  // by unit: the edges across it, by corners
+  std::vector<bool> uncut_;              // by unit: there is no way to cut it
+};
 
 }  // namespace isimp::meshing::planar

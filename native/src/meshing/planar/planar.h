@@ -13,12 +13,9 @@
 
 namespace isimp::meshing::planar {
 
-/// Largest distance of a corner from its polygon's plane, as a share of the diagonal, in double and rounded to float32.
-constexpr double kPlanar = 1e-6;
-
 /// Results of a try, by the corners of polygons, for the next one. Some charts are split between two tries.
 struct Memory {
-  std::map<std::vector<std::int32_t>, Unit> units;
+  std::map<std::vector<std::int32_t>, Decision> units;
   std::vector<double> reach;  ///< by corner
 };
 

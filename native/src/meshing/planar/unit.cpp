@@ -8,6 +8,7 @@
 
 #include "complex/outline.h"
 #include "discs/polyline.h"
+#include "isimp/core/sorted.h"
 
 namespace isimp::meshing::planar {
 namespace {
@@ -110,6 +111,15 @@ double distance_to(const Vec3& p, const std::array<Vec3, 3>& t) {
     inside = inside && n.dot(side.cross(p - a)) >= 0;
   }
   return inside ? std::abs(n.dot(p - t[0])) / n.norm() : std::sqrt(least);
+}
+
+bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double diagonal) {
+  constexpr double kPlanar = 1e-6;
+  if (polygon.size() == 3) return true;
+  if (bend_of(polygon, at) > kPlanar * diagonal) return false;
+  std::vector<Vec3> rounded;
+  for (const std::int32_t c : polygon) rounded.push_back(rounded_to_float(at[c]));
+  return bend_of(numbers_below(static_cast<std::int32_t>(polygon.size())), rounded) <= kPlanar * diagonal;
 }
 
 std::vector<Unit> units_of(State& state) {

@@ -20,24 +20,28 @@ enum class Cause : std::uint8_t {
   meeting,   ///< it would intersect another polygon
 };
 
-/// A polygon that is to be planar: the part of the scan that it stands for, and the plane that it is to have.
-struct Unit {
-  std::int32_t chart = kNone;
-  std::vector<std::int32_t> loop;  ///< corners
-  std::vector<Vec3> home;          ///< the vertices of the scan for these corners
-  std::vector<Vec3> beyond;        ///< by edge: the vector area between it and the boundary that it stands for
-  Plane scan;                      ///< the plane of the faces that it stands for
-  Vec3 normal = Vec3::UnitZ();     ///< unit; the plane is where normal * x = offset
+/// The plane of a unit, and the steps taken for it. Another try begins from them.
+struct Decision {
+  Vec3 normal = Vec3::UnitZ();  ///< unit; the plane is where normal * x = offset
   double offset = 0;
-  double noise = 0;           ///< root mean square distance of the scan from the plane that fits it best
-  double trust = 1;           ///< factor on the cost of moves off that plane, relative to other units of the same area
+  double trust = 1;           ///< factor on the cost of moves off its scan, relative to other units of the same area
   bool held = false;          ///< its plane is given and does not change
   bool missed = false;        ///< some corner was not on its plane when planes were fitted last
   bool free = false;          ///< given up: it is triangulated, and its plane counts for nothing
   bool plain = false;         ///< its triangulation has the least surface, whichever way triangles face
   bool own = false;           ///< its triangulation is the one that the judge saw before anything moved
-  bool left = false;          ///< it keeps its old shape, planar or not
   Cause cause = Cause::none;  ///< why it was given up or a corner held back
+};
+
+/// A polygon that is to be planar: the part of the scan that it stands for, and the plane that it is to have.
+struct Unit : Decision {
+  std::int32_t chart = kNone;
+  std::vector<std::int32_t> loop;  ///< corners
+  std::vector<Vec3> home;          ///< the vertices of the scan for these corners
+  std::vector<Vec3> beyond;        ///< by edge: the vector area between it and the boundary that it stands for
+  Plane scan;                      ///< the plane of the faces that it stands for
+  double noise = 0;                ///< root mean square distance of the scan from the plane that fits it best
+  bool left = false;               ///< it keeps its old shape, planar or not
 
   /// Whether its plane restricts its corners. A triangle has a plane wherever its corners are.
   [[nodiscard]] bool binds() const { return !free && (held || loop.size() > 3); }
@@ -56,6 +60,10 @@ struct Places {
 
 /// The distance of a point from a triangle.
 double distance_to(const Vec3& p, const std::array<Vec3, 3>& t);
+
+/// Whether a polygon is planar: no corner is further from its plane than 1e-6 of the diagonal, in double and rounded to
+/// float32.
+bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double diagonal);
 
 /// The polygons of a state as units, in the order of their charts. A chart that has several is shared out among them.
 std::vector<Unit> units_of(State& state);

@@ -46,7 +46,7 @@ std::int32_t chord_of(const State& s, std::int32_t l, std::int32_t from, std::in
   return kNone;
 }
 
-/// Of the chords of a chart that cross, the one that its boundary leaves furthest; kNone if there is none.
+/// The crossing chord of a chart that is furthest from the boundary; kNone if no chords cross.
 std::int32_t worst_chord(const State& s, const Defects& defects, std::int32_t l) {
   std::int32_t worst = kNone;
   double most = 0;
@@ -99,7 +99,7 @@ class Mender {
     }
   }
 
-  /// The same with the plans of all charts from their beginning.
+  /// Calls `mend` after all charts are set to the first steps of their plans.
   void mend_anew() {
     std::fill(tries_.begin(), tries_.end(), 0);
     mend();
@@ -322,7 +322,7 @@ RepairOutcome repair(State& state, Job& job) {
   Defects defects(state, bounds_of(state), job);
   if (state.options.planar) defects.judge_planar();
   Mender mender(state, defects, outcome, job);
-  Scale usual;  // of the regions before the repair
+  Scale usual;  // scale of the regions before the repair
   {
     const Job::Stage stage(job, "repairing", 0.0, 0.25);
     state.update({});
