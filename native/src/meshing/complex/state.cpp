@@ -261,20 +261,24 @@ std::vector<std::int32_t> State::loop_again(std::int32_t chart) const {
   return start == loop.end() ? std::vector<std::int32_t>() : labels.loop_from(*start);
 }
 
-std::vector<bool> State::settle_handovers() {
+std::vector<State::Known> State::settle_handovers() {
+  std::vector<std::int32_t> changed;
   for (const auto& [giver, taker, part] : handovers_) {
     planes_.set(giver, without(planes[giver], part));
     planes_.set(taker, united(planes[taker], part));
+    changed.insert(changed.end(), {giver, taker});
   }
   handovers_.clear();
+  sort_unique(changed);
   std::sort(handed_.begin(), handed_.end());
-  std::vector<bool> known;
+  std::vector<Known> known;
   std::vector<std::int32_t>& touched = labels_.touched;
   std::size_t out = 0;
   for (std::size_t i = 0; i < touched.size();) {
     const auto [first, last] = std::equal_range(touched.begin() + i, touched.end(), touched[i]);
     const auto [from, to] = std::equal_range(handed_.begin(), handed_.end(), touched[i]);
-    known.push_back(last - first == to - from);
+    const bool is_changed = std::binary_search(changed.begin(), changed.end(), touched[i]);
+    known.push_back(last - first != to - from ? Known::nothing : is_changed ? Known::plane : Known::boundary);
     i = last - touched.begin();
     touched[out++] = *first;
   }
@@ -330,7 +334,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
     if (touched[i] == touched[i - 1]) known_.erase(touched[i]);
   // A chart may have been united with another since it was touched.
   std::erase_if(touched, [&](std::int32_t l) { return labels.charts[l].face == kNone; });
-  const std::vector<bool> handed = settle_handovers();
+  const std::vector<Known> handed = settle_handovers();
   planes_.resize(labels.charts.size());
   diagonals_.resize(labels.charts.size());
   std::vector<std::vector<std::int32_t>> loops(touched.size());
@@ -346,7 +350,8 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
                        loops[i] = std::move(known->second);
                        continue;
                      }
-                     if (handed[i]) loops[i] = loop_again(l);
+                     if (handed[i] == Known::boundary) loops[i].assign(complex.loop(l).begin(), complex.loop(l).end());
+                     if (handed[i] == Known::plane) loops[i] = loop_again(l);
                      if (!loops[i].empty()) continue;
                      std::vector<std::int32_t> faces;
                      if (const auto disc = discs_.find(l); disc != discs_.end()) {

@@ -134,9 +134,11 @@ class State {
   };
   /// The boundary of a changed chart, from a half-edge that was already on it; empty if there is none.
   [[nodiscard]] std::vector<std::int32_t> loop_again(std::int32_t chart) const;
+  /// What is known of a touched chart without its faces; `boundary`: the plane too.
+  enum class Known : std::uint8_t { nothing, plane, boundary };
   /// Applies the handovers to the planes.
-  /// \return by touched chart, sorted and each once: whether all of it is known but its boundary
-  std::vector<bool> settle_handovers();
+  /// \return by touched chart, sorted and each once
+  std::vector<Known> settle_handovers();
 
   friend class Transaction;
 
