@@ -12,7 +12,10 @@
 /// - for_all(begin, end, kernel): calls kernel(i) for i in [begin, end), in no order;
 /// - reduce_all(memory, end, kernel, start, merge): the result of merge() over all kernel(i) for i in [0, end), in any
 ///   order;
-/// - scan_all(memory, from, count, to): the sums of all numbers before each of `count`;
+/// - gather(source, count): for all i in [0, count), source.flood.add of source.face(i) and source.bits(i), each to a
+///   place of its own in the queue of source.step;
+/// - repeat(flood, step): up to a back end's number of steps, while flood.size(step) > 0: flood.choose(i, step) for all i
+///   in [0, size), then gather(flood.applied(++step), size); sets flood.progress->steps to their number;
 /// - shared(number): a number that kernels of one step change at the same time; the order must not matter;
 /// - Threads(wanted): during its life, kernels that this thread starts use so many threads.
 #ifdef ISIMP_DEVICE_HEADER  // device of a test

@@ -3,9 +3,9 @@
 #include <thrust/execution_policy.h>
 #include <thrust/for_each.h>
 #include <thrust/iterator/counting_iterator.h>
-#include <thrust/scan.h>
 #include <thrust/transform_reduce.h>
 
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <cuda/atomic>
@@ -71,9 +71,43 @@ Value reduce_all(Memory& /*memory*/, std::int64_t end, Kernel kernel, Value star
   });
 }
 
-template <class From>
-void scan_all(Memory& /*memory*/, From from, std::int64_t count, std::int32_t* to) {
-  with_policy(count, [&](const auto& policy) { return thrust::exclusive_scan(policy, from, from + count, to); });
+/// One step, so that a job is asked between steps.
+/// In two passes, since threads would wait for each other at a common number. The first one notes the bits in place of
+/// the chosen labels.
+template <class Source>
+void gather(const Source& source, std::int64_t count) {
+  const auto& flood = source.flood;
+  std::int32_t& size = flood.progress->size[source.step % 3];
+  const auto runs = static_cast<std::int64_t>(count < kWorthThreads ? 1 : 256);
+  std::array<std::int32_t, 257> first{size};
+  const auto for_runs = [&](auto work) {
+    with_policy(count, [&](const auto& policy) {
+      const thrust::counting_iterator<std::int64_t> zero(0);
+      thrust::for_each(policy, zero, zero + runs,
+                       [&](std::int64_t run) { work(run, run * count / runs, (run + 1) * count / runs); });
+    });
+  };
+  for_runs([&](std::int64_t run, std::int64_t begin, std::int64_t end) {
+    std::int32_t found = 0;
+    for (std::int64_t i = begin; i < end; ++i) found += flood.number(flood.chosen[i] = source.bits(i));
+    first[run + 1] = found;
+  });
+  for (std::int64_t run = 0; run < runs; ++run) first[run + 1] += first[run];
+  for_runs([&](std::int64_t run, std::int64_t begin, std::int64_t end) {
+    std::int32_t at = first[run];
+    for (std::int64_t i = begin; i < end; at += flood.number(flood.chosen[i++]))
+      flood.add(source.face(i), flood.chosen[i], source.step, at);
+  });
+  size = first[runs];
+}
+
+/// One step, so that a job is asked between steps.
+template <class Flood>
+void repeat(const Flood& flood, std::int32_t step) {
+  const std::int64_t size = flood.size(step);
+  flood.progress->steps = size > 0 ? 1 : 0;
+  for_all(0, size, [&](std::int64_t i) { flood.choose(i, step); });
+  gather(flood.applied(step + 1), size);
 }
 
 template <class T>

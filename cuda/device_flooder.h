@@ -143,14 +143,7 @@ class DeviceFlooder final : public Flooder {
   std::int32_t queued(const Proxies& proxies, std::int32_t threads, Job& job) override {
     return work("flooding", threads, [&] {
       const View view = begin(proxies, true);
-      queue_.start_around_seeds(view, regions_);
-      std::int32_t steps = 0;
-      for (; queue_.size() > 0; ++steps) {
-        job.poll();
-        for_all(0, queue_.size(), Choose{view, queue_.faces(), queue_.chosen()});
-        queue_.advance(view);
-      }
-      return steps;
+      return queue_.flood(view, regions_, job);
     });
   }
 
@@ -226,16 +219,13 @@ class DeviceFlooder final : public Flooder {
   std::int32_t fill(const Proxies& proxies, std::int32_t threads, Job& job) override {
     return work("filling", threads, [&] {
       const View view = begin(proxies, false);
-      queue_.start_free(view);
       std::int32_t steps = 0;
-      for (float level = 0; queue_.size() > 0; ++steps) {
-        job.poll();
-        const float least = reduce_all(memory_, queue_.size(), LeastOffer{view, queue_.faces()}, kNoOffer, Less{});
-        level = std::max(level, end_of_level(least));
-        for_all(0, queue_.size(), ChooseOnce{view, queue_.faces(), queue_.chosen(), level});
-        queue_.advance(view);
+      for (float level = 0;;) {
+        const float least = reduce_all(memory_, count_, LeastOffer{view}, kNoOffer, Less{});
+        if (!(least > level && least < kNoOffer)) return steps;
+        level = end_of_level(least);
+        steps += queue_.fill(view, level, job);
       }
-      return steps;
     });
   }
 

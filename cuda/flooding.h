@@ -1,12 +1,10 @@
 #pragma once
 
-#include <thrust/iterator/counting_iterator.h>
-#include <thrust/iterator/transform_iterator.h>
-
-#include <algorithm>
+#include <cstdint>
 #include <limits>
 
 #include "device.h"
+#include "isimp/core/job.h"
 
 /// The kernels of queued flooding and of the repair, and the queue they share.
 namespace isimp::parallel::ISIMP_DEVICE {
@@ -37,65 +35,150 @@ struct View {
   ISIMP_KERNEL std::int32_t neighbour(std::int32_t face, int k) const {
     return neighbours[3 * static_cast<std::int64_t>(face) + k];
   }
-  /// The region with the least error next to a face, if that is below `least`; else `best` does not change.
+  /// The region with the least error next to a face, if that is below `least`; else `best` does not change. All numbers
+  /// are read before the first comparison, since a device can wait for all at once.
   ISIMP_KERNEL void look_around(std::int32_t face, float& least, std::int32_t& best) const {
     const std::int32_t own = best;
+    std::int32_t region[3];
+    float offer[3];
+    for (int k = 0; k < 3; ++k) region[k] = label[neighbour(face, k)];
+    for (int k = 0; k < 3; ++k) offer[k] = error(face, region[k] < 0 ? 0 : region[k]);
     for (int k = 0; k < 3; ++k) {
-      const std::int32_t r = label[neighbour(face, k)];
-      if (r < 0 || r == best) continue;
-      const float e = error(face, r);
-      if (e < least || (e == least && best != own && r < best)) {
-        least = e;
-        best = r;
+      if (region[k] < 0 || region[k] == best) continue;
+      if (offer[k] < least || (offer[k] == least && best != own && region[k] < best)) {
+        least = offer[k];
+        best = region[k];
       }
     }
   }
 };
 
-/// Chooses the next label of each face of the queue from the present labels of all.
-struct Choose {
-  View view;
-  const std::int32_t* queue;
-  std::int32_t* chosen;
+/// The numbers of a flooding on the device.
+struct Progress {
+  /// Faces of the queue of step s, at s % 3. A step uses its own, counts the next and clears the one after, so that no
+  /// number is written that a thread may still read.
+  std::int32_t size[3];
+  std::int32_t steps;  ///< made by the last call of repeat
+};
 
-  ISIMP_KERNEL void operator()(std::int64_t q) const {
-    const std::int32_t i = queue[q];
+template <class Flood>
+struct Applied;
+
+/// A flooding step by step. A step first chooses a label for each face of its queue from the present labels of all, then
+/// applies the chosen labels and makes the next queue of the neighbours of changed faces. Chance decides the order of a
+/// queue, which changes no label.
+///
+/// A neighbour is queued only if the region is better than its own. Its own region may or may not have changed in this
+/// very step; but it changes for the better only, so that faces that are not queued would not change, and faces that are
+/// queued needlessly do not either.
+/// \tparam kOnce  labels are final, and a free face takes an offer of at most the level
+template <bool kOnce>
+struct Flood {
+  View view;
+  std::int32_t* even;    ///< (N) the queues of steps with even numbers
+  std::int32_t* odd;     ///< (N)
+  std::int32_t* chosen;  ///< (N) by place in the queue
+  std::int32_t* mark;    ///< (N) the last step for which a face was queued
+  Progress* progress;
+  float level;  ///< of an error; infinity where labels are not final
+
+  /// The source of the queue of a step.
+  [[nodiscard]] ISIMP_KERNEL Applied<Flood> applied(std::int32_t step) const { return {*this, step}; }
+  [[nodiscard]] ISIMP_KERNEL std::int32_t size(std::int32_t step) const { return progress->size[step % 3]; }
+
+  /// \param q  place in the queue
+  ISIMP_KERNEL void choose(std::int64_t q, std::int32_t step) const {
+    const std::int32_t i = queue(step)[q];
     std::int32_t best = view.label[i];
-    if (best < 0 || view.seed[best] != i) {
+    if (best < 0 || (!kOnce && view.seed[best] != i)) {
       float least = best < 0 ? kNoOffer : view.error(i, best);
       view.look_around(i, least, best);
+      if (kOnce && least > level) best = -1;
     }
     chosen[q] = best;
+    if (q == 0) progress->size[(step + 2) % 3] = 0;
+  }
+  /// \return what `add` is to queue next
+  ISIMP_KERNEL std::int32_t apply(std::int64_t q, std::int32_t step) const {
+    const std::int32_t i = queue(step)[q], best = chosen[q];
+    if (best == view.label[i]) return 0;
+    shared(view.label[i]).store(best, kRelaxed);
+    return wanting(i, best, step + 1);
+  }
+
+  /// The neighbours of a face that want its region and are not queued yet for a step: a bit each.
+  ISIMP_KERNEL std::int32_t wanting(std::int32_t i, std::int32_t region, std::int32_t next) const {
+    std::int32_t own[3], last[3], bits = 0;
+    for (int k = 0; k < 3; ++k) own[k] = shared(view.label[view.neighbour(i, k)]).load(kRelaxed);
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t j = view.neighbour(i, k) == view.count ? i : view.neighbour(i, k);
+      last[k] = shared(mark[j]).load(kRelaxed);
+      const bool better = !kOnce && view.error(j, region) < view.error(j, own[k] < 0 ? 0 : own[k]);
+      if (view.neighbour(i, k) != view.count && (own[k] < 0 || (better && own[k] != region))) bits |= 1 << k;
+    }
+    for (int k = 0; k < 3; ++k)
+      if ((bits >> k & 1) != 0 &&
+          (last[k] == next || shared(mark[view.neighbour(i, k)]).exchange(next, kRelaxed) == next))
+        bits -= 1 << k;
+    return bits;
+  }
+  /// Adds faces to the queue of a step, from a place in it on.
+  /// \param bits  kItself, or a bit for each neighbour
+  ISIMP_KERNEL void add(std::int32_t i, std::int32_t bits, std::int32_t next, std::int32_t at) const {
+    std::int32_t* const to = queue(next);
+    if (bits == kItself) to[at] = i;
+    for (int k = 0; k < 3; ++k)
+      if ((bits >> k & 1) != 0) to[at++] = view.neighbour(i, k);
+  }
+  [[nodiscard]] ISIMP_KERNEL static std::int32_t number(std::int32_t bits) {
+    return bits == kItself ? 1 : (bits & 1) + (bits >> 1 & 1) + (bits >> 2 & 1);
+  }
+  [[nodiscard]] ISIMP_KERNEL std::int32_t* queue(std::int32_t step) const { return step % 2 == 0 ? even : odd; }
+
+  static constexpr std::int32_t kItself = 8;
+};
+
+/// Sources of a queue: for each i a face, and what Flood::add is to queue of it.
+
+/// The queue of the step before.
+template <class Flood>
+struct Applied {
+  Flood flood;
+  std::int32_t step;
+  [[nodiscard]] ISIMP_KERNEL std::int32_t face(std::int64_t q) const { return flood.queue(step - 1)[q]; }
+  ISIMP_KERNEL std::int32_t bits(std::int64_t q) const { return flood.apply(q, step - 1); }
+};
+
+/// The seeds.
+struct AroundSeeds {
+  Flood<false> flood;
+  std::int32_t step;
+  [[nodiscard]] ISIMP_KERNEL std::int32_t face(std::int64_t r) const { return flood.view.seed[r]; }
+  ISIMP_KERNEL std::int32_t bits(std::int64_t r) const {
+    return flood.wanting(face(r), static_cast<std::int32_t>(r), step);
   }
 };
 
-/// As above where labels are final: a free face takes an offer of at most `level`, or waits.
-struct ChooseOnce {
-  View view;
-  const std::int32_t* queue;
-  std::int32_t* chosen;
-  float level;
-
-  ISIMP_KERNEL void operator()(std::int64_t q) const {
-    std::int32_t best = view.label[queue[q]];
-    if (best < 0) {
-      float least = kNoOffer;
-      view.look_around(queue[q], least, best);
-      if (least > level) best = -1;
-    }
-    chosen[q] = best;
+/// All faces: those that are free and next to a region.
+struct FreeFaces {
+  Flood<true> flood;
+  std::int32_t step;
+  [[nodiscard]] ISIMP_KERNEL std::int32_t face(std::int64_t i) const { return static_cast<std::int32_t>(i); }
+  ISIMP_KERNEL std::int32_t bits(std::int64_t i) const {
+    const View& v = flood.view;
+    bool joins = false;
+    for (int k = 0; k < 3; ++k) joins |= v.label[v.neighbour(face(i), k)] >= 0;
+    return v.label[i] < 0 && joins ? Flood<true>::kItself : 0;
   }
 };
 
-/// The least error at which a face of the queue could get a region; infinity if it has one.
+/// The least error at which a face could get a region; infinity if it has one or is next to none.
 struct LeastOffer {
   View view;
-  const std::int32_t* queue;
-
-  ISIMP_KERNEL float operator()(std::int64_t q) const {
+  ISIMP_KERNEL float operator()(std::int64_t i) const {
     float least = kNoOffer;
-    std::int32_t best = view.label[queue[q]];
-    if (best < 0) view.look_around(queue[q], least, best);
+    std::int32_t best = view.label[i];
+    if (best < 0) view.look_around(static_cast<std::int32_t>(i), least, best);
     return least;
   }
 };
@@ -104,173 +187,49 @@ struct Less {
   ISIMP_KERNEL float operator()(float a, float b) const { return b < a ? b : a; }
 };
 
-/// Claims faces for the next queue: `mine` has a bit for each neighbour of a face that is now its to add, and kItself.
-/// Chance decides which of several faces claims a neighbour. Only faces are claimed to which the region is better than
-/// their own. Their own region may or may not have changed in this very step; but it changes for the better only, so
-/// that faces that are not claimed would not change, and faces that are claimed needlessly do not either.
-struct Claim {
-  static constexpr std::int32_t kItself = 8;
-
-  View view;
-  std::int32_t* mark;  ///< (N) the step in which a face was claimed last
-  std::int32_t step;
-
-  bool once;  ///< whether a face that has a region keeps it
-
-  ISIMP_KERNEL bool one(std::int32_t j) const {
-    const auto last = shared(mark[j]);
-    return last.load(kRelaxed) != step && last.exchange(step, kRelaxed) != step;
-  }
-  ISIMP_KERNEL bool wants(std::int32_t j, std::int32_t region) const {
-    const std::int32_t own = shared(view.label[j]).load(kRelaxed);
-    return own < 0 || (!once && own != region && view.error(j, region) < view.error(j, own));
-  }
-  /// The neighbours of a face of that region.
-  ISIMP_KERNEL std::int32_t around(std::int32_t i, std::int32_t region) const {
-    std::int32_t mine = 0;
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t j = view.neighbour(i, k);
-      if (j != view.count && wants(j, region) && one(j)) mine |= 1 << k;
-    }
-    return mine;
-  }
-};
-
-/// Sets the chosen labels of the faces; the neighbours of changed faces come next, and free faces wait on.
-struct Apply {
-  Claim claim;
-  const std::int32_t* queue;
-  const std::int32_t* chosen;
-  std::int32_t* claims;
-
-  ISIMP_KERNEL void operator()(std::int64_t q) const {
-    const std::int32_t i = queue[q];
-    claims[q] = 0;
-    if (chosen[q] != claim.view.label[i]) {
-      shared(claim.view.label[i]).store(chosen[q], kRelaxed);
-      claims[q] = claim.around(i, chosen[q]);
-    } else if (chosen[q] < 0 && claim.one(i)) {
-      claims[q] = Claim::kItself;
-    }
-  }
-};
-
-struct ClaimAroundSeeds {
-  Claim claim;
-  std::int32_t* claims;
-  ISIMP_KERNEL void operator()(std::int64_t r) const {
-    claims[r] = claim.around(claim.view.seed[r], static_cast<std::int32_t>(r));
-  }
-};
-
-/// Free faces next to a region.
-struct ClaimFree {
-  Claim claim;
-  std::int32_t* claims;
-  ISIMP_KERNEL void operator()(std::int64_t i) const {
-    const View& v = claim.view;
-    const auto face = static_cast<std::int32_t>(i);
-    bool joins = false;
-    for (int k = 0; k < 3; ++k) joins |= v.label[v.neighbour(face, k)] >= 0;
-    claims[i] = v.label[i] < 0 && joins && claim.one(face) ? Claim::kItself : 0;
-  }
-};
-
-/// The number of faces that a candidate has claimed; none for the one after the last, so that a scan ends with the sum.
-struct CountBits {
-  const std::int32_t* claims;
-  std::int64_t candidates;
-  ISIMP_KERNEL std::int32_t operator()(std::int64_t q) const {
-    const std::int32_t bits = q < candidates ? claims[q] : 0;
-    return (bits & 1) + (bits >> 1 & 1) + (bits >> 2 & 1) + (bits >> 3 & 1);
-  }
-};
-
-/// Writes the claimed faces at the places of the exclusive scan of their number.
-template <class Faces>
-struct Scatter {
-  View view;
-  Faces from;
-  const std::int32_t* claims;
-  const std::int32_t* offset;
-  std::int32_t* next;
-
-  ISIMP_KERNEL void operator()(std::int64_t q) const {
-    std::int32_t at = offset[q];
-    for (int k = 0; k < 3; ++k)
-      if ((claims[q] >> k & 1) != 0) next[at++] = view.neighbour(from[q], k);
-    if ((claims[q] & Claim::kItself) != 0) next[at] = from[q];
-  }
-};
-
-/// The faces of a step, and the gathering of the faces of the next one: indicator, exclusive scan, scatter.
+/// The queues of a surface, which its floodings share.
 class Queue {
  public:
   Queue(Memory& memory, std::int32_t faces)
-      : memory_(memory),
-        now_(memory),
-        next_(memory),
+      : even_(memory),
+        odd_(memory),
         chosen_(memory),
-        claims_(memory),
-        offset_(memory),
-        mark_(memory, static_cast<std::size_t>(faces)) {
+        mark_(memory, static_cast<std::size_t>(faces)),
+        progress_(memory, 1) {
     set_all(mark_, 0);
   }
 
-  [[nodiscard]] std::int32_t size() const { return size_; }
-  [[nodiscard]] const std::int32_t* faces() const { return now_.data(); }
-  [[nodiscard]] std::int32_t* chosen() { return chosen_.data(); }
-
-  void start_around_seeds(const View& view, std::int32_t seeds) {
-    once_ = false;
-    grow(claims_, seeds);
-    for_all(0, seeds, ClaimAroundSeeds{next_claim(view), claims_.data()});
-    gather(view, seeds, view.seed);
+  /// Floods from the seeds.
+  /// \return the steps
+  std::int32_t flood(const View& view, std::int32_t seeds, Job& job) {
+    return run<AroundSeeds, false>(view, seeds, kNoOffer, job);
   }
-  /// For faces that have no region yet; the others keep theirs.
-  void start_free(const View& view) {
-    once_ = true;
-    grow(claims_, view.count);
-    for_all(0, view.count, ClaimFree{next_claim(view), claims_.data()});
-    gather(view, view.count, thrust::counting_iterator<std::int32_t>(0));
-  }
-  /// Applies the chosen labels and makes the next queue.
-  void advance(const View& view) {
-    grow(claims_, size_);
-    for_all(0, size_, Apply{next_claim(view), faces(), chosen(), claims_.data()});
-    gather(view, size_, faces());
+  /// Floods the free faces with errors up to a level.
+  std::int32_t fill(const View& view, float level, Job& job) {
+    return run<FreeFaces, true>(view, view.count, level, job);
   }
 
  private:
-  /// Makes room for a queue, which never has a face twice; the old content is lost.
-  void grow(Array<std::int32_t>& array, std::int64_t size) {
-    const auto most = static_cast<std::int64_t>(mark_.size()) + 1;
-    if (static_cast<std::int64_t>(array.size()) < size)
-      array.resize(static_cast<std::size_t>(std::max(size, std::min(2 * size, most))));
-  }
-  Claim next_claim(const View& view) { return {view, mark_.data(), ++step_, once_}; }
-
-  template <class Faces>
-  void gather(const View& view, std::int64_t candidates, Faces from) {
-    std::int32_t found = 0;
-    if (candidates > 0) {
-      grow(offset_, candidates + 1);
-      const auto bits = thrust::make_transform_iterator(thrust::counting_iterator<std::int64_t>(0),
-                                                        CountBits{claims_.data(), candidates});
-      scan_all(memory_, bits, candidates + 1, offset_.data());
-      device_copy(&found, offset_.data() + candidates, sizeof found);
-      grow(next_, found);
-      grow(chosen_, found);
-      for_all(0, candidates, Scatter<Faces>{view, from, claims_.data(), offset_.data(), next_.data()});
-    }
-    now_.swap(next_);
-    size_ = found;
+  template <class Source, bool kOnce>
+  std::int32_t run(const View& view, std::int64_t sources, float level, Job& job) {
+    for (Array<std::int32_t>* array : {&even_, &odd_, &chosen_}) array->resize(mark_.size());
+    Progress progress{};
+    progress_.assign(&progress, 1);
+    const Flood<kOnce> flood{view, even_.data(), odd_.data(), chosen_.data(), mark_.data(), progress_.data(), level};
+    const std::int32_t first = ++step_;
+    gather(Source{flood, first}, sources);
+    do {
+      job.poll();
+      repeat(flood, step_);
+      progress_.read(&progress, 1);
+      step_ += progress.steps;
+    } while (progress.size[step_ % 3] > 0);
+    return step_ - first;
   }
 
-  Memory& memory_;
-  Array<std::int32_t> now_, next_, chosen_, claims_, offset_, mark_;
-  std::int32_t size_ = 0, step_ = 0;
-  bool once_ = false;
+  Array<std::int32_t> even_, odd_, chosen_, mark_;
+  Array<Progress> progress_;
+  std::int32_t step_ = 0;
 };
 
 }  // namespace isimp::parallel::ISIMP_DEVICE

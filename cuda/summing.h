@@ -15,7 +15,7 @@ using Integer = long long;  // the type of CUDA's atomic addition
 
 /// The result of one pass over all faces.
 struct Survey {
-  float largest_area;
+  double largest_area;     ///< not a float, so that no byte between the two is copied before it is set
   std::int64_t first_bad;  ///< the first face whose numbers or label can't be used; N if there is none
 };
 
@@ -30,7 +30,7 @@ struct LookAtFace {
     const float longest = 1.001F;  // squared, with room for rounding; written so that NaN fails
     const bool good = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] <= longest && f[3] >= 0 && f[3] <= 3.4e38F &&
                       (labels == nullptr || (labels[i] >= -1 && labels[i] < regions));
-    return {good ? f[3] : 0.0F, good ? count : i};
+    return {good ? f[3] : 0.0, good ? count : i};
   }
 };
 
@@ -43,7 +43,7 @@ struct MergeSurveys {
 
 inline Survey survey(Memory& memory, const float* faces, const std::int32_t* labels, std::int64_t count,
                      std::int32_t regions) {
-  return reduce_all(memory, count, LookAtFace{faces, labels, count, regions}, Survey{0.0F, count}, MergeSurveys{});
+  return reduce_all(memory, count, LookAtFace{faces, labels, count, regions}, Survey{0.0, count}, MergeSurveys{});
 }
 
 inline std::string complaint(std::int64_t i, const float* f) {
@@ -54,9 +54,9 @@ inline std::string complaint(std::int64_t i, const float* f) {
 
 /// The power of two by which areas are multiplied before they become integers: no sum can reach 2^61 then (1.001 of it
 /// with a normal's rounding).
-inline int shift_for(float largest_area, std::int64_t count) {
+inline int shift_for(double largest_area, std::int64_t count) {
   int exponent = 0;
-  std::frexp(static_cast<double>(largest_area) * static_cast<double>(count), &exponent);
+  std::frexp(largest_area * static_cast<double>(count), &exponent);
   return 61 - exponent;
 }
 

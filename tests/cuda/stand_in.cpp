@@ -163,6 +163,10 @@ cudaError_t cudaOccupancyMaxActiveBlocksPerMultiprocessorWithFlags(int* blocks, 
 cudaError_t cudaLaunchKernelExC(const cudaLaunchConfig_t* config, const void* /*function*/, void** /*arguments*/) {
   return isimp::stand_in::launch(config->gridDim, config->blockDim, config->stream);
 }
+cudaError_t cudaLaunchCooperativeKernel(const void* /*function*/, dim3 grid, dim3 block, void** /*arguments*/,
+                                        size_t /*shared*/, cudaStream_t stream) {
+  return isimp::stand_in::launch(grid, block, stream);
+}
 cudaError_t cudaLaunchKernel(const void* /*function*/, dim3 grid, dim3 block, void** /*arguments*/, size_t /*shared*/,
                              cudaStream_t stream) {
   return isimp::stand_in::launch(grid, block, stream);

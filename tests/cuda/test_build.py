@@ -116,7 +116,7 @@ def test_no_kernel_needs_memory_of_its_own_or_too_many_registers():
     used = subprocess.run(
         [dump, "-res-usage", next(BUILD.rglob("kernels.cu.o"))], capture_output=True, text=True, check=True
     ).stdout
-    kernels = re.findall(r"Function (\S*run_kernel\S*):\s+REG:(\d+) STACK:(\d+) SHARED:\d+ LOCAL:(\d+)", used)
+    kernels = re.findall(r"Function (\S*run_(?:kernel|steps)\S*):\s+REG:(\d+) STACK:(\d+) SHARED:\d+ LOCAL:(\d+)", used)
     assert len(kernels) >= 19
     for name, registers, stack, local in kernels:
         most = 264 if "ChooseNear" in name else 0

@@ -44,8 +44,8 @@ class Flooder {
   [[nodiscard]] virtual bool placed() const = 0;
 
   /// Floods from the seeds by a queue: in each step every face of the queue takes the best of the regions next to it,
-  /// and the neighbours of the faces that changed make the next queue, gathered by an exclusive scan. A region may end
-  /// in several pieces. Faces that no seed reaches get -1.
+  /// and the neighbours of the faces that changed make the next queue. A region may end in several pieces. Faces that no
+  /// seed reaches get -1.
   /// Cost: O(faces queued); some sqrt(N / R) steps and as many again until the borders rest.
   /// Source: the thesis's queued flooding.
   /// \return the steps

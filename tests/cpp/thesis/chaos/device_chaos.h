@@ -11,6 +11,8 @@
 
 #define ISIMP_KERNEL
 
+#include "gather.h"
+
 /// The device of chaos.h, for cuda/device.h.
 namespace isimp::parallel::ISIMP_DEVICE {
 
@@ -44,16 +46,6 @@ Value reduce_all(Memory& memory, std::int64_t end, Kernel kernel, Value start, M
     other = chaos::random(2) == 0 ? merge(other, last) : merge(last, other);
   }
   return values.front();
-}
-
-template <class From>
-void scan_all(Memory& memory, From from, std::int64_t count, std::int32_t* to) {
-  const Array<char> scratch(memory, static_cast<std::size_t>(count));
-  std::int32_t sum = 0;
-  for (std::int64_t k = 0; k < count; ++k) {
-    to[k] = sum;
-    sum += from[k];
-  }
 }
 
 enum class Order : std::uint8_t { relaxed };
@@ -110,5 +102,18 @@ class Threads {
  public:
   explicit Threads(std::int32_t /*wanted*/) {}
 };
+
+inline std::int32_t reserve(std::int32_t& count, std::int32_t more) { return shared(count).fetch_add(more, kRelaxed); }
+
+/// Some steps at once, as on a device.
+template <class Flood>
+void repeat(const Flood& flood, std::int32_t step) {
+  std::int32_t& steps = flood.progress->steps = 0;
+  for (std::size_t left = 1 + chaos::random(4); left > 0 && flood.size(step) > 0; --left, ++steps, ++step) {
+    const std::int64_t size = flood.size(step);
+    for_all(0, size, [&](std::int64_t i) { flood.choose(i, step); });
+    gather(flood.applied(step + 1), size);
+  }
+}
 
 }  // namespace isimp::parallel::ISIMP_DEVICE
