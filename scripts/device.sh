@@ -37,7 +37,7 @@ prepare() { # FOLDER SCAN...
     cp -L "$library" "$folder/lib"
   done
   cp bench/__init__.py "$folder/bench"
-  cp bench/studies/{gpu,thesis,thesis_findings}.py "$folder/bench/studies"
+  cp bench/studies/gpu.py "$folder/bench/studies"
   for scan; do cp "$scan" "$folder/scans"; done
   strip "$folder"/python/isimp_engine/_core*.so "$folder"/tests/*
   cp scripts/device.sh "$folder"
@@ -82,16 +82,10 @@ try: e.partition(e.Mesh(n.eye(3), n.array([[0, 1, 2]])), e.PartitionOptions(prox
 except e.InvalidInput as error: print(error)')"
     exit $failed
   fi
-  if command -v compute-sanitizer >/dev/null; then
-    step memcheck 90 compute-sanitizer --tool memcheck --error-exitcode 9 tests/test_parallel
-    step racecheck 60 compute-sanitizer --tool racecheck --error-exitcode 9 tests/test_parallel --gtest_filter='Parallel.*Exact*'
-  fi
-  step small 60 "$python" -m bench.studies.gpu --faces 100000 --counts 100,1000 --out results/small
-  step large 150 "$python" -m bench.studies.gpu --faces 1000000,3500000 --counts 500,2000 --repeat 1 --out results/large
-  for place in scans/*; do
-    [ ! -e "$place" ] || step "thesis_$(basename "$place" .ply)" 50 "$python" -m bench.studies.thesis --csv-only --data scans --scans "$(basename "$place")" --counts 500 --out "results/thesis"
-  done
-  cat results/small.txt results/large.txt
+  step check 200 "$python" -m bench.studies.gpu --tests tests --faces 100000 --counts 100,1000 --out results/small
+  step scans 120 "$python" -m bench.studies.gpu --faces 1000000 --counts 100,500,2000 --repeat 1 --out results/scans --scans scans/*
+  step large 120 "$python" -m bench.studies.gpu --faces 3500000 --counts 500,2000 --repeat 1 --out results/large
+  cat results/check.txt results/scans.txt results/large.txt
   exit $failed
 }
 

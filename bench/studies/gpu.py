@@ -1,21 +1,24 @@
 """A check of a GPU in one command: whether its results are right, and how fast it is.
 
     python -m bench.studies.gpu --out FOLDER [--tests FOLDER] [--faces 100000,1000000] [--counts 100,1000,10000]
+        [--scans FILE...]
 
 First the tests of the parallel parts are run, plainly and under each of compute-sanitizer's tools, where they and it
 are found (--tests: the folder with test_parallel and its kin, as stage `cuda` of scripts/test.sh builds them). Then
-every parallel method is timed on every back end on generated surfaces of --faces faces, against `lloyd` and the default
-method on one thread of the processor; labels are compared, as they must be the same on all back ends. Times are wall
-times: of the first partition of a mesh, which loads the surface, and of a further one, which finds it there (the least
-of --repeat). FOLDER gets checks.csv and times.csv; the questions to the device and the answers are printed. Needs the
-package, nothing else; without a device it does the same on the processor alone.
+every parallel method is timed on every back end on generated surfaces of --faces faces and on scans, against `lloyd`
+and the default method on one thread of the processor; labels are compared, as they must be the same on all back ends.
+Times are wall times: of the first partition of a mesh, which loads the surface, and of a further one, which finds it
+there (the least of --repeat). FOLDER gets checks.csv and times.csv; the questions to the device and the answers are
+printed. Needs the package, nothing else; without a device it does the same on the processor alone.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -25,8 +28,12 @@ import numpy as np
 
 import isimp_engine as engine
 
-TESTS = ("test_parallel", "test_thesis")
+TESTS = {  # by program: the tests that use a device; under a tool each takes seconds, others take minutes
+    "test_parallel": "*",
+    "test_thesis": "Flooder.*:DeviceMemory.IsWithin*:ParallelLloyd.ACube*:ParallelLloyd.Barriers*",
+}
 TOOLS = ("memcheck", "racecheck", "initcheck", "synccheck")
+LIMIT = 60  # seconds of a program under a tool
 ROUNDS = 20
 BASE = {"lloyd": {"method": "lloyd", "threads": 1}, "default": {"method": "hierarchy", "threads": 1}}
 PARALLEL = {"queued": {"method": "queued"}, "naive": {"method": "naive"}}
@@ -58,9 +65,8 @@ def timed(mesh: engine.Mesh, **options) -> tuple[float, engine.Partition | None,
     return time.perf_counter() - start, part, ""
 
 
-def measure(faces: int, counts: list[int], repeat: int) -> list[dict]:
+def measure(arrays: engine.Mesh, name: str, counts: list[int], repeat: int) -> list[dict]:
     rows = []
-    arrays = ring(faces)
     for proxies in counts:
         lloyd, labels = None, {}
         ways = [(way, "cpu", options) for way, options in BASE.items()]
@@ -73,7 +79,7 @@ def measure(faces: int, counts: list[int], repeat: int) -> list[dict]:
             again = min(seconds for seconds, _, _ in runs[1:])
             lloyd = lloyd or again
             expected = labels.setdefault(way, part)
-            row = {"faces": len(mesh.triangles), "proxies": proxies, "method": way, "backend": backend}
+            row = {"mesh": name, "faces": len(mesh.triangles), "proxies": proxies, "method": way, "backend": backend}
             row |= {"first_s": round(first, 5), "again_s": round(again, 5), "speed_up": round(lloyd / again, 3)}
             row["same_as_cpu"] = None not in (part, expected) and np.array_equal(part.face_region, expected.face_region)
             row |= {"error": part.error if part else "", "problem": problem}
@@ -82,37 +88,52 @@ def measure(faces: int, counts: list[int], repeat: int) -> list[dict]:
     return rows
 
 
+def run_within(command: list) -> tuple[bool, str]:
+    """Whether a program succeeded within the limit, and the last line that it printed."""
+    run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True)
+    try:
+        printed = run.communicate(timeout=LIMIT)[0]
+    except subprocess.TimeoutExpired:
+        os.killpg(run.pid, signal.SIGKILL)  # the program too, which a tool leaves running
+        run.communicate()
+        return False, f"no end after {LIMIT} s"
+    return run.returncode == 0, "".join(printed.strip().splitlines()[-1:])
+
+
+def has_device() -> bool:
+    """Asked in another process, since a tool may wait for one that has opened the device."""
+    code = "import isimp_engine; print('cuda' in isimp_engine.backends())"
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "True\n"
+
+
 def check(tests: Path | None) -> list[dict]:
     """The tests, plain and under the sanitizer's tools."""
-    programs = [tests / name for name in TESTS] if tests else []
+    programs = [(tests / name, wanted) for name, wanted in TESTS.items()] if tests else []
     sanitizer = shutil.which("compute-sanitizer", path="/usr/local/cuda/bin") or shutil.which("compute-sanitizer")
-    found = sanitizer and "cuda" in engine.backends()
+    found = sanitizer and has_device()
     ways = {"plain": []} | (
         {tool: [sanitizer, "--tool", tool, "--error-exitcode", "9"] for tool in TOOLS} if found else {}
     )
     rows = []
-    for program in programs:
+    for program, wanted in programs:
         for way, before in ways.items():
-            run = subprocess.run([*before, program], capture_output=True, text=True, check=False)
-            last = (run.stdout + run.stderr).strip().splitlines()[-1:]
-            rows.append(
-                {"program": program.name, "under": way, "passed": run.returncode == 0, "last_line": "".join(last)}
-            )
+            passed, last = run_within([*before, program, f"--gtest_filter={wanted}"])
+            rows.append({"program": program.name, "under": way, "passed": passed, "last_line": last})
             print(*rows[-1].values(), file=sys.stderr)
     return rows
 
 
 def table(rows: list[dict]) -> str:
-    """Seconds of a further partition, as Markdown: a line for each size and count, a column for each way."""
+    """Seconds of a further partition, as Markdown: a line for each mesh and count, a column for each way."""
     ways = list(dict.fromkeys((r["method"], r["backend"]) for r in rows))
-    lines = ["| faces | P | " + " | ".join(f"{way}, {backend}" for way, backend in ways) + " |"]
+    lines = ["| mesh | P | " + " | ".join(f"{way}, {backend}" for way, backend in ways) + " |"]
     lines.append("|---" * (2 + len(ways)) + "|")
-    for faces, proxies in dict.fromkeys((r["faces"], r["proxies"]) for r in rows):
-        cell = {(r["method"], r["backend"]): r for r in rows if (r["faces"], r["proxies"]) == (faces, proxies)}
+    for mesh, proxies in dict.fromkeys((r["mesh"], r["proxies"]) for r in rows):
+        cell = {(r["method"], r["backend"]): r for r in rows if (r["mesh"], r["proxies"]) == (mesh, proxies)}
         texts = [
             "failed" if cell[w]["problem"] else f"{cell[w]['again_s']:.3g} ({cell[w]['speed_up']:.3g} x)" for w in ways
         ]
-        lines.append(f"| {faces} | {proxies} | " + " | ".join(texts) + " |")
+        lines.append(f"| {mesh} | {proxies} | " + " | ".join(texts) + " |")
     return "\n".join(lines)
 
 
@@ -122,9 +143,9 @@ def verdict(rows: list[dict], checks: list[dict]) -> list[str]:
     device = [r for r in rows if r["backend"] == "cuda"]
     if not device:
         return [*lines, "there is no device: figures are of the processor alone"]
-    lines += [f"{r['method']} at {r['faces']} faces, P {r['proxies']}: {r['problem']}" for r in device if r["problem"]]
+    lines += [f"{r['method']}, {r['mesh']}, P {r['proxies']}: {r['problem']}" for r in device if r["problem"]]
     other = [r for r in device if not r["same_as_cpu"] and not r["problem"]]
-    lines += [f"{r['method']} at {r['faces']} faces, P {r['proxies']}: not the processor's labels" for r in other]
+    lines += [f"{r['method']}, {r['mesh']}, P {r['proxies']}: not the processor's labels" for r in other]
     million = [r["speed_up"] for r in device if r["method"] == "queued" and 5e5 < r["faces"] < 2e6]
     if million:
         lines.append(f"queued at a million faces: {min(million)} to {max(million)} times lloyd; the aim is {AIM}")
@@ -134,7 +155,7 @@ def verdict(rows: list[dict], checks: list[dict]) -> list[str]:
 
 
 def _default_of(rows: list[dict], like: dict) -> float:
-    same = ("faces", "proxies")
+    same = ("mesh", "proxies")
     return next(r["again_s"] for r in rows if r["method"] == "default" and all(r[k] == like[k] for k in same))
 
 
@@ -153,13 +174,16 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--tests", type=Path, help="the folder with the test programs")
     parser.add_argument("--faces", type=numbers, default=[100_000, 1_000_000, 10_000_000])
     parser.add_argument("--counts", type=numbers, default=[100, 1000, 10_000])
+    parser.add_argument("--scans", type=Path, nargs="*", default=[], help="scans to measure beside the generated ones")
     parser.add_argument("--repeat", type=int, default=2)
     given = parser.parse_args(arguments)
     given.out.mkdir(parents=True, exist_ok=True)
     checks, rows = check(given.tests), []
     write_rows(given.out / "checks.csv", checks)
-    for faces in given.faces:
-        rows += measure(faces, given.counts, given.repeat)
+    meshes = [(f"ring of {faces:,} faces", lambda n=faces: ring(n)) for faces in given.faces]
+    meshes += [(scan.stem, lambda path=scan: engine.clean(*engine.read(path))) for scan in given.scans]
+    for name, make in meshes:
+        rows += measure(make(), name, given.counts, given.repeat)
         write_rows(given.out / "times.csv", rows)
     print(table(rows), *verdict(rows, checks), sep="\n")
     good = all(r["passed"] for r in checks) and all(r["same_as_cpu"] for r in rows)

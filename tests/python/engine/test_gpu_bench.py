@@ -23,7 +23,7 @@ def test_the_whole_command_on_a_small_surface(tmp_path, capsys):
     with (tmp_path / "out" / "checks.csv").open(newline="") as file:
         assert {row["program"] for row in csv.DictReader(file)} == set(gpu.TESTS)
     printed = capsys.readouterr().out
-    assert printed.startswith("| faces | P | lloyd, cpu | default, cpu | queued, cpu |")
+    assert printed.startswith("| mesh | P | lloyd, cpu | default, cpu | queued, cpu |")
     if "cuda" not in engine.backends():
         assert "there is no device" in printed
 
@@ -38,7 +38,14 @@ def test_a_failing_test_fails_the_whole(tmp_path, capsys):
 
 
 def row(method, backend, seconds, **more):
-    base = {"faces": 1_000_000, "proxies": 100, "method": method, "backend": backend, "again_s": seconds}
+    base = {
+        "mesh": "ring",
+        "faces": 1_000_000,
+        "proxies": 100,
+        "method": method,
+        "backend": backend,
+        "again_s": seconds,
+    }
     return base | {"speed_up": 2 / seconds, "same_as_cpu": True, "problem": ""} | more
 
 
@@ -53,6 +60,6 @@ def test_the_verdict_names_the_questions_to_the_device():
         [*base, row("queued", "cuda", 0.5, same_as_cpu=False), row("naive", "cuda", 1, problem="full")], []
     )
     assert bad[:2] == [
-        "naive at 1000000 faces, P 100: full",
-        "queued at 1000000 faces, P 100: not the processor's labels",
+        "naive, ring, P 100: full",
+        "queued, ring, P 100: not the processor's labels",
     ]
