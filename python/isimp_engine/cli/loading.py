@@ -17,8 +17,8 @@ from .. import (
     close_openings,
     read_polygons,
     read_textured,
-    triangulate,
 )
+from ..file_faces import cut, largest_shares
 
 GLTF = (".glb", ".gltf")
 
@@ -44,16 +44,6 @@ def load(path: Path, job: Job, threads: int = 0, textured: bool = False) -> Inpu
     triangles, polygon = cut(vertices, loops, loop_start)
     shown = read_textured(path, job, threads=threads) if textured else None
     return Input(path, vertices, triangles, polygon, len(loop_start), shown)
-
-
-def cut(
-    vertices: NDArray[np.float64], loops: NDArray[np.int32], loop_start: NDArray[np.int32]
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """The polygons cut into triangles, and the polygon of each; where all are triangles, `loops` itself."""
-    count = len(loop_start)
-    if len(loops) == 3 * count and np.array_equal(loop_start, np.arange(0, 3 * count, 3, dtype=np.int32)):
-        return loops.reshape(count, 3), np.arange(count, dtype=np.int32)
-    return triangulate(vertices, loops, loop_start)
 
 
 Places = Sequence[tuple[float, float, float]]
@@ -109,15 +99,3 @@ def labels(source: Input, mesh: Mesh, regions: NDArray[np.int32]) -> NDArray[np.
 def face_areas(mesh: Mesh, faces: NDArray[np.intp]) -> NDArray[np.float64]:
     a, b, c = (mesh.vertices[mesh.triangles[faces, k]] for k in range(3))
     return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
-
-
-def largest_shares(
-    face: NDArray[np.int32], region: NDArray[np.int32], area: NDArray[np.float64]
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Each face once, and the region with the most of its area, the lowest of equals."""
-    pairs, place = np.unique(np.stack([face, region], axis=1), axis=0, return_inverse=True)
-    total = np.bincount(place.ravel(), weights=area, minlength=len(pairs))
-    order = np.lexsort((-pairs[:, 1], total, pairs[:, 0]))
-    faces, regions = pairs[order].T
-    last = np.append(faces[1:] != faces[:-1], True)
-    return faces[last], regions[last]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import read_polygons
-from ..cli.loading import cut
+from ..file_faces import cut
 from ..reading import plain
 from .store import save, tile_name
 

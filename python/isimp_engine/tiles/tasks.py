@@ -15,7 +15,7 @@ from .. import (
     clean,
     read_polygons,
 )
-from ..cli.loading import cut, largest_shares
+from ..file_faces import cut, largest_shares
 from . import borders, grouped, meshing, steps, tileset
 from .splitting import split_scan
 from .store import MADE, load, of_tile, save, save_values, tile_name

@@ -1,0 +1,28 @@
+"""The faces of a file, which may be polygons: the triangles of each, and a region for each."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core import triangulate
+
+
+def cut(
+    vertices: NDArray[np.float64], loops: NDArray[np.int32], loop_start: NDArray[np.int32]
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """The polygons cut into triangles, and the polygon of each; where all are triangles, `loops` itself."""
+    count = len(loop_start)
+    if len(loops) == 3 * count and np.array_equal(loop_start, np.arange(0, 3 * count, 3, dtype=np.int32)):
+        return loops.reshape(count, 3), np.arange(count, dtype=np.int32)
+    return triangulate(vertices, loops, loop_start)
+
+
+def largest_shares(
+    face: NDArray[np.int32], region: NDArray[np.int32], area: NDArray[np.float64]
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Each face once, and the region with the most of its area, the lowest of equals."""
+    pairs, place = np.unique(np.stack([face, region], axis=1), axis=0, return_inverse=True)
+    total = np.bincount(place.ravel(), weights=area, minlength=len(pairs))
+    order = np.lexsort((-pairs[:, 1], total, pairs[:, 0]))
+    faces, regions = pairs[order].T
+    last = np.append(faces[1:] != faces[:-1], True)
+    return faces[last], regions[last]
