@@ -72,33 +72,39 @@ Value reduce_all(Memory& /*memory*/, std::int64_t end, Kernel kernel, Value star
 }
 
 /// One step, so that a job is asked between steps.
-/// In two passes, since threads would wait for each other at a common number. The first one notes the bits in place of
-/// the chosen labels.
+/// Many sources in two passes, since threads would wait for each other at a common number. The first one notes the bits in
+/// place of the chosen labels.
 template <class Source>
 void gather(const Source& source, std::int64_t count) {
   const auto& flood = source.flood;
   std::int32_t& size = flood.progress->size[source.step % 3];
-  const auto runs = static_cast<std::int64_t>(count < kWorthThreads ? 1 : 256);
-  std::array<std::int32_t, 257> first{size};
+  if (count < kWorthThreads) {
+    for (std::int64_t i = 0; i < count; ++i) {
+      const std::int32_t bits = source.bits(i);
+      flood.add(source.face(i), bits, source.step, size);
+      size += flood.number(bits);
+    }
+    return;
+  }
+  constexpr std::int64_t kRuns = 256;
+  std::array<std::int32_t, kRuns + 1> first{size};
   const auto for_runs = [&](auto work) {
-    with_policy(count, [&](const auto& policy) {
-      const thrust::counting_iterator<std::int64_t> zero(0);
-      thrust::for_each(policy, zero, zero + runs,
-                       [&](std::int64_t run) { work(run, run * count / runs, (run + 1) * count / runs); });
-    });
+    const thrust::counting_iterator<std::int64_t> zero(0);
+    thrust::for_each(thrust::device, zero, zero + kRuns,
+                     [&](std::int64_t run) { work(run, run * count / kRuns, (run + 1) * count / kRuns); });
   };
   for_runs([&](std::int64_t run, std::int64_t begin, std::int64_t end) {
     std::int32_t found = 0;
     for (std::int64_t i = begin; i < end; ++i) found += flood.number(flood.chosen[i] = source.bits(i));
     first[run + 1] = found;
   });
-  for (std::int64_t run = 0; run < runs; ++run) first[run + 1] += first[run];
+  for (std::int64_t run = 0; run < kRuns; ++run) first[run + 1] += first[run];
   for_runs([&](std::int64_t run, std::int64_t begin, std::int64_t end) {
     std::int32_t at = first[run];
     for (std::int64_t i = begin; i < end; at += flood.number(flood.chosen[i++]))
       flood.add(source.face(i), flood.chosen[i], source.step, at);
   });
-  size = first[runs];
+  size = first[kRuns];
 }
 
 /// One step, so that a job is asked between steps.
