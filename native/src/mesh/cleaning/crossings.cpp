@@ -25,16 +25,13 @@ bool overlap(const Box& a, const Box& b) {
 class Cells {
  public:
   explicit Cells(std::vector<Box> boxes) : boxes_(std::move(boxes)) {
-    side_ = to_integer(kFine * std::cbrt(static_cast<double>(boxes_.size())), 1, kMostSide);
     for (const Box& b : boxes_) reach_.extend(b);
-    for (int k = 0; k < 3; ++k) {
-      const double length = boxes_.empty() ? 0 : reach_.max()[k] - reach_.min()[k];
-      per_length_[k] = length > 0 ? side_ / length : 0;
-    }
+    side_ = to_integer(kFine * std::cbrt(static_cast<double>(boxes_.size())), 1, kMostSide);
+    for (scale(); side_ > 1 && !is_small(); scale()) side_ /= 2;
     start_.assign(static_cast<std::size_t>(side_) * side_ * side_ + 1, 0);
     const auto each = [&](auto fn) {
       for (std::size_t i = 0; i < boxes_.size(); ++i)
-        find(boxes_[i], [&](std::size_t cell) {
+        find(range_of(boxes_[i]), [&](std::size_t cell, const Cell&) {
           fn(cell, static_cast<std::int32_t>(i));
           return false;
         });
@@ -42,36 +39,78 @@ class Cells {
     each([&](std::size_t cell, std::int32_t) { ++start_[cell + 1]; });
     std::partial_sum(start_.begin(), start_.end(), start_.begin());
     inside_.resize(start_.back());
-    std::vector<std::int32_t> fill(start_.begin(), start_.end() - 1);
+    std::vector<std::size_t> fill(start_.begin(), start_.end() - 1);
     each([&](std::size_t cell, std::int32_t i) { inside_[fill[cell]++] = i; });
   }
 
-  /// Whether fn(index) is true of one of the boxes that touch a box. It may be called several times for each.
+  /// Whether fn(index) is true of one of the boxes that touch a box. It is called at most once for each.
   template <class Function>
   bool any(const Box& box, Function fn) const {
-    return !boxes_.empty() && overlap(box, reach_) && find(box, [&](std::size_t cell) {
-      return std::any_of(inside_.begin() + start_[cell], inside_.begin() + start_[cell + 1],
-                         [&](std::int32_t i) { return overlap(box, boxes_[i]) && fn(i); });
+    if (boxes_.empty() || !overlap(box, reach_)) return false;
+    const Range range = range_of(box);
+    return find(range, [&](std::size_t at, const Cell& cell) {
+      return std::any_of(inside_.begin() + static_cast<std::ptrdiff_t>(start_[at]),
+                         inside_.begin() + static_cast<std::ptrdiff_t>(start_[at + 1]), [&](std::int32_t i) {
+                           return overlap(box, boxes_[i]) && is_first(cell, range, boxes_[i]) && fn(i);
+                         });
     });
   }
 
  private:
   static constexpr int kMostSide = 64;
   static constexpr double kFine = 4;
+  static constexpr std::size_t kMostCells = 64;  // most cells a box, on average
 
-  /// Whether fn(cell) is true of a cell that a box touches, which reaches into the grid.
-  template <class Function>
-  bool find(const Box& box, Function fn) const {
-    std::array<std::array<int, 2>, 3> range{};
+  using Cell = std::array<int, 3>;
+  using Range = std::array<Cell, 2>;  // the lowest and the highest cell
+
+  void scale() {
+    for (int k = 0; k < 3; ++k) {
+      const double length = boxes_.empty() ? 0 : reach_.max()[k] - reach_.min()[k];
+      per_length_[k] = length > 0 ? side_ / length : 0;
+    }
+  }
+
+  /// Whether the boxes are in few cells: large ones would be in nearly all.
+  [[nodiscard]] bool is_small() const {
+    std::size_t cells = 0;
+    for (const Box& b : boxes_) {
+      const auto [low, high] = range_of(b);
+      std::size_t own = 1;
+      for (int k = 0; k < 3; ++k) own *= static_cast<std::size_t>(std::max(high[k] - low[k] + 1, 0));
+      cells += own;
+    }
+    return cells <= kMostCells * boxes_.size();
+  }
+
+  [[nodiscard]] int cell_of(double at, int axis) const {
+    return to_integer((at - reach_.min()[axis]) * per_length_[axis], 0, side_ - 1);
+  }
+
+  [[nodiscard]] Range range_of(const Box& box) const {
+    Range range{};
+    for (int k = 0; k < 3; ++k) {
+      range[0][k] = cell_of(box.min()[k], k);
+      range[1][k] = cell_of(box.max()[k], k);
+    }
+    return range;
+  }
+
+  /// Whether a cell is the lowest one of a range that a box touches, too.
+  [[nodiscard]] bool is_first(const Cell& cell, const Range& range, const Box& box) const {
     for (int k = 0; k < 3; ++k)
-      for (int side = 0; side < 2; ++side) {
-        const double at = ((side == 0 ? box.min()[k] : box.max()[k]) - reach_.min()[k]) * per_length_[k];
-        range[k][side] = to_integer(at, 0, side_ - 1);
-      }
-    for (int x = range[0][0]; x <= range[0][1]; ++x)
-      for (int y = range[1][0]; y <= range[1][1]; ++y)
-        for (int z = range[2][0]; z <= range[2][1]; ++z)
-          if (fn((static_cast<std::size_t>(x) * side_ + y) * side_ + z)) return true;
+      if (cell[k] != range[0][k] && cell[k] != cell_of(box.min()[k], k)) return false;
+    return true;
+  }
+
+  /// Whether fn(index, cell) is true of a cell of a range.
+  template <class Function>
+  bool find(const Range& range, Function fn) const {
+    const auto& [low, high] = range;
+    for (int x = low[0]; x <= high[0]; ++x)
+      for (int y = low[1]; y <= high[1]; ++y)
+        for (int z = low[2]; z <= high[2]; ++z)
+          if (fn((static_cast<std::size_t>(x) * side_ + y) * side_ + z, Cell{x, y, z})) return true;
     return false;
   }
 
@@ -79,7 +118,8 @@ class Cells {
   Box reach_;
   int side_ = 1;
   std::array<double, 3> per_length_{};
-  std::vector<std::int32_t> start_, inside_;  // by cell: where its boxes start in `inside_`
+  std::vector<std::size_t> start_;  // by cell: where its boxes start in `inside_`
+  std::vector<std::int32_t> inside_;
 };
 
 }  // namespace
