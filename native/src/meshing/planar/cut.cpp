@@ -161,7 +161,6 @@ Cuts::Cuts(State& state, const Defects& defects, Draft& draft)
       }
 }
 
-/// \return whether there is a way
 bool Cuts::cut(std::int32_t u) {
   const Unit& unit = draft_.units[u];
   const auto& kept = draft_.kept[u];

@@ -1,3 +1,4 @@
+// Cuts polygons that are to be planar.
 #pragma once
 
 #include <array>
@@ -40,6 +41,7 @@ class Cuts {
   [[nodiscard]] bool is_whole(std::size_t u) const { return cuts_[u].empty() && !uncut_[u] && !draft_.units[u].left; }
 
  private:
+  /// \return whether there is a way
   bool cut(std::int32_t u);
 
   State& s_;
