@@ -92,8 +92,8 @@ class Chains {
   bool is_free(std::size_t a, std::size_t b) {
     Link& link = links_[a * places_.size() + b];
     if (!std::exchange(link.is_checked, true)) {
-      const auto [from, to] = std::minmax(places_[a], places_[b], [](auto p, auto q) { return p->vertex < q->vertex; });
-      link.price = wall_.price(*from, *to);
+      const auto [from, to] = std::minmax(a, b);
+      link.price = wall_.price(*places_[from], *places_[to]);
     }
     return std::isfinite(link.price);
   }
