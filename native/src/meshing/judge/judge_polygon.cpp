@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "isimp/core/noinline.h"
 #include "judge/judge.h"
 
 namespace isimp::meshing {
@@ -238,8 +239,12 @@ class LeastSurface {
     return std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
   }
 
+  [[nodiscard]] ISIMP_NOINLINE bool turns_left(std::size_t i, std::size_t k, std::size_t j) const {
+    return CGAL::orientation(p_[i], p_[k], p_[j]) == CGAL::LEFT_TURN;
+  }
+
   /// The least surface between the corners i to j and the segment that joins them, kNever if none is possible.
-  double best(std::size_t i, std::size_t j) {
+  ISIMP_NOINLINE double best(std::size_t i, std::size_t j) {
     const double *of_i = &cost_[i * n_], *of_j = &cost_[j * n_];
     // A triangle that is too large for a smaller surface is skipped before its root and its turn are computed.
     constexpr double kRounding = 1 + 1e-9;
@@ -251,7 +256,7 @@ class LeastSurface {
       const Vec3& b = at_[k];
       const double squared = (b - a).cross(side_c).squaredNorm(), most = least - rest;
       if (squared > kRounding * most * most) continue;
-      if (!convex_ && CGAL::orientation(p_[i], p_[k], p_[j]) != CGAL::LEFT_TURN) continue;
+      if (!convex_ && !turns_left(i, k, j)) continue;
       const double doubled = std::sqrt(squared);
       double sum = rest + doubled;
       if (thin_ > 0 && doubled <= thin_ * longest(a, b, c)) sum += kSliver * thin_ * thin_;
