@@ -51,6 +51,16 @@ std::int32_t face_beside(const Labels& labels, std::span<const std::int32_t> fac
   return last;
 }
 
+using Loop = std::span<const std::int32_t>;
+
+/// Where a half-edge is in a loop, sought from a place on and round; the end if it is not there.
+Loop::iterator find_round(Loop loop, Loop::iterator from, std::int32_t h) {
+  const auto at = std::find(from, loop.end(), h);
+  if (at != loop.end()) return at;
+  const auto before = std::find(loop.begin(), from, h);
+  return before == from ? loop.end() : before;
+}
+
 }  // namespace
 
 State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job,
@@ -244,6 +254,7 @@ void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const st
   }
   touch(charts);
   if (mesh.face_count() / kMany < labels.chart_count()) return;
+  for (const std::int32_t f : faces) handed_faces_.push_back(f);
   const auto is_simple = [&](std::int32_t l) {  // neither held nor of a region that may change with its faces
     return labels.charts[l].cause == Cause::region && !planes[l].held && planes[l].projected > kFlat * planes[l].area;
   };
@@ -256,9 +267,25 @@ void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const st
 
 std::vector<std::int32_t> State::loop_again(std::int32_t chart) const {
   const auto loop = complex.loop(chart);
-  const auto start = std::find_if(loop.begin(), loop.end(),
-                                  [&](std::int32_t h) { return labels.label[h / 3] == chart && !labels.inner(h); });
-  return start == loop.end() ? std::vector<std::int32_t>() : labels.loop_from(*start);
+  auto at = std::find_if(loop.begin(), loop.end(),
+                         [&](std::int32_t h) { return labels.label[h / 3] == chart && !labels.inner(h); });
+  std::vector<std::int32_t> again;
+  if (at == loop.end()) return again;
+  const std::int32_t start = *at;
+  std::int32_t h = start;
+  do {
+    ISIMP_ASSERT(again.size() < 3 * labels.label.size(), "a boundary closes");
+    again.push_back(h);
+    // Where no face was handed over the old boundary goes on, which is faster to read than to find.
+    if (labels.vertex_marks.has(mesh.to(h)) || (at = find_round(loop, at, h)) == loop.end()) {
+      h = labels.next_on_boundary(h);
+      if (at == loop.end()) at = loop.begin();
+    } else {
+      if (++at == loop.end()) at = loop.begin();
+      h = *at;
+    }
+  } while (h != start);
+  return again;
 }
 
 std::vector<State::Known> State::settle_handovers() {
@@ -339,6 +366,10 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
   diagonals_.resize(labels.charts.size());
   std::vector<std::vector<std::int32_t>> loops(touched.size());
   labels.face_marks.clear();
+  labels.vertex_marks.clear();
+  for (const std::int32_t f : handed_faces_)
+    for (const std::int32_t v : mesh.triangles()[f]) labels.vertex_marks.add(v);
+  handed_faces_.clear();
   const std::span<Chart> charts = labels_.charts.edit_all(touched);
   const std::span<Plane> fitted = planes_.edit_all(touched);
   threads.blocks(static_cast<std::int32_t>(loops.size()), kFew,

@@ -132,7 +132,8 @@ class State {
     std::int32_t giver, taker;
     Plane part;
   };
-  /// The boundary of a changed chart, from a half-edge that was already on it; empty if there is none.
+  /// The boundary of a changed chart, from a half-edge that was already on it; empty if there is none. The vertices of
+  /// all faces that were handed over are marked.
   [[nodiscard]] std::vector<std::int32_t> loop_again(std::int32_t chart) const;
   /// What is known of a touched chart without its faces; `boundary`: the plane too.
   enum class Known : std::uint8_t { nothing, plane, boundary };
@@ -171,10 +172,11 @@ class State {
   std::map<std::int32_t, Disc> discs_;  // by chart: the disc found by its split, until the next update
   /// By chart: its boundary, if the plane and the boundary are already known after a change.
   std::map<std::int32_t, std::vector<std::int32_t>> known_;
-  std::vector<Handover> handovers_;    // since the last update
-  std::vector<std::int32_t> handed_;   // charts touched by handovers, once for each touch
-  std::vector<std::int32_t> at_home_;  // corners that were put to their vertices since the last update
-  Logged<std::uint8_t> stale_;         // by corner: whether a polygon of it has changed since `take_stale`
+  std::vector<Handover> handovers_;         // since the last update
+  std::vector<std::int32_t> handed_faces_;  // the faces of these
+  std::vector<std::int32_t> handed_;        // charts touched by handovers, once for each touch
+  std::vector<std::int32_t> at_home_;       // corners that were put to their vertices since the last update
+  Logged<std::uint8_t> stale_;              // by corner: whether a polygon of it has changed since `take_stale`
 
  public:
   const Mesh& mesh;

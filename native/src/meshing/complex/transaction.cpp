@@ -28,6 +28,7 @@ void Transaction::rollback() {
   s_.complex_.drop_pending();
   s_.united_.clear();
   s_.handovers_.clear();
+  s_.handed_faces_.clear();
   s_.handed_.clear();
   s_.discs_.clear();
   s_.known_.clear();
