@@ -52,8 +52,9 @@ class Trees {
     for (std::int32_t v = search.take(); v != kNone; v = search.take())
       for_each_leaving(mesh_, v, [&](std::int32_t h) {
         if (cutter_.labels.label[h / 3] != chart_) return;
-        for (const std::int32_t w : {mesh_.to(h), mesh_.from(Mesh::prev(h))})
-          search.reach(w, search.distance[v] + edge_length(v, w), v);
+        const auto reach = [&](std::int32_t w) { search.reach(w, search.distance[v] + edge_length(v, w), v); };
+        reach(mesh_.to(h));
+        if (!cutter_.labels.inner(Mesh::prev(h))) reach(mesh_.from(Mesh::prev(h)));
       });
   }
 
@@ -64,7 +65,11 @@ class Trees {
       for (const std::int32_t h : shape_.loops[i]) loop_of_edge[h] = static_cast<std::int32_t>(i);
     // Loop length, half-edge, whether it leads in from a hole.
     std::priority_queue<std::tuple<double, std::int32_t, bool>> queue;
+    const auto face_behind = [&](std::int32_t h, bool from_hole) { return from_hole ? h / 3 : mesh_.opposite(h) / 3; };
+    const auto leads_out = [&](std::int32_t h, bool from_hole) { return !from_hole && !cutter_.labels.inner(h); };
     const auto push = [&](std::int32_t h, bool from_hole) {
+      // Most edges are met a second time, from the face that the tree has reached over them.
+      if (!leads_out(h, from_hole) && cutter_.face_marks.has(face_behind(h, from_hole))) return;
       if (in_tree(h)) return;
       const Search& s = cutter_.vertices;
       queue.emplace(s.distance[mesh_.from(h)] + s.distance[mesh_.to(h)], h, from_hole);
@@ -80,8 +85,7 @@ class Trees {
     while (!queue.empty()) {
       const auto [length, h, from_hole] = queue.top();
       queue.pop();
-      const bool into_hole = !from_hole && !cutter_.labels.inner(h);
-      if (into_hole) {
+      if (leads_out(h, from_hole)) {
         const std::int32_t hole = loop_of_edge.at(h);
         if (hole_done[hole]) continue;
         hole_done[hole] = true;
@@ -89,7 +93,7 @@ class Trees {
         for (const std::int32_t g : shape_.loops[hole]) push(g, true);
         continue;
       }
-      const std::int32_t face = from_hole ? h / 3 : mesh_.opposite(h) / 3;
+      const std::int32_t face = face_behind(h, from_hole);
       if (!cutter_.face_marks.add(face)) continue;
       cutter_.halfedge_marks.add(h);
       if (!from_hole) cutter_.halfedge_marks.add(mesh_.opposite(h));
