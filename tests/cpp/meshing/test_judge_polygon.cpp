@@ -54,13 +54,16 @@ TEST(JudgePolygon, FindsWhetherManyEdgesCross) {
     const std::vector<Vec3> p = star(20 + static_cast<int>(random() % 100), trial % 3, random);
     std::vector<std::int32_t> polygon(p.size());
     std::iota(polygon.begin(), polygon.end(), 0);
-    std::vector<Facet> facets;
-    const PolygonDefects found = judge_polygon(polygon, p, Vec3::UnitZ(), {0, 1e-3}, {}, &facets);
+    FlatView view;
+    const PolygonDefects found = judge_polygon(polygon, p, Vec3::UnitZ(), {0, 1e-3}, &view);
     const bool expected = crosses(p);
     ASSERT_EQ((found.kinds & kCrossing) != 0, expected) << trial;
     ASSERT_EQ(found.crossing[0] >= 0, expected) << trial;
     crossed += expected;
+    ASSERT_EQ(view == nullptr, expected) << trial;
     if (!expected) {
+      std::vector<Facet> facets;
+      triangulate(*view, polygon, p, {0, 1e-3}, {}, facets);
       ASSERT_EQ(facets.size(), p.size() - 2) << trial;
     }
   }

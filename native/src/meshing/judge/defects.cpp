@@ -46,7 +46,7 @@ bool Defects::is_given(std::int32_t chart) const {
 }
 
 PolygonDefects Defects::judge_one(std::int32_t chart, std::int32_t part, std::span<const Vec3> beyond,
-                                  std::vector<Facet>* facets) const {
+                                  FlatView* view) const {
   const auto polygon = s_.polygons.of(s_.polygons.first_of(chart) + part);
   Bounds bounds = bounds_;
   Vec3 normal = s_.planes[chart].normal;
@@ -55,7 +55,7 @@ PolygonDefects Defects::judge_one(std::int32_t chart, std::int32_t part, std::sp
     const Vec3 area = vector_area(polygon, s_.corners.position), other = direction_on_scan(s_, chart, polygon, beyond);
     if (area.dot(other) > area.dot(normal)) normal = other;
   }
-  return judge_polygon(polygon, s_.corners.position, normal, bounds, {{}, chart, part}, facets);
+  return judge_polygon(polygon, s_.corners.position, normal, bounds, view);
 }
 
 PolygonDefects Defects::defects_now(std::int32_t chart, std::int32_t part) const {
@@ -71,11 +71,23 @@ std::vector<Vec3> Defects::areas_beyond(std::int32_t chart) const {
   return apart_ && s_.polygons.count_of(chart) > 1 ? areas_beyond_chords(s_, chart) : std::vector<Vec3>{};
 }
 
-Defects::Found Defects::find(std::int32_t chart, Source source) const {
-  Found f{std::move(source), {}, {}};
+Defects::Looked Defects::look(std::int32_t chart, std::uint8_t allowed) const {
+  Looked looked;
   const std::vector<Vec3> beyond = areas_beyond(chart);
+  for (std::int32_t part = 0; part < s_.polygons.count_of(chart); ++part) {
+    looked.polygons.push_back(judge_one(chart, part, beyond, &looked.views.emplace_back()));
+    if (looked.polygons.back().kinds & ~allowed) break;
+  }
+  return looked;
+}
+
+Defects::Found Defects::find(std::int32_t chart, Source source, Looked looked) const {
+  Found f{std::move(source), std::move(looked.polygons), {}};
+  const std::int32_t first = s_.polygons.first_of(chart);
   for (std::int32_t part = 0; part < s_.polygons.count_of(chart); ++part)
-    f.polygons.push_back(judge_one(chart, part, beyond, &f.facets.facets));
+    if (const FlatView& view = looked.views[part])
+      triangulate(*view, s_.polygons.of(first + part), s_.corners.position, bounds_, {{}, chart, part},
+                  f.facets.facets);
   f.facets.locate(s_.corners.position);
   if (f.polygons.size() == 1 && f.polygons[0].kinds == kNoArea && f.source.is_face && is_given(chart))
     f.polygons[0].kinds = kGiven;
@@ -190,19 +202,23 @@ bool Defects::accepts(std::span<const std::int32_t> charts, std::int32_t whole) 
   for (const std::int32_t l : charts)
     if (!is_source(found_[l].source, l)) changed.push_back(l);
   // Without facets first, and `whole` before the others: most changes that are refused have a defect there.
-  std::vector<std::int32_t> order = changed;
-  if (const auto at = std::find(order.begin(), order.end(), whole); at != order.end())
-    std::rotate(order.begin(), at, at + 1);
-  for (const std::int32_t l : order) {
+  std::vector<Looked> looked(changed.size());
+  const auto is_good = [&](std::size_t i) {
+    const std::int32_t l = changed[i];
     const std::uint8_t allowed = l == whole ? kGiven : kinds_[l] | kGiven;
-    const std::vector<Vec3> beyond = areas_beyond(l);
-    for (std::int32_t part = 0; part < s_.polygons.count_of(l); ++part)
-      if (judge_one(l, part, beyond, nullptr).kinds & ~allowed) return false;
+    looked[i] = look(l, allowed);
+    if (!looked[i].polygons.empty() && (looked[i].polygons.back().kinds & ~allowed)) return false;
     judged_ += s_.polygons.count_of(l);
-  }
+    return true;
+  };
+  const std::size_t first = std::find(changed.begin(), changed.end(), whole) - changed.begin();
+  if (first < changed.size() && !is_good(first)) return false;
+  for (std::size_t i = 0; i < changed.size(); ++i)
+    if (i != first && !is_good(i)) return false;
   std::vector<Found> fresh;
   fresh.reserve(changed.size());
-  for (const std::int32_t l : changed) fresh.push_back(find(l, source_of(l)));
+  for (std::size_t i = 0; i < changed.size(); ++i)
+    fresh.push_back(find(changed[i], source_of(changed[i]), std::move(looked[i])));
   for (std::size_t i = 0; i < changed.size(); ++i)
     if (meets_any(i, changed, fresh, changed_facets(changed[i], fresh[i]))) return false;
   for (std::size_t i = 0; i < changed.size(); ++i) set(changed[i], std::move(fresh[i]));

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "complex/state.h"
@@ -87,12 +88,22 @@ class Defects {
   void find_hits_of(const std::vector<bool>& changed, const std::vector<bool>& same);
   /// Marks the hits whose regions meet in the scan. The result for each pair of regions is cached.
   void find_excuses(std::span<Hit> hits);
-  [[nodiscard]] Found find(std::int32_t chart, Source source) const;
+  /// The polygons of a chart before they are triangulated.
+  struct Looked {
+    std::vector<PolygonDefects> polygons;
+    std::vector<FlatView> views;
+  };
+  /// Judges the polygons of a chart, up to the first that has another defect than the allowed ones.
+  [[nodiscard]] Looked look(std::int32_t chart, std::uint8_t allowed) const;
+  [[nodiscard]] Found find(std::int32_t chart, Source source) const {
+    return find(chart, std::move(source), look(chart, 0xff));
+  }
+  /// The same from the result of `look`.
+  [[nodiscard]] Found find(std::int32_t chart, Source source, Looked looked) const;
   /// The areas beyond the chords of a chart of several polygons that are to be planar; of others none.
   [[nodiscard]] std::vector<Vec3> areas_beyond(std::int32_t chart) const;
   /// \param beyond  the result of `areas_beyond`
-  PolygonDefects judge_one(std::int32_t chart, std::int32_t part, std::span<const Vec3> beyond,
-                           std::vector<Facet>* facets) const;
+  PolygonDefects judge_one(std::int32_t chart, std::int32_t part, std::span<const Vec3> beyond, FlatView* view) const;
   /// Whether a chart is a face of the scan that has no area.
   [[nodiscard]] bool is_given(std::int32_t chart) const;
 

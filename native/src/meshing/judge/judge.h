@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -48,10 +49,20 @@ struct Bounds {
   double facing = kFacingChart;  ///< the cosine up to which a polygon counts as flipped
 };
 
+struct FlatPolygon;  // in judge_polygon.cpp
+/// A simple polygon seen along its normal, null for others.
+using FlatView = std::shared_ptr<const FlatPolygon>;
+
 /// \param normal  that of the chart: a polygon that faces away from it is flipped
-/// \param facets  the triangulation of a simple polygon is added here, marked as `like`; null if it is not needed
+/// \param view  is set, for `triangulate`; null if it is not needed
 PolygonDefects judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
-                             const Bounds& bounds, Facet like = {}, std::vector<Facet>* facets = nullptr);
+                             const Bounds& bounds, FlatView* view = nullptr);
+
+/// Triangulates a polygon that `judge_polygon` found to be simple.
+/// \param view  the result of `judge_polygon` for the same polygon, positions and bounds
+/// \param facets  the triangles are added here, marked as `like`
+void triangulate(const FlatPolygon& view, std::span<const std::int32_t> polygon, std::span<const Vec3> position,
+                 const Bounds& bounds, const Facet& like, std::vector<Facet>& facets);
 
 /// The plane through a triangle, for a quick test whether points lie to one side of it.
 struct Facing {

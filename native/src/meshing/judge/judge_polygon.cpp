@@ -6,25 +6,28 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "isimp/core/noinline.h"
 #include "judge/judge.h"
 
 namespace isimp::meshing {
-namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_2;
 
 /// The polygon seen along its normal, turned counter-clockwise.
-struct Flat {
+struct FlatPolygon {
   std::vector<Point> points;
   Vec3 normal = Vec3::Zero();   ///< its length is the area
   double bend = 0, extent = 0;  ///< largest distance from the plane, and from the middle
+  bool convex = false;
 };
 
-Flat flat(std::span<const std::int32_t> polygon, std::span<const Vec3> position) {
-  Flat f;
+namespace {
+
+FlatPolygon flat(std::span<const std::int32_t> polygon, std::span<const Vec3> position) {
+  FlatPolygon f;
   std::vector<Vec3> p;
   p.reserve(polygon.size());
   Vec3 centre = Vec3::Zero();
@@ -290,9 +293,9 @@ class LeastSurface {
 }  // namespace
 
 PolygonDefects judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
-                             const Bounds& bounds, Facet like, std::vector<Facet>* facets) {
+                             const Bounds& bounds, FlatView* view) {
   PolygonDefects found;
-  const Flat f = flat(polygon, position);
+  FlatPolygon f = flat(polygon, position);
   found.bend = f.bend;
   if (f.points.empty() || f.normal.norm() <= bounds.thickness * f.extent) {
     found.kinds = kNoArea;
@@ -300,17 +303,22 @@ PolygonDefects judge_polygon(std::span<const std::int32_t> polygon, std::span<co
   }
   if (f.normal.dot(normal) <= bounds.facing * f.normal.norm()) found.kinds |= kFlipped;
   if (bounds.bend > 0 && f.bend > bounds.bend) found.kinds |= kBent;
-  const bool convex = is_convex(f.points);
-  if (!convex) found.crossing = find_crossing(f.points);
-  if (found.crossing[0] >= 0) {
+  f.convex = is_convex(f.points);
+  if (!f.convex) found.crossing = find_crossing(f.points);
+  if (found.crossing[0] >= 0)
     found.kinds |= kCrossing;
-  } else if (facets) {
-    if (polygon.size() == 3 || polygon.size() > LeastSurface::kMost ||
-        !LeastSurface(f.points, convex, polygon, position, bounds.no_slivers ? 4 * bounds.thickness : 0)
-             .cut(like, *facets))
-      Ears(f.points, polygon).cut(like, *facets);
-  }
+  else if (view)
+    *view = std::make_shared<const FlatPolygon>(std::move(f));
   return found;
+}
+
+void triangulate(const FlatPolygon& view, std::span<const std::int32_t> polygon, std::span<const Vec3> position,
+                 const Bounds& bounds, const Facet& like, std::vector<Facet>& facets) {
+  const std::size_t n = view.points.size();
+  if (n <= 3 || n > LeastSurface::kMost ||
+      !LeastSurface(view.points, view.convex, polygon, position, bounds.no_slivers ? 4 * bounds.thickness : 0)
+           .cut(like, facets))
+    Ears(view.points, polygon).cut(like, facets);
 }
 
 }  // namespace isimp::meshing
