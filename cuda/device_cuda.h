@@ -104,7 +104,7 @@ inline constexpr int kThreadsOfStep = 512;
 /// The most faces of a step that one block makes alone, without waiting for the others.
 inline constexpr std::int32_t kFewFaces = 512;
 
-/// One step by the threads of a group, this one the `first` of so many.
+/// Makes one step with the threads of a group: all blocks, or one block.
 template <class Flood, class Group>
 __device__ void make_step(const Flood& flood, std::int32_t step, std::int32_t size, const Group& group) {
   const auto first = static_cast<std::int32_t>(group.thread_rank()), threads = static_cast<std::int32_t>(group.size());

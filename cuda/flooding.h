@@ -64,9 +64,9 @@ struct Progress {
 template <class Flood>
 struct Applied;
 
-/// A flooding step by step. A step first chooses a label for each face of its queue from the present labels of all, then
-/// applies the chosen labels and makes the next queue of the neighbours of changed faces. Chance decides the order of a
-/// queue, which changes no label.
+/// The data and the two parts of a step of flooding. The first part chooses a label for each face of the queue from the
+/// present labels of all faces. The second part applies the chosen labels and queues neighbours of changed faces for the
+/// next step. The order of a queue is random and does not affect a label.
 ///
 /// A neighbour is queued only if the region is better than its own. Its own region may or may not have changed in this
 /// very step; but it changes for the better only, so that faces that are not queued would not change, and faces that are
@@ -159,7 +159,7 @@ struct AroundSeeds {
   }
 };
 
-/// All faces: those that are free and next to a region.
+/// The free faces next to a region, among all faces.
 struct FreeFaces {
   Flood<true> flood;
   std::int32_t step;

@@ -78,7 +78,8 @@ class Directions {
     return planes;
   }
 
-  /// Snaps upright regions along frames: those set by hand, those that most area votes for, and one for each of the rest.
+  /// Snaps upright regions along frames: first the frames of planes set by hand, then those with the largest area of
+  /// votes, then one frame for each remaining region.
   void snap_upright(Some& left) {
     auto [upright, rest] = parted(left, [&](std::int32_t r) {
       const Vec3& n = regions_[r].normal;

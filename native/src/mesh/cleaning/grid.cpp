@@ -58,7 +58,7 @@ double common_step(const std::vector<double>& values) {
   return *middle;
 }
 
-/// Whether less than kShare of all can fit if `off` do not.
+/// Whether less than kShare of `all` numbers fit, when `off` of them do not.
 bool too_many(std::size_t off, std::size_t all) {
   return static_cast<double>(all - off) < kShare * static_cast<double>(all);
 }

@@ -245,7 +245,7 @@ void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const st
                       std::span<const std::int32_t> charts) {
   ISIMP_ASSERT(giver != taker &&
                    std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) { return labels.label[f] == giver; }),
-               "faces that are handed over have the label of who gives them");
+               "the giver has the faces that it hands over");
   for (const std::int32_t f : faces) labels_.label.set(f, taker);
   if (labels.label[labels.charts[giver].face] != giver) {
     const std::int32_t kept = face_beside(labels, faces, giver);
@@ -276,7 +276,7 @@ std::vector<std::int32_t> State::loop_again(std::int32_t chart) const {
   do {
     ISIMP_ASSERT(again.size() < 3 * labels.label.size(), "a boundary closes");
     again.push_back(h);
-    // Where no face was handed over the old boundary goes on, which is faster to read than to find.
+    // At other vertices the old boundary is still valid, and to read it is faster than to search for the next edge.
     if (labels.vertex_marks.has(mesh.to(h)) || (at = find_round(loop, at, h)) == loop.end()) {
       h = labels.next_on_boundary(h);
       if (at == loop.end()) at = loop.begin();

@@ -135,7 +135,7 @@ class State {
   /// The boundary of a changed chart, from a half-edge that was already on it; empty if there is none. The vertices of
   /// all faces that were handed over are marked.
   [[nodiscard]] std::vector<std::int32_t> loop_again(std::int32_t chart) const;
-  /// What is known of a touched chart without its faces; `boundary`: the plane too.
+  /// The data of a touched chart that are known without its faces: none, its plane, or its plane and its boundary.
   enum class Known : std::uint8_t { nothing, plane, boundary };
   /// Applies the handovers to the planes.
   /// \return by touched chart, sorted and each once

@@ -157,7 +157,7 @@ class JunctionNet {
   std::vector<Vec3> position_;                         // by corner
 };
 
-/// By chart: its plane, or that of its cell if it is one of a round part.
+/// By chart: its plane; for a cell of a round part, the plane of the cell.
 std::vector<Plane> planes_with_cells(const State& state) {
   std::vector<Plane> planes = state.planes;
   if (state.partition.region_cell.empty()) return planes;
