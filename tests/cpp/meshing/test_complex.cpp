@@ -13,8 +13,8 @@ namespace {
 
 class Halves : public testing::Test {
  protected:
-  Halves() : mesh_(shapes::mesh(shapes::sphere(3))), labels_(mesh_), complex_(labels_, planes_) {
-    label_charts(labels_, above(mesh_), Threads(1), job_);
+  Halves() : mesh_(shapes::mesh(shapes::sphere(3))), half_(above(mesh_)), labels_(mesh_), complex_(labels_, planes_) {
+    label_charts(labels_, half_, Threads(1), job_);
     planes_.assign(planes_of(labels_, Threads(1), job_));
     complex_.tolerance = {10, 10, 10, 1};  // no chord has to be close
     complex_.refresh(std::vector<std::int32_t>{0, 1}, {loop(0), loop(1)}, job_);
@@ -39,6 +39,7 @@ class Halves : public testing::Test {
 
   const Job job_;
   const Mesh mesh_;
+  const std::vector<std::int32_t> half_;
   Labels labels_;
   Logged<Plane> planes_;
   Complex complex_;

@@ -277,3 +277,29 @@ def test_a_zigzag_without_shape_becomes_straighter():
     assert len(stays.vertices) == len(slides.vertices)
     assert reflex_sum(stays) > 600
     assert reflex_sum(slides) < 0.65 * reflex_sum(stays)
+
+
+def torn_sheet(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """A wavy or flat sheet without some of its faces."""
+    rng = np.random.default_rng(seed)
+    n, m = rng.integers(12, 40, 2)
+    x, y = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
+    z = rng.choice([0, 0.3, 1]) * np.sin(x / 3) * np.cos(y / 4)
+    vertices = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
+    i = (np.arange(n - 1)[:, None] * m + np.arange(m - 1)).ravel()
+    triangles = np.concatenate([np.stack([i, i + m, i + m + 1], 1), np.stack([i, i + m + 1, i + 1], 1)])
+    return vertices, triangles[rng.random(len(triangles)) > rng.choice([0, 0.02, 0.1, 0.2])]
+
+
+@pytest.mark.parametrize("method", ["teleport", "lloyd"])
+@pytest.mark.parametrize("first", range(0, 60, 20))
+def test_every_region_with_an_area_has_a_polygon(method: str, first: int) -> None:
+    for seed in range(first, first + 20):
+        mesh = engine.clean(*torn_sheet(seed))
+        count = int(np.random.default_rng(seed).integers(2, len(mesh.triangles) // 3))
+        part = engine.partition(mesh, engine.PartitionOptions(proxies=count, method=method))
+        poly = engine.polygonize(mesh, part)
+        corners = mesh.vertices[mesh.triangles]
+        areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+        for region in np.setdiff1d(np.arange(part.region_count), poly.polygon_region):
+            assert areas[part.face_region == region].sum() < 1e-3, f"region {region} of seed {seed}"

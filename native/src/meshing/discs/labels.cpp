@@ -107,6 +107,16 @@ std::int32_t Labels::part(std::span<const std::int32_t> faces, std::int32_t stay
   ISIMP_ASSERT(cause == Cause::handle || hang_together(*this, faces), "what goes is connected");
   charts.edit(from).face = stays;
   charts.push_back({faces[0], charts[from].region, cause});
+  if (charts[from].cause == Cause::region) {  // it stands for the region, so it needs a face of it
+    const auto is_own = [&](std::int32_t f) { return face_region[f] == charts[from].region; };
+    const auto has_own = [&](std::span<const std::int32_t> some) {
+      return std::any_of(some.begin(), some.end(), is_own);
+    };
+    if (!is_own(stays) && !has_own(faces_of(from)) && has_own(faces)) {
+      charts.edit(from).cause = cause;
+      charts.edit(to).cause = Cause::region;
+    }
+  }
   touched.insert(touched.end(), {from, to});
   return to;
 }
@@ -211,6 +221,7 @@ std::vector<std::int32_t> hang(const Mesh& mesh, std::span<const std::int32_t> f
 
 Bits label_charts(Labels& labels, std::span<const std::int32_t> face_region, const Threads& threads, const Job& job) {
   const Mesh& mesh = labels.mesh;
+  labels.face_region = face_region;
   const std::int32_t count = mesh.face_count();
   Bits between(3 * static_cast<std::size_t>(count));
   std::vector<Hung> faces(count);
@@ -354,6 +365,16 @@ void drop_gone(Labels& labels) {
   std::erase_if(charts, [](const Chart& p) { return p.face == kNone; });
   labels.charts.assign(std::move(charts));
   ISIMP_ASSERT(have_faces(labels), "the labels that are left move down with their charts");
+}
+
+bool keeps_own(const Labels& labels, std::int32_t chart, std::span<const std::int32_t> faces) {
+  const auto [face, region, cause] = labels.charts[chart];
+  const auto stays = [&, region = region](std::int32_t f) {
+    return labels.face_region[f] == region && !std::binary_search(faces.begin(), faces.end(), f);
+  };
+  if (stays(face)) return true;
+  const std::vector<std::int32_t> all = labels.faces_of(chart);
+  return std::any_of(all.begin(), all.end(), stays);
 }
 
 Bits boundary_of(const Labels& labels) {

@@ -68,9 +68,10 @@ struct Labels {
   explicit Labels(const Mesh& m);
 
   const Mesh& mesh;
-  Logged<std::int32_t> label;               ///< (F) kNone where a part was left out
-  Logged<Chart> charts;                     ///< by label
-  std::span<const SurfaceMoments> moments;  ///< (F) surface that each face stands for; empty: the faces themselves
+  Logged<std::int32_t> label;                 ///< (F) kNone where a part was left out
+  Logged<Chart> charts;                       ///< by label
+  std::span<const SurfaceMoments> moments;    ///< (F) surface that each face stands for; empty: the faces themselves
+  std::span<const std::int32_t> face_region;  ///< (F) the partition's
   std::vector<std::int32_t> touched;  ///< charts that were cut, or gained or lost faces, since `State` last updated
   mutable Marks face_marks, vertex_marks, halfedge_marks;  // scratch space of callers
   mutable std::atomic<std::int64_t> walked{0};             ///< number of faces visited by floods
@@ -119,6 +120,11 @@ struct Labels {
 /// \return the boundary half-edges
 /// Cost: about O(F).
 Bits label_charts(Labels& labels, std::span<const std::int32_t> face_region, const Threads& threads, const Job& job);
+
+/// Whether a chart without some of its faces still has one of its region: without one it would count as another's.
+/// \param faces  in ascending order
+/// Cost: O(log faces) mostly, at most the faces of the chart.
+bool keeps_own(const Labels& labels, std::int32_t chart, std::span<const std::int32_t> faces);
 
 /// Removes charts without a face. The remaining labels move down.
 /// Cost: O(F).

@@ -108,20 +108,23 @@ bool hangs_on_one_edge(const Labels& labels, std::span<const std::int32_t> faces
   return edges == 1;
 }
 
-/// Moves some faces of a chart to another, if the chart stays connected.
+/// Moves some faces of a chart to another, if the chart stays connected and keeps a face of its region: it would be
+/// counted to another region without one.
 /// \return whether it does
 bool give(Labels& labels, std::span<const std::int32_t> faces, std::int32_t to) {
   const std::int32_t from = labels.label[faces[0]], face = labels.charts[from].face;
+  const auto is_own = [&](std::int32_t f) { return labels.face_region[f] == labels.charts[from].region; };
   const bool has_face = std::find(faces.begin(), faces.end(), face) != faces.end();
-  const bool is_tip = !has_face && hangs_on_one_edge(labels, faces);
+  const bool is_tip = !has_face && is_own(face) && hangs_on_one_edge(labels, faces);
   std::vector<std::int32_t> giver;
   if (!is_tip) giver = labels.faces_of(from);
   if (!is_tip && giver.size() <= faces.size()) return false;
   for (const std::int32_t f : faces) labels.label.set(f, to);
   if (is_tip) return true;
   std::erase_if(giver, [&](std::int32_t f) { return labels.label[f] != from; });
-  labels.charts.edit(from).face = giver[0];
-  if (labels.faces_of(from).size() == giver.size()) return true;
+  const auto own = std::find_if(giver.begin(), giver.end(), is_own);
+  labels.charts.edit(from).face = own != giver.end() ? *own : giver[0];
+  if (own != giver.end() && labels.faces_of(from).size() == giver.size()) return true;
   labels.charts.edit(from).face = face;
   for (const std::int32_t f : faces) labels.label.set(f, from);
   return false;

@@ -164,7 +164,7 @@ std::vector<Plane> planes_with_cells(const State& state) {
   for (std::size_t l = 0; l < planes.size(); ++l)
     if (const Chart& chart = state.labels.charts[l];
         chart.face != kNone && state.partition.region_held[chart.region] == kPlaneRound)
-      hold(planes[l], state.partition, chart.region);
+      hold(planes[l], state.partition, chart.region, state.mesh.origin());
   return planes;
 }
 
@@ -319,7 +319,7 @@ class Joiner {
     const Vec3 &giver = areas_[gift.giver], &taker = areas_[gift.taker];
     way.error = 2 * (giver.norm() + taker.norm() - (giver - way.area).norm() - (taker + way.area).norm());
     return !gift.faces.empty() && area < kOfGiver * s_.planes[gift.giver].area &&
-           may_give(s_, gift.giver, gift.taker, gift.faces);
+           keeps_own(s_.labels, gift.giver, gift.faces) && may_give(s_, gift.giver, gift.taker, gift.faces);
   }
 
   /// Makes the first of the ways by which all charts stay discs and no other junction changes.
