@@ -5,6 +5,8 @@
 #include <Eigen/QR>
 #include <cmath>
 
+#include "isimp/core/balanced.h"
+
 namespace isimp::curved {
 namespace {
 
@@ -14,6 +16,7 @@ using Solver3 = Eigen::SelfAdjointEigenSolver<Matrix3d>;
 constexpr double kFlat = 0.01;  ///< a second eigenvalue of the normals below this: a plane
 constexpr double kThin = 1e-4;  ///< a least eigenvalue of normal lines below this: they do not meet
 constexpr double kTiny = 1e-300;
+constexpr double kDamping = 1e-12;
 constexpr double kMostTilt = 0.2;  ///< radians, of one step
 
 double sign(double x) { return x < 0 ? -1.0 : 1.0; }
@@ -99,8 +102,8 @@ CurvedSurface refined_axial(CurvedSurface c, const Samples& s, int steps) {
       m += s.weight[i] * j * j.transpose();
       b -= s.weight[i] * (p.rho - c.radius - c.slope * p.z) * j;
     }
-    for (int d = 0; d < 6; ++d) m(d, d) += 1e-12 * m.trace() + (m(d, d) == 0 ? 1 : 0);
-    const Vector6 step = m.ldlt().solve(b);
+    for (int d = 0; d < 6; ++d) m(d, d) = m(d, d) > 0 ? (1 + kDamping) * m(d, d) : 1.0;
+    const Vector6 step = solve_balanced(m, b);
     if (!step.allFinite() || std::hypot(step[0], step[1]) > kMostTilt) break;
     c.axis = (c.axis + step[0] * u + step[1] * w).normalized();
     c.point += step[2] * u + step[3] * w;

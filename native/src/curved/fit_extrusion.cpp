@@ -10,11 +10,12 @@ namespace {
 constexpr double kFlat = 0.01;     ///< a second eigenvalue of the normals below this: a plane
 constexpr int kTilts = 3;          ///< steps of the axis
 constexpr double kMostTilt = 0.1;  ///< radians, of one step
+constexpr double kDamping = 1e-12;
 
 /// The surface with its axis tilted so that the samples have the least distances, by a step of Gauss-Newton.
 CurvedSurface tilted(CurvedSurface c, const Samples& s) {
   const Vec3 up = c.axis.cross(c.across);
-  Eigen::Matrix2d m = 1e-12 * Eigen::Matrix2d::Identity();
+  Eigen::Matrix2d m = Eigen::Matrix2d::Zero();
   Vec2 b = Vec2::Zero();
   const Locator on(c);
   for (std::size_t i = 0; i < s.size(); ++i) {
@@ -24,6 +25,7 @@ CurvedSurface tilted(CurvedSurface c, const Samples& s) {
     m += s.weight[i] * j * j.transpose();
     b += s.weight[i] * r.distance * j;
   }
+  m.diagonal().array() += kDamping * m.trace();
   const Vec2 step = m.ldlt().solve(b);
   if (!step.allFinite() || step.norm() > kMostTilt) return c;
   c.axis = (c.axis + step.x() * c.across + step.y() * up).normalized();

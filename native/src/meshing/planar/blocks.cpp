@@ -1,10 +1,11 @@
 #include "planar/blocks.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <numeric>
+
+#include "isimp/core/balanced.h"
 
 namespace isimp::meshing::planar {
 
@@ -104,7 +105,7 @@ void BlockSystem::factorise() {
       factor_row_[fill_[i]] = k;
       factor_[fill_[i]++] = l;
     }
-    inverse_[k] = rest.ldlt().solve(Mat3::Identity());
+    inverse_[k] = solve_balanced(rest, Mat3(Mat3::Identity()));
   }
 }
 
