@@ -215,6 +215,7 @@ class Rounding {
     Some by_face(label_.size());
     for (std::int32_t i = 0; i < f_.size(); ++i) by_face[f_.graph().mesh_face[i]] = label_[i];
     Partition out = inherited(partition_from(surface_, by_face, job), part_);
+    out.bound = out.distance_max = 0;  // as after an edit
     out.proxies_asked = part_.proxies_asked;
     const auto regions = static_cast<std::size_t>(out.region_count());
     out.region_offset.resize(regions, 0.0);
@@ -237,8 +238,9 @@ class Rounding {
       out.region_cell[r].proxy += before;
       out.region_held[r] = kPlaneRound;
       out.region_normal[r] = normal_[c];
-      out.region_offset[r] = offset_[c];
+      out.region_offset[r] = offset_[c] + normal_[c].dot(f_.mesh().origin());
     }
+    place_free_planes(f_.mesh(), out);
     return out;
   }
 

@@ -81,7 +81,7 @@ Partition by_bound(const Surface& surface, const PartitionOptions& options, Job&
   for (std::size_t r = 0; r < bounded.slab.size(); ++r) {
     const Slab& slab = bounded.slab[r];
     result.region_normal[r] = slab.normal;
-    result.region_offset.push_back(slab.middle());
+    result.region_offset.push_back(slab.middle() + slab.normal.dot(surface.mesh().origin()));
     result.distance_max = std::max(result.distance_max, slab.width() / 2);
   }
   ISIMP_ASSERT(result.distance_max <= *options.bound * (1 + 1e-6), "every vertex is within the bound");

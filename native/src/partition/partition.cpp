@@ -1,5 +1,6 @@
 #include "isimp/partition/partition.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -105,6 +106,30 @@ Partition partition_from(const Surface& surface, std::span<const std::int32_t> f
   Components components = find_components(surface, 1, 0.0, job);
   components.asked = count;
   return make_partition(surface, components, regions, {regions.error()}, Threads(1), job);
+}
+
+void place_free_planes(const Mesh& mesh, Partition& part) {
+  if (part.region_offset.empty()) return;
+  struct Centre {
+    Vec3 first = Vec3::Zero();
+    double area = 0;
+  };
+  std::vector<Centre> centres(part.region_seed.size());
+  const auto vertices = mesh.vertices();
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const std::int32_t r = part.face_region[f];
+    if (r == kNone || part.is_held(r)) continue;
+    const auto& [a, b, c] = mesh.triangles()[f];
+    const double area = (vertices[b] - vertices[a]).cross(vertices[c] - vertices[a]).norm() / 2;
+    centres[r].area += area;
+    centres[r].first += area / 3 * (vertices[a] + vertices[b] + vertices[c]);
+  }
+  for (std::int32_t r = 0; r < part.region_count(); ++r) {
+    const auto& [first, area] = centres[r];
+    if (part.is_held(r)) continue;
+    const Vec3 centre = area > 0 ? Vec3(first / area) : vertices[mesh.triangles()[part.region_seed[r]][0]];
+    part.region_offset[r] = part.region_normal[r].dot(centre + mesh.origin());
+  }
 }
 
 Partition inherited(Partition part, const Partition& before) {

@@ -111,7 +111,7 @@ std::vector<RegionPlane> planes_as_held(const Mesh& mesh, const Partition& parti
   for (std::int32_t i = 0; i < partition.region_count(); ++i)
     if (partition.is_held(i)) {
       planes[i].snapped = partition.region_normal[i];
-      planes[i].offset = partition.region_offset[i];
+      planes[i].offset = partition.offset_from(mesh.origin(), i);
     }
   return planes;
 }
@@ -159,17 +159,17 @@ Partition align_planes(const Mesh& mesh, const Partition& partition, std::span<c
   const double allowed = length.value_or(kAllowed * mesh.diagonal());
   align(planes, of, to, up, allowed, partition.is_held(of.regions[0]));
   Partition out = partition;
+  out.bound = out.distance_max = 0;  // as after an edit
   out.region_held.resize(planes.size(), 0);
   out.region_offset.resize(planes.size());
-  for (std::size_t i = 0; i < planes.size(); ++i)
-    if (partition.region_offset.empty()) out.region_offset[i] = planes[i].offset;
   for (const std::int32_t r : of.regions) {
     out.region_held[r] = to == Align::free ? kPlaneFree : kPlaneByHand;
     if (!out.region_cell.empty()) out.region_cell[r] = {};
     out.region_normal[r] = to == Align::free ? partition.region_sum[r].normal() : planes[r].snapped;
-    out.region_offset[r] = planes[r].offset;
+    out.region_offset[r] = planes[r].offset + planes[r].snapped.dot(mesh.origin());
   }
-  Regularity found = summary_of(planes);
+  place_free_planes(mesh, out);
+  Regularity found = summary_of(planes, mesh.diagonal());
   count_kinds(found, out, planes, up);
   found.length = allowed;
   out.regularity = found;

@@ -67,17 +67,18 @@ class Islands {
   }
   [[nodiscard]] bool is_one_plane(std::int32_t a, std::int32_t b) const {
     return (part_.region_normal[a] - part_.region_normal[b]).norm() <= kSame &&
-           std::abs(part_.region_offset[a] - part_.region_offset[b]) <= kSame * (1 + std::abs(part_.region_offset[a]));
+           std::abs(part_.region_offset[a] - part_.region_offset[b]) <= kSame * mesh_.diagonal();
   }
   /// Whether a region may become part of a wall.
   [[nodiscard]] bool may(std::int32_t wall, std::int32_t r) const {
     if (is_locked(r)) return false;
     const bool by_person = part_.region_held[r] != 0 && part_.region_held[r] != kPlaneSnapped;
     if (by_person && !is_one_plane(wall, r)) return false;
+    const double offset = part_.offset_from(mesh_.origin(), wall);
     return std::all_of(faces_[r].begin(), faces_[r].end(), [&](std::int32_t f) {
       const Triangle& t = mesh_.triangles()[f];
       return std::all_of(t.begin(), t.end(), [&](std::int32_t v) {
-        return std::abs(part_.region_normal[wall].dot(mesh_.vertices()[v]) - part_.region_offset[wall]) <= depth_;
+        return std::abs(part_.region_normal[wall].dot(mesh_.vertices()[v]) - offset) <= depth_;
       });
     });
   }
@@ -89,18 +90,21 @@ class Islands {
     std::vector<std::int32_t> found{island};
     seen_[island] = stamp;
     double area = 0;
+    bool met = false;  // else the island is a component of its own
     for (std::size_t i = 0; i < found.size(); ++i) {
       const std::int32_t r = found[i];
       area += area_[r];
       if (area >= area_[wall] || !may(wall, r)) return {};
       for (const std::int32_t other : beside_[r]) {
         if (other == kNone || barred_.contains({r, other})) return {};
+        met = met || into_[other] == wall;
         if (into_[other] == wall || seen_[other] == stamp) continue;
         if (into_[other] != other) return {};
         seen_[other] = stamp;
         found.push_back(other);
       }
     }
+    if (!met) found.clear();
     return found;
   }
 
@@ -136,7 +140,6 @@ std::vector<std::int32_t> unite_regions(const Mesh& mesh, Partition& p, std::spa
   const double area = Surface(mesh, p.guided).graph().area;
   for (const RegionSum& s : p.region_sum) p.error += s.error() * area;
   p.history.assign(1, p.error);
-  p.bound = p.distance_max = 0;  // as after an edit
   if (p.symmetry) p.symmetry->regions = kNone;
   return stays;
 }

@@ -27,8 +27,8 @@ void fit(RegionPlane& r) {
 
 bool is_along(const Vec3& a, const Vec3& b) { return a.cross(b).norm() <= kSame; }
 
-bool is_one_plane(const RegionPlane& a, const RegionPlane& b) {
-  return (a.snapped - b.snapped).norm() <= kSame && std::abs(a.offset - b.offset) <= kSame * (1 + std::abs(a.offset));
+bool is_one_plane(const RegionPlane& a, const RegionPlane& b, double diagonal) {
+  return (a.snapped - b.snapped).norm() <= kSame && std::abs(a.offset - b.offset) <= kSame * diagonal;
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ double median_distance(const std::vector<RegionPlane>& regions) {
   return 0;
 }
 
-Regularity summary_of(const std::vector<RegionPlane>& regions) {
+Regularity summary_of(const std::vector<RegionPlane>& regions, double diagonal) {
   Regularity found;
   double area = 0, before = 0, after = 0;
   std::vector<const RegionPlane*> planes;
@@ -85,7 +85,7 @@ Regularity summary_of(const std::vector<RegionPlane>& regions) {
     after += r.scan.area * squared_distance(r, r.snapped, r.offset);
     if (std::none_of(directions.begin(), directions.end(), [&](const Vec3& d) { return is_along(d, r.snapped); }))
       directions.push_back(r.snapped);
-    if (std::none_of(planes.begin(), planes.end(), [&](const RegionPlane* p) { return is_one_plane(*p, r); }))
+    if (std::none_of(planes.begin(), planes.end(), [&](const RegionPlane* p) { return is_one_plane(*p, r, diagonal); }))
       planes.push_back(&r);
   }
   found.directions = static_cast<std::int32_t>(directions.size());

@@ -10,7 +10,7 @@ namespace isimp::regular {
 
 using meshing::Plane;
 
-/// Difference of two normals that are one direction; relative to 1 + offset, also of two offsets that are one.
+/// Difference of two normals that are one direction; as a share of the diagonal, also of two offsets that are one.
 constexpr double kSame = 1e-9;
 
 /// A region of a partition as a plane: the best fit, and the given plane.
@@ -39,7 +39,8 @@ double squared_distance(const RegionPlane& region, const Vec3& normal, double of
 double median_distance(const std::vector<RegionPlane>& regions);
 
 /// Directions, planes and distances of the given planes. The counts of kinds are left 0.
+/// \param diagonal  of the mesh
 /// Cost: O(R^2).
-Regularity summary_of(const std::vector<RegionPlane>& regions);
+Regularity summary_of(const std::vector<RegionPlane>& regions, double diagonal);
 
 }  // namespace isimp::regular

@@ -30,7 +30,7 @@ constexpr double kAnywhere = std::numeric_limits<double>::infinity();
 
 /// The regions of a partition, then one for each axis of its round parts.
 std::vector<Region> regions_of(const Partition& partition, const std::vector<RegionPlane>& planes,
-                               const RoundAxes& round) {
+                               const RoundAxes& round, const Vec3& origin) {
   std::vector<Region> regions;
   for (const RegionPlane& plane : planes) {
     const std::size_t i = regions.size();
@@ -40,17 +40,16 @@ std::vector<Region> regions_of(const Partition& partition, const std::vector<Reg
     if (r.chosen == 0 || r.chosen == kPlaneFree) continue;
     r.kind = Kind::by_hand;
     r.snapped = partition.region_normal[i];
-    r.offset = partition.region_offset[i];
+    r.offset = partition.offset_from(origin, static_cast<std::int32_t>(i));
   }
   for (std::size_t g = 0; g < round.size(); ++g) regions.emplace_back(Region{round.axis(g)});
   return regions;
 }
 
-/// \param least  smaller distances count as none
-Limits limits_of(const std::vector<RegionPlane>& planes, const RegulariseOptions& options, double least) {
-  const double noise = median_distance(planes), angle = options.angle * std::numbers::pi / 180;
-  if (options.length) return {angle, *options.length, 0};
-  return {angle, std::max(kOfMedian * noise, least), kUnsure * noise};
+Limits limits_of(const std::vector<RegionPlane>& planes, const RegulariseOptions& options, double diagonal) {
+  const double noise = median_distance(planes), angle = options.angle * std::numbers::pi / 180, same = kSame * diagonal;
+  if (options.length) return {angle, *options.length, 0, same};
+  return {angle, std::max(kOfMedian * noise, kLeastLength * diagonal), kUnsure * noise, same};
 }
 
 /// The regions that have a plane of their own, the largest first.
@@ -100,7 +99,7 @@ int space_evenly_along(const Vec3& axis, std::vector<Region>& regions, const Som
     const double offset = along ? region.offset : -region.offset, middle = axis.dot(region.scan.centre),
                  reach = limits.reach(region);
     const auto same = std::find_if(planes.begin(), planes.end(), [&](const ParallelPlane& plane) {
-      return plane.faces_along == along && std::abs(plane.offset - offset) <= kSame * (1 + std::abs(offset));
+      return plane.faces_along == along && std::abs(plane.offset - offset) <= limits.one;
     });
     plane_of.push_back(static_cast<std::size_t>(same - planes.begin()));
     if (same == planes.end()) planes.push_back({offset, -kAnywhere, kAnywhere, 0, along, false});
@@ -202,7 +201,40 @@ RegularAxes store_round(Partition& out, const RoundAxes& round, std::vector<Regi
   return axes;
 }
 
-void store_planes(Partition& out, std::span<const Region> regions) {
+/// Calls fn(region, vertex) for each corner of each face that has a region.
+template <class Function>
+void for_each_corner(const Mesh& mesh, const Partition& part, Function fn) {
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    if (const std::int32_t r = part.face_region[f]; r != kNone)
+      for (const std::int32_t v : mesh.triangles()[f]) fn(r, mesh.vertices()[v]);
+}
+
+/// Gives regions whose planes leave the bound, and free ones, the partition's own planes, which keep it.
+void keep_bound(const Mesh& mesh, const Partition& partition, std::vector<Region>& regions) {
+  std::vector<double> off(partition.region_seed.size(), 0);
+  for_each_corner(mesh, partition, [&](std::int32_t r, const Vec3& p) {
+    off[r] = std::max(off[r], std::abs(regions[r].snapped.dot(p) - regions[r].offset));
+  });
+  for (std::size_t r = 0; r < off.size(); ++r) {
+    if (off[r] <= partition.bound && !regions[r].is_free()) continue;
+    regions[r].kind = Kind::free;
+    regions[r].snapped = partition.region_normal[r];
+    regions[r].offset = partition.offset_from(mesh.origin(), static_cast<std::int32_t>(r));
+  }
+}
+
+/// The largest distance of a vertex from the plane of its region.
+double largest_distance(const Mesh& mesh, const Partition& part) {
+  std::vector<double> offset;
+  for (std::int32_t r = 0; r < part.region_count(); ++r) offset.push_back(part.offset_from(mesh.origin(), r));
+  double most = 0;
+  for_each_corner(mesh, part, [&](std::int32_t r, const Vec3& p) {
+    most = std::max(most, std::abs(part.region_normal[r].dot(p) - offset[r]));
+  });
+  return most;
+}
+
+void store_planes(Partition& out, std::span<const Region> regions, const Vec3& origin) {
   out.region_offset.resize(regions.size());
   out.region_held.assign(regions.size(), 0);
   for (std::size_t i = 0; i < regions.size(); ++i) {
@@ -210,12 +242,14 @@ void store_planes(Partition& out, std::span<const Region> regions) {
     if (r.scan.area <= 0) continue;
     const std::uint8_t snapped = r.is_free() ? 0 : kPlaneSnapped;
     out.region_held[i] = r.chosen != 0 ? r.chosen : snapped;
-    out.region_offset[i] = r.offset;
+    out.region_offset[i] = r.offset + r.snapped.dot(origin);
     out.region_normal[i] = r.snapped;
   }
 }
 
-Regularity summary(const std::vector<Region>& regions) { return summary_of({regions.begin(), regions.end()}); }
+Regularity summary(const std::vector<Region>& regions, double diagonal) {
+  return summary_of({regions.begin(), regions.end()}, diagonal);
+}
 
 /// Makes islands and their rims parts of their walls.
 /// \param depth  of rims behind which islands become part of their wall
@@ -226,7 +260,7 @@ void merge_islands(const Mesh& mesh, Partition& out, std::vector<Region>& region
   std::vector<Region> left;
   for (const std::int32_t r : regular::merge_islands(mesh, out, planes, depth)) left.push_back(regions[r]);
   regions.swap(left);
-  const double before = std::exchange(found, summary(regions)).rms_before;
+  const double before = std::exchange(found, summary(regions, mesh.diagonal())).rms_before;
   found.rms_before = before;
   found.islands_merged = static_cast<std::int32_t>(left.size() - regions.size());
 }
@@ -248,9 +282,9 @@ Partition regularise(const Mesh& mesh, const Partition& partition, const Regular
   Job::Stage whole(job, "regularising", 0.0, 1.0);
   const std::vector<RegionPlane> planes = region_planes(mesh, partition);
   const double least = kLeastLength * mesh.diagonal();
-  const Limits limits = limits_of(planes, options, least);
+  const Limits limits = limits_of(planes, options, mesh.diagonal());
   RoundAxes round(mesh, partition, planes);
-  std::vector<Region> regions = regions_of(partition, planes, round);
+  std::vector<Region> regions = regions_of(partition, planes, round, mesh.origin());
   job.report(0.5);
   Some all = largest_first(regions);
   snap_directions(regions, all, limits, compass);
@@ -265,9 +299,12 @@ Partition regularise(const Mesh& mesh, const Partition& partition, const Regular
 
   Partition out = partition;
   const RegularAxes axes = store_round(out, round, regions);
-  store_planes(out, regions);
-  Regularity found = summary(regions);
-  if (options.merge_islands > 0) merge_islands(mesh, out, regions, options.merge_islands, found);
+  if (partition.bound > 0) keep_bound(mesh, partition, regions);
+  store_planes(out, regions, mesh.origin());
+  Regularity found = summary(regions, mesh.diagonal());
+  const double depth = partition.bound > 0 ? std::min(options.merge_islands, partition.bound) : options.merge_islands;
+  if (depth > 0) merge_islands(mesh, out, regions, depth, found);
+  if (partition.bound > 0) out.distance_max = largest_distance(mesh, out);
   for (const Region& r : regions)
     if (r.scan.area > 0 && r.chosen != kPlaneRound) count(found, r.kind);
   found.length = limits.length;

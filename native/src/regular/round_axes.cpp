@@ -60,7 +60,7 @@ void RoundAxes::add_cells(const Partition& partition, std::vector<RoundPart>& pa
     const std::int32_t p = partition.region_cell[r].proxy;
     if (p == kNone || partition.region_held[r] != kPlaneRound || regions_[r].scan.area <= 0) continue;
     parts[p].area += regions_[r].scan.area;
-    parts[p].cells.push_back({r, partition.region_normal[r], partition.region_offset[r]});
+    parts[p].cells.push_back({r, partition.region_normal[r], partition.offset_from(origin_, r)});
   }
 }
 

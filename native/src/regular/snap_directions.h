@@ -36,6 +36,7 @@ struct Limits {
   double angle = 0;   ///< radians
   double length = 0;  ///< largest increase of the root mean square distance of a region, scene units
   double unsure = 0;  ///< uncertainty of the plane of a region by noise, times sqrt(faces / 3)
+  double one = 0;     ///< largest difference of two offsets that are one, scene units
 
   /// The length for one region: the fewer faces, the longer.
   [[nodiscard]] double reach(const RegionPlane& region, double share = 1) const;

@@ -45,6 +45,19 @@ def test_a_pane_behind_a_groove_becomes_part_of_its_wall(depth: int, noise: floa
     assert poly.report["closed"]
 
 
+def test_a_box_that_does_not_touch_the_wall_stays() -> None:
+    large, triangles = shapes.cube(10)
+    small, faces = shapes.cube(4)
+    small = small * [0.5, 0.5, 0.1] + [12, 4, 2.9]
+    mesh = engine.clean(
+        np.concatenate([large * [10, 10, 3], small]), np.concatenate([triangles, faces + len(large)])
+    )
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=12, leave_out=0))
+    found = engine.regularise(mesh, part, engine.RegulariseOptions(merge_islands=0.2))
+    assert found.report["islands_merged"] == 0
+    assert np.array_equal(found.face_region, part.face_region)
+
+
 @pytest.mark.parametrize(("allowed", "set_back"), [(1.5, 0), (9.0, 1)])
 def test_a_deeper_rim_and_a_pane_set_back_stay(allowed: float, set_back: int) -> None:
     mesh, part = slab(2, set_back=set_back)

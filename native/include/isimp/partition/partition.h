@@ -71,8 +71,8 @@ struct Partition {
   bool snapped = false;       ///< the number is the shape's own: a significant gap in the costs of merging
   double bound = 0.0;         ///< the given bound, scene units; 0: none
   double distance_max = 0.0;  ///< with a bound: the largest distance of a vertex from its region's plane, scene units
-  std::vector<double> region_offset;  ///< (R) with a bound, or if regularised: that plane is region_normal * x =
-                                      ///< region_offset; else empty
+  std::vector<double> region_offset;  ///< (R) with a bound, or if planes are or were held: each region's plane is
+                                      ///< region_normal * x = region_offset, x in the caller's coordinates; else empty
   std::int32_t proxies_asked = 0;     ///< R is larger where components need more (see `proxies_needed`)
   std::int32_t proxies_needed = 0;    ///< the least number for all kept components together
   std::int32_t parts_left_out = 0;    ///< components without a region
@@ -99,6 +99,10 @@ struct Partition {
   [[nodiscard]] bool is_snapped(std::int32_t region) const {
     return is_held(region) && region_held[region] != kPlaneByHand;
   }
+  /// The offset of a region's plane in coordinates relative to `origin`, as a mesh has them.
+  [[nodiscard]] double offset_from(const Vec3& origin, std::int32_t region) const {
+    return region_offset[region] - region_normal[region].dot(origin);
+  }
   [[nodiscard]] bool is_left_out(std::int32_t region) const {
     return !region_locked.empty() && region_locked[region] >= kLeftOut;
   }
@@ -120,6 +124,10 @@ void check_is_of(const Mesh& mesh, const Partition& partition);
 /// \throws InvalidInput  not F of them, one below kNone, or none of at least 0
 /// Cost: O(F).
 Partition partition_from(const Surface& surface, std::span<const std::int32_t> face_region, Job& job);
+
+/// Sets region_offset of each region that holds no plane: its plane is region_normal through the centre of its area.
+/// Pre: there is no bound. Cost: O(F); nothing if region_offset is empty.
+void place_free_planes(const Mesh& mesh, Partition& part);
 
 /// Copies to a partition, each of whose regions lies in one region of `before`, the state of `before`: planes that keep
 /// a bound, locks, and how the number was found.

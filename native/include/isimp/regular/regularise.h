@@ -62,8 +62,8 @@ constexpr auto fields(const RegulariseOptions*) {
 /// Snaps the planes of regions: level, upright with right angles between them, equal slopes, parallel, coplanar. Large
 /// regions lead; then the planes of a group are fitted to all of its regions by least squares. Each snap is made only
 /// if the scan stays within `length` of the plane. On request distances of parallel planes are made equal, and islands
-/// that are coplanar with the wall around them become part of it; only then labels change, and the bound is not kept
-/// any more. Axes of round parts are snapped like planes, within the same limits: parallel ones that are nearly one line
+/// that are coplanar with the wall around them become part of it; only then labels change. A bound of the partition
+/// holds for the new planes too: those that would leave it are released. Axes of round parts are snapped like planes, within the same limits: parallel ones that are nearly one line
 /// become one, and nearly equal radii equal; the cells follow. `polygonize` uses the planes. Planes that `align_planes`
 /// has set do not change, and others are snapped to them first.
 ///

@@ -36,10 +36,11 @@ bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const 
   if (!part.region_locked.empty() && (part.region_locked[from] != 0 || part.region_locked[to] != 0)) return false;
   if (parts_wall(state, giver, taker) || crosses_barrier(state, taker, faces)) return false;
   if (!(part.bound > 0) || part.region_offset.empty()) return true;
+  const double offset = part.offset_from(state.mesh.origin(), to);
   return std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) {
     const Triangle& t = state.mesh.triangles()[f];
     return std::all_of(t.begin(), t.end(), [&](std::int32_t v) {
-      const double off = part.region_normal[to].dot(state.mesh.vertices()[v]) - part.region_offset[to];
+      const double off = part.region_normal[to].dot(state.mesh.vertices()[v]) - offset;
       return std::abs(off) <= part.bound;
     });
   });

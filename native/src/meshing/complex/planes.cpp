@@ -119,17 +119,17 @@ Plane without(const Plane& chart, const Plane& part) {
   return p;
 }
 
-void hold_by_hand(Plane& plane, const Partition& partition, std::int32_t region) {
-  if (partition.is_held(region) && !partition.is_snapped(region)) hold(plane, partition, region);
+void hold_by_hand(Plane& plane, const Partition& partition, std::int32_t region, const Vec3& origin) {
+  if (partition.is_held(region) && !partition.is_snapped(region)) hold(plane, partition, region, origin);
 }
 
-void hold(Plane& plane, const Partition& partition, std::int32_t region) {
+void hold(Plane& plane, const Partition& partition, std::int32_t region, const Vec3& origin) {
   plane.held = partition.is_held(region);
   plane.snapped = partition.is_snapped(region);
   plane.round = plane.held && partition.region_held[region] == kPlaneRound;
   if (!plane.held) return;
   plane.normal = partition.region_normal[region];
-  plane.centre += (partition.region_offset[region] - plane.normal.dot(plane.centre)) * plane.normal;
+  plane.centre += (partition.offset_from(origin, region) - plane.normal.dot(plane.centre)) * plane.normal;
 }
 
 Vec3 step_onto(std::span<const Plane* const> planes, double fixed, const Vec3& from, Eigen::Matrix3d& free) {

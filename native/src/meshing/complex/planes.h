@@ -47,10 +47,11 @@ std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const
 Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const SurfaceMoments> moments = {});
 
 /// Turns the plane of a chart into the one that the partition holds for its region, if it does.
-void hold(Plane& plane, const Partition& partition, std::int32_t region);
+/// \param origin  of the mesh
+void hold(Plane& plane, const Partition& partition, std::int32_t region, const Vec3& origin);
 
 /// Calls `hold` if the plane was set by hand. Snapped planes are applied last, because defects can release them.
-void hold_by_hand(Plane& plane, const Partition& partition, std::int32_t region);
+void hold_by_hand(Plane& plane, const Partition& partition, std::int32_t region, const Vec3& origin);
 
 /// The plane of two charts together, both with `projected` above 0.
 Plane united(const Plane& a, const Plane& b);

@@ -105,7 +105,8 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   labels_.touched.clear();
   job.report(0.07);
   planes_.assign(planes_of(labels, threads, job));
-  for (std::size_t l = 0; l < planes.size(); ++l) hold_by_hand(planes_.edit(l), partition, labels.charts[l].region);
+  for (std::size_t l = 0; l < planes.size(); ++l)
+    hold_by_hand(planes_.edit(l), partition, labels.charts[l].region, mesh.origin());
   complex_.tolerance = chord_tolerance(mesh, planes, partition, options);
   job.report(0.08);
   complex_.refresh(numbers_below(labels.chart_count()), std::move(loops), job);
@@ -227,7 +228,7 @@ void State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t
   if (kept_chart.region == gone_chart.region && planes[kept].projected > 0 && planes[gone].projected > 0) {
     Plane& plane = planes_.edit(kept);
     plane = united(plane, planes[gone]);
-    hold_by_hand(plane, partition, kept_chart.region);
+    hold_by_hand(plane, partition, kept_chart.region, mesh.origin());
     if (plane.projected > kFlat * plane.area) known_[kept] = std::move(loop);
   }
   set_diagonals(kept, {});
@@ -394,7 +395,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
                      }
                      charts[l].region = region_of(l, faces);
                      fitted[l] = plane_of(mesh, faces, labels.moments);
-                     hold_by_hand(fitted[l], partition, charts[l].region);
+                     hold_by_hand(fitted[l], partition, charts[l].region, mesh.origin());
                    }
                  });
   known_.clear();

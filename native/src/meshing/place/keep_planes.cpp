@@ -79,7 +79,7 @@ class Keeper {
     std::vector<std::int32_t> charts;
     for (const std::int32_t r : regions)
       for (const std::int32_t l : charts_[r]) {
-        hold(planes_[l], s_.partition, r);
+        hold(planes_[l], s_.partition, r, s_.mesh.origin());
         charts.push_back(l);
       }
     std::vector<std::int32_t> near = charts;

@@ -58,7 +58,7 @@ void share_out(State& state, std::span<Unit> units) {
   }
   for (std::size_t u = 0; u < units.size(); ++u) {
     units[u].scan = faces[u].empty() ? Plane{} : plane_of(mesh, faces[u]);
-    hold(units[u].scan, state.partition, state.labels.charts[units[u].chart].region);
+    hold(units[u].scan, state.partition, state.labels.charts[units[u].chart].region, mesh.origin());
   }
 }
 
@@ -137,7 +137,7 @@ std::vector<Unit> units_of(State& state) {
       for (const std::int32_t k : chords_of(state, l, u.loop))
         u.beyond.push_back(k == kNone ? Vec3::Zero() : beyond[k]);
       u.scan = state.planes[l];
-      hold(u.scan, state.partition, state.labels.charts[l].region);
+      hold(u.scan, state.partition, state.labels.charts[l].region, state.mesh.origin());
     });
     if (units.size() - first > 1) share_out(state, std::span(units).subspan(first));
     for (std::size_t u = first; u < units.size(); ++u) area += units[u].scan.area;
