@@ -304,7 +304,8 @@ def _prepare(scan: Scan, plain, closing: Closing, watch: Watch, begin: float, en
         args = (engine.clean, scan.vertices, scan.triangles, options)
     else:
         keep = np.array(closing.kept, np.float64).reshape(-1, 3)
-        args = (partial(engine.close_openings, keep=keep), plain, options)
+        among = {"asked": closing.asked, "leave_out": closing.leave_out}
+        args = (partial(engine.close_openings, keep=keep, **among), plain, options)
     mesh = engine_call(watch, begin, middle, "reading the mesh", *args)
     with watch.part("reading the mesh", middle, end):
         return replace(prepared_of(scan, mesh), closing=closing)

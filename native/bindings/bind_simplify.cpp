@@ -90,7 +90,8 @@ void bind_openings(py::module_& m) {
       R"(The length up to which the loops of holes and handles are errors of scanning, in scene units.
 
 Photogrammetry makes tunnels and pinholes that are too small for this number of regions, and each costs polygons. The
-length is for fill_holes and cut_handles of CleanOptions. It is half of sqrt(area / regions), but at most 20 times the
+length is for fill_holes and cut_handles of CleanOptions. Components that a partition into as many regions leaves out by
+default do not count. It is half of sqrt(area / regions), but at most 20 times the
 mean edge, so that well sampled openings stay. It is rounded down to the mean edge times a power of sqrt(2). 0 if the mesh
 has no opening, or so little noise that it was drawn and not scanned.
 Raises InvalidInput (regions below 1) or Cancelled. Cost: O(V + F).)");
@@ -107,17 +108,19 @@ Holes of up to 8 mean edges, such as a missing vertex makes, are filled up to sq
 has the length of holes in walls too.)");
   m.def(
       "_all_opening_lengths",
-      [](const KeptMesh& mesh, std::int32_t regions, Job* job) {
-        const OpeningLengths lengths = call_here(job, [&](Job& j) { return opening_lengths(mesh, regions, j); });
-        return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles};
+      [](const KeptMesh& mesh, std::int32_t regions, const PartitionOptions& options, Job* job) {
+        const OpeningLengths lengths =
+            call_here(job, [&](Job& j) { return opening_lengths(mesh, regions, j, options); });
+        return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles, asked_regions(mesh, options)};
       },
-      "mesh"_a, "regions"_a, "job"_a = py::none(), "See openings.lengths.");
+      "mesh"_a, "regions"_a, "options"_a, "job"_a = py::none(), "See openings.lengths.");
   m.def(
       "_guess_opening_lengths",
       [](const KeptMesh& mesh, const PartitionOptions& options, Job* job) {
         const GuessedLengths found = call_here(job, [&](Job& j) { return guess_opening_lengths(mesh, options, j); });
         const OpeningLengths& lengths = found.lengths;
-        return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles, found.most, found.likely};
+        return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles,
+                          found.most,    found.likely,       asked_regions(mesh, options)};
       },
       "mesh"_a, "options"_a, "job"_a = py::none(), "See openings.lengths_for.");
 }

@@ -181,7 +181,7 @@ py::tuple map_layers(const KeptMesh& mesh, const Partition& part, const PolygonM
     if (options.height) height = height_image(map, kLeastHeight / atlas.scale);
     if (!options.occlusion) return Array<std::uint8_t>();
     const Job::Stage tracing(j, "occlusion", 0.4, 0.98);
-    return occlusion(mesh, map, options, j, before);
+    return occlusion(mesh, part, map, options, j, before);
   });
   py::object none = py::none();
   return py::make_tuple(options.occlusion ? py::object(pixels(std::move(dark), atlas.side, 1)) : none,

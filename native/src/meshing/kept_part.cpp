@@ -1,7 +1,9 @@
 #include "kept_part.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "isimp/core/errors.h"
 #include "isimp/mesh/part_of.h"
@@ -10,23 +12,28 @@
 namespace isimp::meshing {
 namespace {
 
-/// Whether a face of which polygons are made borders one of which none are made, if no region is left out.
-bool is_cut(const Mesh& mesh, const Partition& partition) {
-  const auto& regions = partition.face_region;
-  if (std::ranges::find(regions, kNone) == regions.end()) return false;  // nearly always, and quicker than all edges
-  for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h) {
-    const std::int32_t o = mesh.opposite(h);
-    if (o > h && (partition.kept_region(h / 3) == kNone) != (partition.kept_region(o / 3) == kNone)) return true;
+/// The graph of a part with the barriers between its faces; null if there are none.
+/// \param faces  of the whole, by face of the part
+std::shared_ptr<const GuidedGraph> guided_part(const Surface& whole, const Mesh& part,
+                                               const std::vector<std::int32_t>& faces, Job& job) {
+  if (!whole.guided()) return nullptr;
+  const FaceGraph& graph = whole.graph();
+  Guides guides;
+  for (std::int32_t h = 0; h < 3 * part.face_count(); ++h) {
+    const std::int32_t of_whole = graph.graph_face[faces[h / 3]];
+    if (part.opposite(h) > h && graph.neighbours[of_whole][h % 3] == graph.size())
+      guides.barriers.push_back({part.from(h), part.to(h)});
   }
-  return false;
+  return Surface(part, guides, job).guided();
 }
 
 }  // namespace
 
 std::optional<KeptPart> kept_part(const Mesh& mesh, const Partition& partition, Job& job) {
-  const bool none_left_out =
-      std::ranges::none_of(partition.region_locked, [](std::uint8_t lock) { return lock >= kLeftOut; });
-  if (none_left_out && !is_cut(mesh, partition)) return std::nullopt;
+  const auto is_kept = [&](std::int32_t f) { return partition.kept_region(f) != kNone; };
+  std::int32_t first = 0;
+  while (first < mesh.face_count() && is_kept(first)) ++first;
+  if (first == mesh.face_count()) return std::nullopt;
   std::vector<std::int32_t> faces, source, place(partition.region_count(), kNone), region;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
     if (const std::int32_t r = partition.kept_region(f); r != kNone) {
@@ -43,15 +50,13 @@ std::optional<KeptPart> kept_part(const Mesh& mesh, const Partition& partition, 
   Mesh part = part_of(mesh, faces, job, source);
 
   Partition kept = partition;
-  kept.guided.reset();
+  kept.guided = guided_part(Surface(mesh, partition.guided), part, faces, job);
   kept.face_region.clear();
   for (const std::int32_t f : faces) kept.face_region.push_back(place[partition.face_region[f]]);
   keep_regions(kept, region);
   for (std::int32_t& seed : kept.region_seed)
     seed = static_cast<std::int32_t>(std::ranges::lower_bound(faces, seed) - faces.begin());
-  const Vec3 shift = mesh.origin() - part.origin();
-  for (std::size_t r = 0; r < kept.region_offset.size(); ++r) kept.region_offset[r] += kept.region_normal[r].dot(shift);
-  return KeptPart{std::move(part), std::move(kept), std::move(region)};
+  return KeptPart{std::move(part), std::move(kept), std::move(region), std::move(faces)};
 }
 
 void to_whole(PolygonMesh& polygons, const KeptPart& part) {

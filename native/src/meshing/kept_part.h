@@ -13,10 +13,11 @@ struct KeptPart {
   Mesh mesh;
   Partition partition;               ///< without the regions that are left out
   std::vector<std::int32_t> region;  ///< the region in the whole partition of each of its regions
+  std::vector<std::int32_t> face;    ///< the face in the whole mesh of each of its faces
 };
 
 /// Cuts off the faces of which polygons are made.
-/// \return nothing if no region is left out and no face with a region borders one without: then the whole mesh serves
+/// \return nothing if polygons are made of all faces: then the whole mesh serves
 /// \throws InvalidInput  all regions are left out
 /// Cost: O(F).
 std::optional<KeptPart> kept_part(const Mesh& mesh, const Partition& partition, Job& job);

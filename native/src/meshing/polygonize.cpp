@@ -138,9 +138,13 @@ PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const Meshi
   check_input(mesh, partition, options);
   check_moments(mesh, moments);
   if (const std::optional<KeptPart> part = kept_part(mesh, partition, job)) {
-    if (!moments.empty())
-      throw InvalidInput("moments are of the faces of the whole mesh, so that only whole components can be left out");
-    PolygonMesh result = polygonize(part->mesh, part->partition, options, job);
+    std::vector<SurfaceMoments> of_part;
+    for (const std::int32_t f : part->face)
+      if (!moments.empty()) {
+        of_part.push_back(moments[f]);
+        of_part.back().centre += mesh.origin() - part->mesh.origin();
+      }
+    PolygonMesh result = polygonize(part->mesh, part->partition, options, job, of_part);
     to_whole(result, *part);
     add_enclosing_boxes(mesh, partition, result);
     return result;

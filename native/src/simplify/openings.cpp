@@ -4,9 +4,12 @@
 #include <cmath>
 #include <string>
 
+#include "components.h"
 #include "density/noise.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/forest.h"
+#include "isimp/mesh/part_of.h"
+#include "isimp/simplify/partitioner.h"
 
 namespace isimp {
 namespace {
@@ -30,6 +33,18 @@ OpeningLengths lengths_of(double area, double edge, std::int32_t regions) {
           .handles = length};
 }
 
+/// Calls fn(mesh) with the components that a partition keeps.
+template <class Function>
+auto on_kept(const Mesh& mesh, const PartitionOptions& options, Job& job, Function fn) {
+  const std::vector<std::uint8_t> left_out =
+      has_openings(mesh) ? left_out_faces(mesh, options, job) : std::vector<std::uint8_t>();
+  if (left_out.empty()) return fn(mesh);
+  std::vector<std::int32_t> kept;
+  for (std::size_t f = 0; f < left_out.size(); ++f)
+    if (left_out[f] == 0) kept.push_back(static_cast<std::int32_t>(f));
+  return fn(part_of(mesh, kept, job));
+}
+
 /// Whether a mesh has openings that may be errors of scanning.
 bool is_open_scan(const Mesh& mesh, Job& job) {
   return has_openings(mesh) && is_noisier(mesh, kLeastNoise * mean_edge(mesh), job);
@@ -37,17 +52,37 @@ bool is_open_scan(const Mesh& mesh, Job& job) {
 
 }  // namespace
 
+std::int32_t asked_regions(const Mesh& mesh, const PartitionOptions& options) {
+  return options.triangles ? proxies_for(*options.triangles, mesh.face_count()) : options.proxies.value_or(1);
+}
+
+std::vector<std::uint8_t> left_out_faces(const Mesh& mesh, const PartitionOptions& options, Job& job) {
+  if (mesh.component_count() == 1 || options.leave_out <= 0) return {};
+  const Components components = find_components(mesh, asked_regions(mesh, options), options.leave_out, job);
+  if (components.left_out == 0) return {};
+  std::vector<std::uint8_t> marked;
+  marked.reserve(mesh.component().size());
+  for (const std::int32_t c : mesh.component()) marked.push_back(components.all[c].kept ? 0 : 1);
+  return marked;
+}
+
 bool has_openings(const Mesh& mesh) {
   const MeshReport& report = mesh.report();
   return report.border_loops > 0 || report.euler != 2 * static_cast<std::int64_t>(report.components);
 }
 
-OpeningLengths opening_lengths(const Mesh& mesh, std::int32_t regions, Job& job) {
+OpeningLengths opening_lengths(const Mesh& mesh, std::int32_t regions, Job& job,
+                               const std::optional<PartitionOptions>& options) {
   if (regions < 1) throw InvalidInput("regions must be at least 1, got " + std::to_string(regions));
-  return is_open_scan(mesh, job) ? lengths_of(mesh.graph().area, mean_edge(mesh), regions) : OpeningLengths{};
+  const auto lengths = [&](const Mesh& kept) {
+    return is_open_scan(kept, job) ? lengths_of(kept.graph().area, mean_edge(kept), regions) : OpeningLengths{};
+  };
+  return on_kept(mesh, options.value_or(PartitionOptions{.proxies = regions}), job, lengths);
 }
 
-GuessedLengths guess_opening_lengths(const Mesh& mesh, const PartitionOptions& options, Job& job) {
+namespace {
+
+GuessedLengths guess_on_kept(const Mesh& mesh, const PartitionOptions& options, Job& job) {
   if (!is_open_scan(mesh, job)) return {.lengths = {}, .most = mesh.face_count(), .likely = true};
   const double area = mesh.graph().area, edge = mean_edge(mesh);
   GuessedLengths found{.lengths = lengths_of(area, edge, 1), .most = 1};
@@ -61,12 +96,19 @@ GuessedLengths guess_opening_lengths(const Mesh& mesh, const PartitionOptions& o
   return found;
 }
 
-double opening_length(const Mesh& mesh, std::int32_t regions, Job& job) {
-  return opening_lengths(mesh, regions, job).handles;
+}  // namespace
+
+GuessedLengths guess_opening_lengths(const Mesh& mesh, const PartitionOptions& options, Job& job) {
+  return on_kept(mesh, options, job, [&](const Mesh& kept) { return guess_on_kept(kept, options, job); });
 }
 
-std::vector<double> weights_without_patches(const Mesh& mesh, std::vector<double> weights, std::int32_t regions) {
-  const auto source = mesh.source_face();
+double opening_length(const Mesh& mesh, std::int32_t regions, Job& job,
+                      const std::optional<PartitionOptions>& options) {
+  return opening_lengths(mesh, regions, job, options).handles;
+}
+
+std::vector<double> weights_without_patches(const Mesh& mesh, std::span<const std::int32_t> source,
+                                            std::vector<double> weights, std::int32_t regions) {
   if (std::find(source.begin(), source.end(), kNone) == source.end()) return weights;
   const auto count = static_cast<std::size_t>(mesh.face_count());
   if (!weights.empty() && weights.size() != count) return weights;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "components.h"
 #include "density/noise.h"
 #include "hierarchy/detail_tree.h"
 #include "hierarchy/hierarchy.h"
@@ -16,7 +17,9 @@
 #include "isimp/core/errors.h"
 #include "isimp/curved/round.h"
 #include "isimp/mesh/part_of.h"
+#include "isimp/partition/regions.h"
 #include "isimp/partition/soundness.h"
+#include "isimp/simplify/edges.h"
 #include "isimp/simplify/mirror.h"
 #include "isimp/simplify/openings.h"
 #include "isimp/thesis/thesis.h"
@@ -100,9 +103,19 @@ Partition Partitioner::run(const PartitionOptions& options, const Constraints& g
     counted.proxies = proxies_for(*options.triangles, mesh_->face_count());
     return run(counted, given, job);
   }
+  if (given.before == nullptr && !given.faces && options.leave_out > 0 && mesh_->component_count() > 1) {
+    check(*mesh_, options);
+    const Components components = find_components(*mesh_, options.proxies.value_or(1), options.leave_out, job);
+    if (components.left_out > 0) return on_kept(components, options, given, job);
+  }
+  return with_all_components(options, given, job);
+}
+
+Partition Partitioner::with_all_components(const PartitionOptions& options, const Constraints& given, Job& job) const {
   Constraints constraints = given;
   if (options.proxies)
-    constraints.guides.weights = weights_without_patches(*mesh_, given.guides.weights, *options.proxies);
+    constraints.guides.weights =
+        weights_without_patches(*mesh_, mesh_->source_face(), given.guides.weights, *options.proxies);
   const bool plain = options.symmetry == Symmetry::none;
   Partition result = options.curved ? with_round_parts(options, constraints, job)
                      : plain        ? without_symmetry(options, constraints, job)
@@ -265,6 +278,16 @@ Guides guides_of_part(const Guides& whole, const Mesh& part, std::span<const std
   return guides;
 }
 
+/// The sums of the faces of each region.
+std::vector<RegionSum> sums_of(const FaceGraph& graph, const Partition& partition, Job& job) {
+  Regions regions;
+  regions.label.assign(graph.faces.size(), kNone);
+  for (std::int32_t i = 0; i < graph.size(); ++i) regions.label[i] = partition.face_region[graph.mesh_face[i]];
+  regions.sum.resize(partition.region_seed.size());
+  sum_regions(graph, regions, job);
+  return std::move(regions.sum);
+}
+
 /// No component is left out. Locked regions count in the requested number, unless they are left out.
 PartitionOptions options_of_part(PartitionOptions options, const Constraints& constraints) {
   options.leave_out = 0.0;
@@ -318,6 +341,52 @@ void hold_as(Partition& part, const Partition& before, bool all_stay) {
 }
 
 }  // namespace
+
+/// On the components that are kept, as a mesh of their own.
+Partition Partitioner::on_kept(const Components& components, const PartitionOptions& options,
+                               const Constraints& constraints, Job& job) const {
+  constexpr double kCutting = 0.1;  // of the time
+  std::vector<std::int32_t> kept;
+  for (std::int32_t f = 0; f < mesh_->face_count(); ++f)
+    if (components.all[mesh_->component()[f]].kept) kept.push_back(f);
+  const std::shared_ptr<const Submesh> own = [&] {
+    const Job::Stage stage(job, "cutting off a part", 0.0, kCutting);
+    return submesh(kept, job);
+  }();
+  Guides guides = constraints.guides;
+  Constraints inner{.guides = guides_of_part(guides, own->mesh, kept, job),
+                    .cuts = marked_edges(own->mesh, constraints.cuts, job)};
+  if (options.proxies) {
+    std::vector<std::int32_t> source;  // the part's own names faces of the mesh
+    source.reserve(kept.size());
+    for (const std::int32_t f : kept) source.push_back(mesh_->source_face()[f]);
+    inner.guides.weights =
+        weights_without_patches(own->mesh, source, std::move(inner.guides.weights), *options.proxies);
+  }
+  PartitionOptions all = options;
+  all.leave_out = 0.0;
+  Partition result = [&] {
+    const Job::Stage stage(job, "partitioning", kCutting, 1.0);
+    return own->partitioner.with_all_components(all, inner, job);
+  }();
+
+  if (!inner.guides.weights.empty()) {
+    guides.weights.resize(static_cast<std::size_t>(mesh_->face_count()), 1.0);
+    for (std::size_t k = 0; k < kept.size(); ++k) guides.weights[kept[k]] = inner.guides.weights[k];
+  }
+  guides.barriers.insert(guides.barriers.end(), constraints.cuts.begin(), constraints.cuts.end());
+  const Surface surface = prepare(std::move(guides), options.adaptivity, job).surface;
+  std::vector<std::int32_t> labels(static_cast<std::size_t>(mesh_->face_count()), kNone);
+  for (std::size_t k = 0; k < kept.size(); ++k) labels[kept[k]] = result.face_region[k];
+  result.face_region = std::move(labels);
+  for (std::int32_t& seed : result.region_seed) seed = kept[seed];
+  result.region_sum = sums_of(surface.graph(), result, job);
+  result.guided = surface.guided();
+  result.parts_left_out = components.left_out;
+  result.area_left_out = components.area_left_out;
+  ISIMP_ASSERT(broken_promise(surface, result).empty(), "a partition keeps its promises");
+  return result;
+}
 
 Partition Partitioner::on_part(const Surface& surface, std::span<const std::int32_t> open,
                                const PartitionOptions& options, const Constraints& constraints, Job& job) const {

@@ -1,5 +1,6 @@
 #include "isimp/simplify/within.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -19,6 +20,20 @@ double largest(const std::vector<double>& distances) {
   for (const double d : distances)
     if (!(d <= most) && !std::isnan(d)) most = d;
   return most;
+}
+
+/// Area and diagonal of the box of the faces of which polygons are made.
+std::pair<double, double> size_of_kept(const Mesh& mesh, const Partition& partition) {
+  const auto vertices = mesh.vertices();
+  double area = 0;
+  Box box;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    if (partition.kept_region(f) == kNone) continue;
+    const auto& [a, b, c] = mesh.triangles()[f];
+    area += (vertices[b] - vertices[a]).cross(vertices[c] - vertices[a]).norm() / 2;
+    for (const std::int32_t v : {a, b, c}) box.extend(vertices[v]);
+  }
+  return {area, box.diagonal().norm()};
 }
 
 }  // namespace
@@ -47,11 +62,12 @@ bool BoundSearch::take(double distance) {
 }
 
 MeshingOptions tightened(const Mesh& mesh, const Partition& partition, double bound, const MeshingOptions& given) {
-  const double region = std::sqrt(mesh.report().area / std::max(partition.region_count(), 1));
+  const auto [area, diagonal] = size_of_kept(mesh, partition);
+  const double region = std::sqrt(area / std::max(partition.region_count(), 1));
   MeshingOptions options = given;
   options.chord_tolerance = std::min(bound / 2 / region, given.chord_tolerance);
-  options.reach = std::min(bound / 2 / mesh.diagonal(), given.reach);
-  options.flatness = std::min(bound / 2 / mesh.diagonal(), given.flatness);
+  options.reach = std::min(bound / 2 / diagonal, given.reach);
+  options.flatness = std::min(bound / 2 / diagonal, given.flatness);
   options.flatness_from = 0;
   return options;
 }

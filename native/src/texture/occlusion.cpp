@@ -50,19 +50,21 @@ Eigen::Matrix3f frame_of(const Eigen::Vector3f& n) {
 /// Counts the rays that meet no face.
 class Tracer {
  public:
-  Tracer(const Mesh& mesh, const TextureOptions& options, Job& job)
+  /// \param some  the faces that stop rays
+  Tracer(const Mesh& mesh, std::span<const std::int32_t> some, const TextureOptions& options, Job& job)
       : mesh_(mesh),
         normals_(detail::vertex_normals(mesh)),
-        tree_(mesh, job),
+        tree_(mesh, some, job),
         each_(std::max(1, options.occlusion_rays / (kGroup * kGroup))),
         directions_(directions(each_ * kGroup * kGroup)),
         reach_(options.occlusion_distance ? static_cast<float>(*options.occlusion_distance)
                                           : std::numeric_limits<float>::infinity()) {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (const Vec3& v : mesh.vertices()) {
-      low = low.cwiseMin(v);
-      high = high.cwiseMax(v);
-    }
+    for (const std::int32_t f : some)
+      for (const std::int32_t v : mesh.triangles()[f]) {
+        low = low.cwiseMin(mesh.vertices()[v]);
+        high = high.cwiseMax(mesh.vertices()[v]);
+      }
     lift_ = kLift * static_cast<float>((high - low).norm());
   }
 
@@ -128,9 +130,10 @@ void smooth(const BakeMap& map, const Array<float>& open, std::size_t at, std::u
 
 }  // namespace
 
-Array<std::uint8_t> occlusion(const Mesh& mesh, const BakeMap& map, const TextureOptions& options, Job& job,
-                              const EarlierGrey* earlier) {
+Array<std::uint8_t> occlusion(const Mesh& mesh, const Partition& partition, const BakeMap& map,
+                              const TextureOptions& options, Job& job, const EarlierGrey* earlier) {
   check_fields(options);
+  check_is_of(mesh, partition);
   check(mesh, map);
   if (earlier != nullptr && earlier->grey.size() != map.polygon.size())
     throw InvalidInput("the earlier occlusion has another size");
@@ -139,7 +142,10 @@ Array<std::uint8_t> occlusion(const Mesh& mesh, const BakeMap& map, const Textur
     throw InvalidInput("the earlier occlusion is of " + std::to_string(earlier->same.size()) +
                        " polygons, and the map has more");
   const Threads threads(options.threads);
-  const Tracer tracer(mesh, options, job);
+  std::vector<std::int32_t> some;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    if (partition.kept_region(f) != kNone) some.push_back(f);
+  const Tracer tracer(mesh, some, options, job);
   const std::size_t pixels = map.polygon.size();
   const auto is_same = [&](std::size_t i) { return earlier != nullptr && earlier->same[map.polygon[i]] != kNone; };
   std::vector<std::size_t> texels;

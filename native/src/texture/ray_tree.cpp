@@ -6,20 +6,22 @@
 
 namespace isimp::detail {
 
-RayTree::RayTree(const Mesh& mesh, Job& job) {
+RayTree::RayTree(const Mesh& mesh, std::span<const std::int32_t> some, Job& job) {
   const auto corner = [&](std::int32_t f, int k) -> Eigen::Vector3f {
     return mesh.vertices()[mesh.triangles()[f][k]].cast<float>();
   };
-  std::vector<meshing::NumberedBox> boxes(mesh.face_count());
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+  std::vector<meshing::NumberedBox> boxes;
+  boxes.reserve(some.size());
+  for (const std::int32_t f : some) {
     const Eigen::Array3f a = corner(f, 0), b = corner(f, 1), c = corner(f, 2);
-    boxes[f].index = f;
-    boxes[f].box.low.head<3>() = a.min(b).min(c);
-    boxes[f].box.high.head<3>() = a.max(b).max(c);
+    meshing::NumberedBox& face = boxes.emplace_back();
+    face.index = f;
+    face.box.low.head<3>() = a.min(b).min(c);
+    face.box.high.head<3>() = a.max(b).max(c);
   }
   tree_ = meshing::BoxTree(std::move(boxes), &job);
   faces_.reserve(tree_.size());
-  for (std::int32_t place = 0; place < mesh.face_count(); ++place) {
+  for (std::int32_t place = 0; place < static_cast<std::int32_t>(some.size()); ++place) {
     const std::int32_t f = tree_.at(place).index;
     const Eigen::Vector3f a = corner(f, 0);
     faces_.push_back({a, corner(f, 1) - a, corner(f, 2) - a, f});

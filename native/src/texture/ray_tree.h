@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "isimp/core/job.h"
@@ -13,8 +14,9 @@ namespace isimp::detail {
 /// The faces of a mesh in a tree of boxes, to find whether a ray meets any of them.
 class RayTree {
  public:
+  /// \param some  the faces that stop rays
   /// Cost: O(F log F).
-  RayTree(const Mesh& mesh, Job& job);
+  RayTree(const Mesh& mesh, std::span<const std::int32_t> some, Job& job);
 
   /// Whether any face but `skip` lies along a ray, from its origin up to `reach` times its direction away.
   [[nodiscard]] bool hits(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float reach,

@@ -19,6 +19,7 @@ from .. import (
     read_textured,
 )
 from ..file_faces import cut, largest_shares
+from ..openings import Lengths
 
 GLTF = (".glb", ".gltf")
 
@@ -57,10 +58,15 @@ def clean_mesh(source: Input, options: CleanOptions, job: Job, keep: Places = ()
     return _told(source, clean(source.vertices, source.triangles, options, job, keep=places))
 
 
-def close_mesh(source: Input, cleaned: Cleaned, options: CleanOptions, job: Job, keep: Places = ()) -> Cleaned:
-    """Returns the cleaned mesh with its openings closed."""
+def close_mesh(
+    source: Input, cleaned: Cleaned, options: CleanOptions, lengths: Lengths, job: Job, keep: Places = ()
+) -> Cleaned:
+    """Returns the cleaned mesh with its openings closed.
+
+    lengths: how `options` were found.
+    """
     places = np.array(keep, np.float64).reshape(-1, 3)
-    return _told(source, close_openings(cleaned[0], options, job, keep=places))
+    return _told(source, close_openings(cleaned[0], options, job, keep=places, **lengths.kept()))
 
 
 def _told(source: Input, mesh: Mesh) -> Cleaned:

@@ -175,7 +175,7 @@ def _partition(
                 lengths = closing.lengths_of(cleaned[0], options, regions, job)
             if lengths:
                 closed = closing.closing_options(settings.clean, lengths)
-                cleaned = close_mesh(source, cleaned, closed, job, keep)
+                cleaned = close_mesh(source, cleaned, closed, lengths, job, keep)
     with steps("partition") as job, refused(source):
         guides = guiding.guides_of(files, settings.angle, source, cleaned[0], job)
         found = partition_guided(cleaned[0], options, job, guides)

@@ -150,15 +150,15 @@ TEST_F(Rebake, BakesAgainWhereOnlyRegionsChanged) {
 TEST_F(Rebake, OcclusionIsCopiedToo) {
   const Atlas old = unwrap(old_poly, {128, 1, 40, 0}, job);
   const Texture first = baked(before, old_poly, old);
-  const auto grey = occlusion(mesh, bake_map(mesh, before, old_poly, old, {}, job), {}, job);
+  const auto grey = occlusion(mesh, before, bake_map(mesh, before, old_poly, old, {}, job), {}, job);
   const EarlierAtlas earlier{old_poly, old};
   const Atlas atlas = unwrap(poly, {128, 1, 40, 0}, job, &earlier);
   const EarlierBake known{before, old_poly, old, first.color, first.normal, {}, first.texels};
   const Texture again = baked(after, poly, atlas, &known);
   const EarlierGrey kept{again.same, grey};
   const BakeMap part = bake_map(mesh, after, poly, atlas, {}, job, again.same);
-  EXPECT_EQ(occlusion(mesh, part, {}, job, &kept),
-            occlusion(mesh, bake_map(mesh, after, poly, atlas, {}, job), {}, job));
+  EXPECT_EQ(occlusion(mesh, after, part, {}, job, &kept),
+            occlusion(mesh, after, bake_map(mesh, after, poly, atlas, {}, job), {}, job));
 }
 
 TEST_F(Rebake, LaysOutAllAgainIfTheRestDoesNotFit) {

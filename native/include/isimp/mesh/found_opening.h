@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "isimp/core/job.h"
@@ -35,8 +37,11 @@ Cleaned clean_keeping(std::vector<Vec3> vertices, std::vector<Triangle> triangle
 /// and its report covers both, but the other repairs are not repeated.
 ///
 /// \param options  `fill_holes`, `fill_flat_holes`, `cut_handles` and `threads` count
+/// \param aside    (F) 1 for faces of whole components that stay as they are, and that the result for the others does
+///                 not depend on; their faces and vertices come last. Empty: none
 /// \throws InvalidInput  a length is negative or not a number; a place is not finite
 /// Cost: O((V + F) log F).
-Cleaned close_openings(const Mesh& mesh, const CleanOptions& options, const std::vector<Vec3>& keep, Job& job);
+Cleaned close_openings(const Mesh& mesh, const CleanOptions& options, const std::vector<Vec3>& keep, Job& job,
+                       std::span<const std::uint8_t> aside = {});
 
 }  // namespace isimp

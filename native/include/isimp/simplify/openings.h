@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "isimp/core/job.h"
@@ -9,6 +11,13 @@
 #include "isimp/partition/options.h"
 
 namespace isimp {
+
+/// The number of regions that decides which components a partition leaves out: the one that the options give, else 1.
+std::int32_t asked_regions(const Mesh& mesh, const PartitionOptions& options);
+
+/// (F) 1 for faces of the components that a partition with these options leaves out; empty: none.
+/// Cost: O(F); nothing for a mesh of one component.
+std::vector<std::uint8_t> left_out_faces(const Mesh& mesh, const PartitionOptions& options, Job& job);
 
 /// Whether a mesh has a hole or a handle.
 bool has_openings(const Mesh& mesh);
@@ -21,10 +30,13 @@ bool has_openings(const Mesh& mesh);
 /// of regions. Rounded down to the mean edge times a power of sqrt(2), so that similar numbers of regions close the
 /// same. 0 if the mesh has no opening, or so little noise that it was drawn and not scanned.
 /// \param regions  at least 1
+/// \param options  of the partition: components that it leaves out do not count. By default with `regions`. Its noise
+///                 decides about the number of regions only: a tile of a city has noise 0 there, and errors of scanning
 /// \return scene units
 /// \throws InvalidInput  regions below 1
 /// Cost: O(V + F).
-double opening_length(const Mesh& mesh, std::int32_t regions, Job& job);
+double opening_length(const Mesh& mesh, std::int32_t regions, Job& job,
+                      const std::optional<PartitionOptions>& options = {});
 
 /// Scene units; both 0 where opening_length is.
 struct OpeningLengths {
@@ -44,7 +56,8 @@ struct GuessedLengths {
 /// `opening_length` by kind. Holes of up to 8 mean edges, such as a missing vertex makes, are filled up to sqrt(area /
 /// regions): filling changes less than cutting. Holes in walls are filled up to twice that, a square half as wide, and at
 /// most 20 mean edges: as a modeller draws the wall behind a shelf.
-OpeningLengths opening_lengths(const Mesh& mesh, std::int32_t regions, Job& job);
+OpeningLengths opening_lengths(const Mesh& mesh, std::int32_t regions, Job& job,
+                               const std::optional<PartitionOptions>& options = {});
 
 /// The result of `opening_lengths` for one region, and the number of regions up to which it is the same: both lengths
 /// have a bound in mean edges. So openings of a large scan can be closed before the number of regions is found.
@@ -57,10 +70,12 @@ GuessedLengths guess_opening_lengths(const Mesh& mesh, const PartitionOptions& o
 ///
 /// A patch larger than two regions of mean size or a hundredth of the surface keeps its weight: it is the bottom of a
 /// figure, for example, and not an error of scanning.
+/// \param source   (F) as Mesh::source_face: kNone for faces of patches
 /// \param weights  (F) of faces, or empty: 1 everywhere
 /// \param regions  at least 1
 /// \return (F) weights, with 0 for faces of small patches; `weights` if there is none, or their number is not F
 /// Cost: O(F).
-std::vector<double> weights_without_patches(const Mesh& mesh, std::vector<double> weights, std::int32_t regions);
+std::vector<double> weights_without_patches(const Mesh& mesh, std::span<const std::int32_t> source,
+                                            std::vector<double> weights, std::int32_t regions);
 
 }  // namespace isimp

@@ -13,6 +13,7 @@
 namespace isimp {
 
 class DetailTree;
+struct Components;
 struct Hierarchy;
 class Thesis;
 
@@ -45,7 +46,8 @@ class Partitioner {
   /// than `proxies`, they are made, and `proxies_needed` is their number. Components each below `leave_out` of the area
   /// are left out, smallest first, while all of them together stay below ten times it, or below twenty times it where
   /// each has less than a tenth of the mean area of `proxies` regions. The largest is always kept, and none is left out
-  /// where the rest would have fewer than `proxies` faces.
+  /// where the rest would have fewer than `proxies` faces. The rest is partitioned as a mesh of its own, so that the
+  /// result does not depend on what is left out.
   /// The same mesh, options and constraints give the same partition bit for bit: nothing depends on hashing, on the
   /// order of threads or on a library's random numbers. May be called from several threads at once.
   ///
@@ -89,6 +91,9 @@ class Partitioner {
   Partition with_round_parts(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
   Partition with_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
   Partition without_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
+  Partition with_all_components(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
+  Partition on_kept(const Components& components, const PartitionOptions& options, const Constraints& constraints,
+                    Job& job) const;
   Partition on_part(const Surface& surface, std::span<const std::int32_t> open, const PartitionOptions& options,
                     const Constraints& constraints, Job& job) const;
   Partition on_surface(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;

@@ -10,6 +10,7 @@
 #include "cleaning/close.h"
 #include "cleaning/grid.h"
 #include "cleaning/stitch.h"
+#include "isimp/core/check.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/forest.h"
 #include "isimp/mesh/found_opening.h"
@@ -23,6 +24,7 @@ struct Cleaning {
   MeshArrays arrays;
   Topology topology;
   RepairLog log;
+  MeshArrays aside = {};  ///< of components that stay as they are
 
   /// Closes the openings that the options name, and makes the mesh.
   Cleaned finish(const CleanOptions& options, const std::vector<Vec3>& keep, const Threads& threads, Job& job) &&;
@@ -165,11 +167,9 @@ Cleaning make_sound(std::vector<Vec3> vertices, std::vector<Triangle> triangles,
   return sound;
 }
 
-/// The arrays of a mesh, so that its openings can be closed.
-Cleaning sound_of(const Mesh& mesh, const Threads& threads, Job& job) {
-  const Job::Stage stage(job, "cleaning", 0.0, 0.5);
-  Cleaning sound{.arrays = {}, .topology = {}, .log = RepairLog(mesh.report().repairs)};
-  MeshArrays& arrays = sound.arrays;
+/// The arrays of a mesh.
+MeshArrays arrays_of(const Mesh& mesh) {
+  MeshArrays arrays;
   arrays.vertices.assign(mesh.vertices().begin(), mesh.vertices().end());
   if (!mesh.origin().isZero(0))
     for (Vec3& v : arrays.vertices) v += mesh.origin();
@@ -177,7 +177,57 @@ Cleaning sound_of(const Mesh& mesh, const Threads& threads, Job& job) {
   arrays.source_face.assign(mesh.source_face().begin(), mesh.source_face().end());
   arrays.source_vertex.assign(mesh.source_vertex().begin(), mesh.source_vertex().end());
   arrays.cell = mesh.report().cell;
-  sound.topology = find_topology(arrays.vertices.size(), arrays.triangles, threads, job);
+  return arrays;
+}
+
+/// Moves the marked faces, which are whole components, to arrays of their own.
+MeshArrays take_aside(MeshArrays& arrays, std::span<const std::uint8_t> marked) {
+  std::vector<std::uint8_t> goes(arrays.vertices.size(), 0);
+  for (std::size_t f = 0; f < marked.size(); ++f)
+    if (marked[f] != 0)
+      for (const std::int32_t v : arrays.triangles[f]) goes[v] = 1;
+  MeshArrays rest, aside;
+  std::vector<std::int32_t> number(goes.size());
+  for (std::size_t v = 0; v < goes.size(); ++v) {
+    MeshArrays& to = goes[v] != 0 ? aside : rest;
+    number[v] = static_cast<std::int32_t>(to.vertices.size());
+    to.vertices.push_back(arrays.vertices[v]);
+    to.source_vertex.push_back(arrays.source_vertex[v]);
+  }
+  for (std::size_t f = 0; f < marked.size(); ++f) {
+    MeshArrays& to = marked[f] != 0 ? aside : rest;
+    const auto& [a, b, c] = arrays.triangles[f];
+    to.triangles.push_back({number[a], number[b], number[c]});
+    to.source_face.push_back(arrays.source_face[f]);
+  }
+  rest.cell = arrays.cell;
+  arrays = std::move(rest);
+  return aside;
+}
+
+/// Adds arrays after those of other components.
+void append(const MeshArrays& more, MeshArrays& arrays, Topology& topology, const Threads& threads, Job& job) {
+  const auto vertices = static_cast<std::int32_t>(arrays.vertices.size());
+  const auto halfedges = static_cast<std::int32_t>(3 * arrays.triangles.size());
+  const Topology own = find_topology(more.vertices.size(), more.triangles, threads, job);
+  arrays.vertices.insert(arrays.vertices.end(), more.vertices.begin(), more.vertices.end());
+  for (const std::int32_t v : more.source_vertex) arrays.source_vertex.push_back(v);
+  for (const auto& [a, b, c] : more.triangles) arrays.triangles.push_back({a + vertices, b + vertices, c + vertices});
+  for (const std::int32_t f : more.source_face) arrays.source_face.push_back(f);
+  const auto shifted = [&](std::int32_t h) { return h == kNone ? kNone : h + halfedges; };
+  for (const std::int32_t h : own.opposite) topology.opposite.push_back(shifted(h));
+  for (const std::int32_t h : own.vertex_halfedge) topology.vertex_halfedge.push_back(shifted(h));
+  for (const std::int32_t h : own.border) topology.border.push_back(shifted(h));
+  topology.unused_vertices += own.unused_vertices;
+}
+
+/// The arrays of a mesh, so that its openings can be closed.
+/// \param aside  see close_openings
+Cleaning sound_of(const Mesh& mesh, std::span<const std::uint8_t> aside, const Threads& threads, Job& job) {
+  const Job::Stage stage(job, "cleaning", 0.0, 0.5);
+  Cleaning sound{.arrays = arrays_of(mesh), .topology = {}, .log = RepairLog(mesh.report().repairs)};
+  if (!aside.empty()) sound.aside = take_aside(sound.arrays, aside);
+  sound.topology = find_topology(sound.arrays.vertices.size(), sound.arrays.triangles, threads, job);
   return sound;
 }
 
@@ -197,6 +247,7 @@ Cleaned detail::Cleaning::finish(const CleanOptions& options, const std::vector<
     found = close_small(arrays, topology, options, keep, log, threads, job);
   }
   const Job::Stage stage(job, "cleaning", closing ? 0.75 : 0.5, 1.0);
+  if (!aside.triangles.empty()) append(aside, arrays, topology, threads, job);
   return {Mesh(std::move(arrays), std::move(topology), log.take(), threads, job), std::move(found)};
 }
 
@@ -212,11 +263,13 @@ Cleaned clean_keeping(std::vector<Vec3> vertices, std::vector<Triangle> triangle
       .finish(options, keep, threads, job);
 }
 
-Cleaned close_openings(const Mesh& mesh, const CleanOptions& options, const std::vector<Vec3>& keep, Job& job) {
+Cleaned close_openings(const Mesh& mesh, const CleanOptions& options, const std::vector<Vec3>& keep, Job& job,
+                       std::span<const std::uint8_t> aside) {
   check_fields(options);
   check(keep);
+  ISIMP_ASSERT(aside.empty() || aside.size() == static_cast<std::size_t>(mesh.face_count()), "one mark a face");
   const Threads threads(options.threads);
-  return sound_of(mesh, threads, job).finish(options, keep, threads, job);
+  return sound_of(mesh, aside, threads, job).finish(options, keep, threads, job);
 }
 
 }  // namespace isimp
