@@ -7,7 +7,8 @@
 
 namespace isimp::meshing {
 
-/// \throws InvalidInput  the partition is not one of this mesh; an option out of its range
+/// \throws InvalidInput  the partition is not one of this mesh, or has a plane that is not finite; an option out of its
+///                       range
 void check_input(const Mesh& mesh, const Partition& partition, const MeshingOptions& options);
 
 }  // namespace isimp::meshing

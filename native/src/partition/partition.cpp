@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -69,6 +70,11 @@ void check_is_of(const Mesh& mesh, const Partition& partition) {
     throw InvalidInput("the partition has " + std::to_string(partition.face_region.size()) +
                        " faces and the mesh has " + std::to_string(mesh.face_count()) +
                        ": it was made for another mesh");
+  for (std::int32_t r = 0; r < partition.region_count(); ++r) {
+    const bool has_offset = !partition.region_offset.empty();
+    if (!partition.region_normal[r].allFinite() || (has_offset && !std::isfinite(partition.region_offset[r])))
+      throw InvalidInput("the plane of region " + std::to_string(r) + " is not finite");
+  }
 }
 
 Partition partition_from(const Surface& surface, std::span<const std::int32_t> face_region, Job& job) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "isimp/core/errors.h"
+#include "isimp/core/options.h"
 #include "region_planes.h"
 
 namespace isimp {
@@ -48,7 +49,12 @@ std::string in_short(double value) {
 }
 
 /// One plane for several regions, facing as the first.
+/// \throws InvalidInput  none of them has an area
 Plane together(const std::vector<RegionPlane>& planes, const Chosen& of) {
+  const auto has_area = [&](std::int32_t r) { return planes[r].scan.area > 0; };
+  if (std::none_of(of.regions.begin(), of.regions.end(), has_area))
+    throw InvalidInput("the region of face " + std::to_string(of.faces[0]) +
+                       " and the others have no area, so no plane fits them");
   Plane all = planes[of.regions[0]].scan;
   for (std::size_t k = 1; k < of.regions.size(); ++k) {
     const Plane& b = planes[of.regions[k]].scan;
@@ -149,7 +155,8 @@ Partition align_planes(const Mesh& mesh, const Partition& partition, std::span<c
                        const Vec3& up_direction, std::optional<double> length, Job& job) {
   check_is_of(mesh, partition);
   const Vec3 up = unit_up(up_direction);
-  if (length && !(*length > 0)) throw InvalidInput("length must be above 0, got " + in_short(*length));
+  if (length && !above(0).holds(*length))
+    throw InvalidInput("length must be " + words(above(0), Unit::length) + ", got " + in_short(*length));
   const Chosen of = chosen(partition, faces);
   if ((is_by_lead(to) || to == Align::coplanar) && of.regions.size() < 2)
     throw InvalidInput("all faces are in one region: name faces of two or more");

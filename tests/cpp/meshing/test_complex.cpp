@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "complex/complex.h"
@@ -63,6 +64,15 @@ TEST_F(Halves, BendTheirChordWhereTheBoundaryIsFarthest) {
   EXPECT_GT(depth, 0.1);  // a third of a great circle or so
   ASSERT_TRUE(complex_.bend(chord));
   EXPECT_LT(complex_.depth(chord), depth);
+}
+
+TEST_F(Halves, GetNoEndOfCornersWhereThePlaneIsNotANumber) {
+  Plane none = planes_[0];
+  none.normal = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  planes_.assign({none, none});
+  complex_.tolerance.of_area = 0.01;
+  complex_.refresh(std::vector<std::int32_t>{0, 1}, {loop(0), loop(1)}, job_);
+  EXPECT_LE(complex_.chords(0).size(), complex_.loop(0).size());
 }
 
 /// A change of charts removes corners before it adds others: meanwhile a query of a chord returns, and the walk along

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -176,7 +177,7 @@ TEST(AlignPlanes, RefusesWrongUse) {
   EXPECT_EQ(cube.refusal({768}, Align::free), "face must be in [0, 768), got 768");
   for (const Align to : {Align::parallel, Align::perpendicular, Align::coplanar})
     EXPECT_EQ(cube.refusal({cube.top(), cube.top()}, to), "all faces are in one region: name faces of two or more");
-  EXPECT_EQ(cube.refusal({cube.top()}, Align::level, 0.0), "length must be above 0, got 0");
+  EXPECT_EQ(cube.refusal({cube.top()}, Align::level, 0.0), "length must be a finite length above 0, got 0");
   EXPECT_EQ(cube.refusal({cube.top()}, Align::level, {}, Vec3::Zero()),
             "up_direction must be a direction: three finite numbers, not all 0");
   Partition other = cube.part;
@@ -186,6 +187,63 @@ TEST(AlignPlanes, RefusesWrongUse) {
   for (std::int32_t& r : without.face_region)
     if (r == cube.region(cube.top())) r = kNone;
   EXPECT_THROW((void)cube.aligned(without, {cube.top()}, Align::level), InvalidInput);
+}
+
+/// A sheet of four regions, flattened to a line along an axis.
+struct Line {
+  Mesh mesh = made();
+  Partition part = quarters(mesh);
+
+  static Mesh made() {
+    shapes::Arrays a = shapes::plane(8);
+    for (Vec3& v : a.vertices) v = Vec3(v.x() + 0.1 * v.y(), 0, 0);
+    return shapes::mesh(a);
+  }
+  static Partition quarters(const Mesh& mesh) {
+    std::vector<std::int32_t> label;
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f) label.push_back(f * 4 / mesh.face_count());
+    Job job;
+    return partition_from(mesh, label, job);
+  }
+};
+
+TEST(AlignPlanes, RegionsWithoutAreaHaveNoPlaneInCommon) {
+  const Line line;
+  Job job;
+  const auto align = [&](const std::vector<std::int32_t>& faces) {
+    return align_planes(line.mesh, line.part, faces, Align::coplanar, kUp, 100.0, job);
+  };
+  try {
+    (void)align(line.part.region_seed);
+    FAIL() << "a plane was made";
+  } catch (const InvalidInput& error) {
+    const std::string first = std::to_string(line.part.region_seed[0]);
+    EXPECT_EQ(std::string(error.what()),
+              "the region of face " + first + " and the others have no area, so no plane fits them");
+  }
+}
+
+TEST(AlignPlanes, PlanesThatAreNotFiniteAreRefusedByName) {
+  const Leaning cube;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Partition set = cube.aligned({cube.top()}, Align::level);
+  std::vector<Partition> damaged(2, set);
+  damaged[0].region_normal[3].y() = nan;
+  damaged[1].region_offset[3] = nan;
+  for (const Partition& part : damaged) {
+    Job job;
+    try {
+      (void)polygonize(cube.mesh, part, {}, job);
+      FAIL() << "polygons were made";
+    } catch (const InvalidInput& error) {
+      EXPECT_STREQ(error.what(), "the plane of region 3 is not finite");
+    }
+    EXPECT_THROW((void)regularise(cube.mesh, part, {}, job), InvalidInput);
+    EXPECT_THROW((void)region_fits(cube.mesh, part), InvalidInput);
+    EXPECT_THROW((void)cube.aligned(part, {cube.top()}, Align::free), InvalidInput);
+  }
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(cube.refusal({cube.top()}, Align::level, infinity), "length must be a finite length above 0, got inf");
 }
 
 TEST(AlignPlanes, PolygonsKeepToThem) {

@@ -91,7 +91,9 @@ def test_what_needs_more_than_is_allowed_is_refused_with_both_numbers(
         ({"to": "parallel"}, "name faces of two or more"),
         ({"up_direction": (0, 0, 0)}, "up_direction must be a direction"),
         ({"up_direction": (0.0, 1.0)}, "up_direction must have 3 numbers, got 2"),
-        ({"length": -1.0}, "length must be above 0, got -1"),
+        ({"length": -1.0}, "length must be a finite length above 0, got -1"),
+        ({"length": np.inf}, "length must be a finite length above 0, got inf"),
+        ({"length": np.nan}, "length must be a finite length above 0, got nan"),
     ],
 )
 def test_wrong_use_is_refused(house: House, changes: dict[str, object], message: str) -> None:

@@ -114,7 +114,7 @@ struct Partition {
   [[nodiscard]] std::int32_t region_count() const { return static_cast<std::int32_t>(region_seed.size()); }
 };
 
-/// \throws InvalidInput  the partition is of another number of faces
+/// \throws InvalidInput  the partition is of another number of faces, or the plane of a region is not finite
 void check_is_of(const Mesh& mesh, const Partition& partition);
 
 /// A partition with known regions: from other programs, or combined from several.

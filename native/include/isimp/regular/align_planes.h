@@ -33,8 +33,9 @@ enum class Align : std::uint8_t {
 /// \return the partition with region_normal, region_offset, region_held and regularity set. regularity.length is
 ///         `length`, and snapped slopes count as parallel
 /// \throws InvalidInput  no face; a face outside [0, F) or left out; one region where `to` needs two; a region that is
-///                       square to the plane it should have; a plane that adds more than `length` ("needs X, allowed
-///                       Y"); the partition is not one of this mesh; `up` has no direction, or `length` is not above 0
+///                       square to the plane it should have; regions without area, which no plane fits; a plane that adds
+///                       more than `length` ("needs X, allowed Y"); the partition is not one of this mesh; `up` has no
+///                       direction, or `length` is not a finite number above 0
 /// \throws Cancelled     nothing was made
 /// Cost: O(F + R^2).
 Partition align_planes(const Mesh& mesh, const Partition& partition, std::span<const std::int32_t> faces, Align to,

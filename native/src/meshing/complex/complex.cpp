@@ -231,7 +231,7 @@ void Complex::keep_shape(std::int32_t chart) {
     auto worst = areas.end();
     for (auto p = areas.begin(); p != areas.end(); ++p) {
       sum += left_out(*p);
-      if (std::abs(left_out(*p)) <= most) continue;
+      if (!(std::abs(left_out(*p)) > most)) continue;
       most = std::abs(left_out(*p));
       worst = p;
     }
@@ -240,7 +240,7 @@ void Complex::keep_shape(std::int32_t chart) {
         std::all_of(areas.begin(), areas.end(), [&](const ChordArea& p) { return is_anchor(mesh_.from(loop[p.at])); });
     const double of_triangle = (has_three ? kOfThree : kOfTriangle) * planes_[chart].area;
     const double limit = is_triangle ? std::min(of_triangle, allowed) : allowed;
-    if (std::abs(sum) <= limit || worst == areas.end()) return;
+    if (!(std::abs(sum) > limit) || worst == areas.end()) return;  // also where a plane is not a number
     collect_line(loop, worst->at, line_);
     take_out_zigzag(line_);
     const std::size_t at = worst->at + farthest(line_).where;
