@@ -340,6 +340,59 @@ TEST(Clean, HalvesAnEdgeWhereASolidTouchesItselfAndStaysOne) {
   EXPECT_EQ(mesh.vertices().back(), Vec3(1, 1, 1.5));
 }
 
+/// A square with a long edge, and a strip of short edges beside it.
+Arrays sheet_and_strip(double gap) {
+  constexpr std::int32_t kEdges = 100;
+  Arrays a{{{0, 0, 0}, {1000, 0, 0}, {1000, -1000, 0}, {0, -1000, 0}}, {{0, 2, 1}, {0, 3, 2}}};
+  for (std::int32_t i = 0; i <= kEdges; ++i) {
+    const std::int32_t k = 4 + 2 * i;
+    a.vertices.emplace_back(10 * i, gap, 0);
+    a.vertices.emplace_back(10 * i, 100, 0);
+    if (i == kEdges) break;
+    a.triangles.push_back({k, k + 2, k + 1});
+    a.triangles.push_back({k + 1, k + 2, k + 3});
+  }
+  return a;
+}
+
+TEST(Clean, StitchesALongEdgeToVerticesThatAreVeryNear) {
+  const Arrays a = sheet_and_strip(0.005);
+  Job job;
+  const Mesh mesh = clean(a.vertices, a.triangles, {.stitch = 0.01}, job);
+  EXPECT_EQ(mesh.report().components, 1);
+  EXPECT_EQ(mesh.report().border_loops, 1);
+  EXPECT_GE(repaired(mesh, "stitched_vertices"), 101);
+}
+
+TEST(Clean, StitchesNothingWithinAVerySmallLength) {
+  const Arrays a = sheet_and_strip(0.005);
+  for (const double length : {1e-9, 1e-300, 5e-324}) {
+    Job job;
+    const Mesh mesh = clean(a.vertices, a.triangles, {.weld = length, .stitch = length}, job);
+    EXPECT_EQ(mesh.report().components, 2) << length;
+  }
+}
+
+TEST(Clean, PollsWhileItSearchesForBordersNearEachOther) {
+  constexpr std::int32_t kTriangles = 700;
+  const Arrays one{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  Arrays soup;
+  for (std::int32_t i = 0; i < kTriangles; ++i) {
+    for (const Vec3& v : one.vertices) soup.vertices.push_back(v + Vec3(0, 0, 2 * i));
+    soup.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const auto polls = [&](double length) {
+    std::int64_t count = 0;
+    Job job;
+    job.at_poll = [&] { ++count; };
+    (void)clean(soup.vertices, soup.triangles, {.stitch = length, .threads = 1}, job);
+    return count;
+  };
+  // Each border edge is compared to each other one: 50 ms are some 2 million pairs.
+  const double pairs = std::pow(3.0 * kTriangles, 2);
+  EXPECT_GE(static_cast<double>(polls(1e6) - polls(0)), pairs / 2e6 + 3 * kTriangles / 1024.0 * 4);
+}
+
 TEST(Clean, NamesTheInvalidInput) {
   const auto message_of = [](const Arrays& a, double weld = 0.0) -> std::string {
     try {

@@ -63,7 +63,12 @@ class HashGrid {
   };
   [[nodiscard]] Vec3 cell(const Vec3& p) const {
     if (reach_ == 0) return p;
-    return {std::floor(p.x() / reach_), std::floor(p.y() / reach_), std::floor(p.z() / reach_)};
+    return {cell(p.x()), cell(p.y()), cell(p.z())};
+  }
+  /// A coordinate that is too large for its cell to be a number differs from all others by more than the reach.
+  [[nodiscard]] double cell(double x) const {
+    const double at = std::floor(x / reach_);
+    return std::isfinite(at) ? at : x;
   }
   [[nodiscard]] std::size_t slot(const Vec3& cell) const {
     std::uint64_t hash = 0;

@@ -3,25 +3,26 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
 
 #include "isimp/core/forest.h"
 #include "isimp/core/to_integer.h"
+#include "isimp/mesh/hash_grid.h"
 #include "isimp/mesh/mesh.h"
 
 namespace isimp::detail {
 namespace {
 
-constexpr double kEdges = 2.0;     // mean edges: the distance where none is given
-constexpr double kShare = 0.1;     // least share of the border near another component, if no distance is given
-constexpr double kLeast = 100;     // vertices that go to another component then: fewer are no chunks of a scan
-constexpr double kNearEnd = 0.35;  // share of an edge: a vertex nearer to its end is merged with the end
-constexpr double kFacing = 0.5;    // cosine of the angle between faces that are joined
-constexpr double kCell = 1.3;      // times the distance: size of the cells of the search for edges
-constexpr std::int64_t kFarthest = std::int64_t{1} << 52;  // cell along an axis
-constexpr std::int32_t kApart = 12;                        // places along a border from which it counts as another one
+constexpr double kEdges = 2.0;       // mean edges: the distance where none is given
+constexpr double kShare = 0.1;       // least share of the border near another component, if no distance is given
+constexpr double kLeast = 100;       // vertices that go to another component then: fewer are no chunks of a scan
+constexpr double kNearEnd = 0.35;    // share of an edge: a vertex nearer to its end is merged with the end
+constexpr double kFacing = 0.5;      // cosine of the angle between faces that are joined
+constexpr std::int32_t kApart = 12;  // places along a border from which it counts as another one
+constexpr std::uint32_t kPollEvery = 0xffff;
 
 /// The target of a border vertex.
 struct Hit {
@@ -59,12 +60,10 @@ class Stitcher {
   /// The places of all border vertices that have another border within a distance.
   std::vector<Hit> find(double distance) {
     distance_ = distance;
-    register_edges();
+    const HashGrid edges = registered_edges();
     std::vector<Hit> hits;
-    for (std::size_t i = 0; i < topology_.border.size(); ++i) {
-      if (i % 1024 == 0) job_.poll();
-      if (const auto hit = nearest(topology_.border[i])) hits.push_back(*hit);
-    }
+    for (const std::int32_t h : topology_.border)
+      if (const auto hit = nearest(edges, h)) hits.push_back(*hit);
     return hits;
   }
 
@@ -111,7 +110,6 @@ class Stitcher {
   }
 
  private:
-  using Key = std::uint64_t;
   [[nodiscard]] std::int32_t from(std::int32_t h) const { return arrays_.triangles[h / 3][h % 3]; }
   [[nodiscard]] std::int32_t to(std::int32_t h) const { return arrays_.triangles[h / 3][(h + 1) % 3]; }
   [[nodiscard]] std::int32_t apex(std::int32_t h) const { return arrays_.triangles[h / 3][(h + 2) % 3]; }
@@ -123,60 +121,52 @@ class Stitcher {
   /// Away from the face of a border edge, in its plane.
   [[nodiscard]] Vec3 outward(std::int32_t h) const { return (at(to(h)) - at(from(h))).cross(normal(h)); }
 
-  [[nodiscard]] Key key(const Vec3& cell) const {
-    Key hash = 0;
-    for (int k = 0; k < 3; ++k) {
-      hash = (hash ^ static_cast<Key>(to_integer(cell[k], -kFarthest, kFarthest))) * 0x9e3779b97f4a7c15ULL;
-      hash ^= hash >> 32;
-    }
-    return hash;
+  void poll_at_times() {
+    if ((steps_++ & kPollEvery) == 0) job_.poll();
   }
-  [[nodiscard]] Vec3 cell(const Vec3& p) const { return (p / (kCell * distance_)).array().floor(); }
 
-  /// Each border edge in the cells of points along it, at most half the distance apart.
-  void register_edges() {
-    cells_.clear();
+  /// The border edges by points along them, at most the width of a cell apart: an edge within the distance of a vertex
+  /// has a point within twice that. A cell is no smaller than a mean edge, so that few points do for any distance.
+  [[nodiscard]] HashGrid registered_edges() {
+    double sum = 0;
+    for (const std::int32_t h : topology_.border) sum += (at(to(h)) - at(from(h))).norm();
+    const auto count = static_cast<double>(topology_.border.size());
+    const double cell = std::max(2 * distance_, sum / count);
+    HashGrid edges(2 * topology_.border.size(), cell);
     for (std::size_t i = 0; i < topology_.border.size(); ++i) {
       const Vec3 &a = at(from(topology_.border[i])), &b = at(to(topology_.border[i]));
-      const int steps = 1 + to_integer((b - a).norm() / (distance_ / 2), 0, 10000);
-      Key last = 0;
-      for (int k = 0; k < steps; ++k) {
-        const Key here = key(cell(a + (k + 0.5) / steps * (b - a)));
-        if (k == 0 || here != last) cells_.emplace_back(here, static_cast<std::int32_t>(i));
-        last = here;
+      const std::int32_t steps = 1 + to_integer((b - a).norm() / cell, 0, std::numeric_limits<std::int32_t>::max() - 1);
+      for (std::int32_t k = 0; k < steps; ++k) {
+        poll_at_times();
+        edges.keep(a + (k + 0.5) / steps * (b - a), static_cast<std::int32_t>(i));
       }
     }
-    std::sort(cells_.begin(), cells_.end());
+    return edges;
   }
 
   /// \param h  the half-edge of the border that leaves the vertex
-  [[nodiscard]] std::optional<Hit> nearest(std::int32_t h) const {
+  [[nodiscard]] std::optional<Hit> nearest(const HashGrid& edges, std::int32_t h) {
     const std::int32_t v = from(h);
-    const Vec3 home = cell(at(v)), n = normal(h), out = outward(h).normalized();
+    const Vec3 n = normal(h), out = outward(h).normalized();
     std::optional<Hit> best;
     double least = distance_;
-    for (int i = -1; i <= 1; ++i)
-      for (int j = -1; j <= 1; ++j)
-        for (int k = -1; k <= 1; ++k) {
-          const Key here = key(home + Vec3(i, j, k));
-          for (auto e = std::lower_bound(cells_.begin(), cells_.end(), std::pair{here, std::int32_t{0}});
-               e != cells_.end() && e->first == here; ++e) {
-            const std::int32_t g = topology_.border[e->second];
-            if (from(g) == v || to(g) == v || is_near_along(v, g)) continue;
-            const Vec3 a = at(from(g)), d = at(to(g)) - a;
-            const double square = d.squaredNorm();
-            const double t = square > 0 ? std::clamp((at(v) - a).dot(d) / square, 0.0, 1.0) : 0.0;
-            const Vec3 way = a + t * d - at(v);
-            const double far = way.norm();
-            const bool better = far < least || (far == least && best && e->second < best->edge);
-            if (!better || std::abs(n.dot(normal(g))) < kFacing) continue;
-            const bool joins = component_.root(v) != component_.root(from(g));
-            // On one component a strip of faces may lie between two borders, which is no gap.
-            if (!joins && !(way.dot(out) > 0 && way.dot(outward(g)) < 0)) continue;
-            least = far;
-            best = Hit{v, e->second, t, joins};
-          }
-        }
+    edges.for_each_near(at(v), [&](std::int32_t edge) {
+      poll_at_times();
+      const std::int32_t g = topology_.border[edge];
+      if (from(g) == v || to(g) == v || is_near_along(v, g)) return;
+      const Vec3 a = at(from(g)), d = at(to(g)) - a;
+      const double square = d.squaredNorm();
+      const double t = square > 0 ? std::clamp((at(v) - a).dot(d) / square, 0.0, 1.0) : 0.0;
+      const Vec3 way = a + t * d - at(v);
+      const double far = way.norm();
+      const bool better = far < least || (far == least && best && edge < best->edge);
+      if (!better || std::abs(n.dot(normal(g))) < kFacing) return;
+      const bool joins = component_.root(v) != component_.root(from(g));
+      // On one component a strip of faces may lie between two borders, which is no gap.
+      if (!joins && !(way.dot(out) > 0 && way.dot(outward(g)) < 0)) return;
+      least = far;
+      best = Hit{v, edge, t, joins};
+    });
     return best;
   }
 
@@ -191,9 +181,9 @@ class Stitcher {
   Job& job_;
   std::vector<std::int32_t> loop_, place_;  // by vertex, of the border
   std::vector<std::int32_t> loop_size_;
-  mutable Forest component_;  // components of vertices
+  Forest component_;  // components of vertices
   double distance_ = 0;
-  std::vector<std::pair<Key, std::int32_t>> cells_;  // sorted
+  std::uint32_t steps_ = 0;  // of the search, for polls
 };
 
 double mean_edge(const MeshArrays& arrays) {

@@ -24,7 +24,7 @@ struct Stitched {
 ///                 border of another component that near, and the mesh has more faces than border edges
 /// \param log  gets the stitched vertices
 /// \return nothing where there is nothing to stitch
-/// Cost: O(V + F), and O(b log b) for b border edges.
+/// Cost: O(V + F), and for b border edges O(b), times the edges within two distances or two mean edges of a vertex.
 std::optional<Stitched> stitch(const MeshArrays& arrays, const Topology& topology, std::optional<double> distance,
                                RepairLog& log, Job& job);
 
