@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "call.h"
+#include "isimp/partition/soundness.h"
 #include "packing.h"
 
 // Structured bindings name all members, so that a new member does not compile until it is stored here.
@@ -39,16 +40,21 @@ bool all_finite(const std::vector<double>& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
 }
 
-/// Whether labels, seeds, sums and normals of the regions fit together.
-void check_regions(const Partition& p) {
-  std::vector<std::int32_t> faces(p.region_seed.size(), 0);
-  for (const std::int32_t r : p.face_region)
-    if (r != kNone) ++faces[r];
-  for (std::size_t r = 0; r < faces.size(); ++r) {
-    const RegionSum& s = p.region_sum[r];
-    check(faces[r] > 0 && s.faces == faces[r] && all_finite(s.x, s.y, s.z, s.weight) && s.weight >= 0);
-    check(p.face_region[p.region_seed[r]] == static_cast<std::int32_t>(r));
-    check(p.region_normal[r].isZero(0) || is_unit(p.region_normal[r]));
+bool all_finite(const std::vector<Vec3>& points) {
+  return std::all_of(points.begin(), points.end(), [](const Vec3& v) { return v.allFinite(); });
+}
+
+/// Calls fn, which casts parts of a pickle.
+/// \throws InvalidInput  one of them is of another type
+template <class Function>
+auto unpacked(Function fn) {
+  try {
+    return fn();
+  } catch (const py::cast_error&) {
+    refuse_pickle();
+  } catch (const py::error_already_set& error) {
+    if (!error.matches(PyExc_TypeError)) throw;
+    refuse_pickle();
   }
 }
 
@@ -91,6 +97,8 @@ std::vector<FoundOpening> unpack_openings(const py::tuple& packed) {
     check(center.size() == 1);
     o = {parts[0].cast<bool>(), parts[1].cast<bool>(), center[0], parts[3].cast<double>(), {}};
     for (const py::handle line : parts[4].cast<py::tuple>()) unpack(line, o.loops.emplace_back());
+    check(o.center.allFinite() && std::isfinite(o.length) &&
+          std::all_of(o.loops.begin(), o.loops.end(), [](const auto& loop) { return all_finite(loop); }));
   }
   return openings;
 }
@@ -117,6 +125,10 @@ std::shared_ptr<const GuidedGraph> unpack_guided(const py::object& packed, std::
   for (const auto& three : neighbours)
     for (const std::int32_t i : three) check(i >= 0 && i <= static_cast<std::int64_t>(n));
   for (std::size_t i = 0; i < n; ++i) check(graph_face[mesh_face[i]] == static_cast<std::int32_t>(i));
+  const auto last = static_cast<std::int32_t>(n);
+  for (std::int32_t i = 0; i < last; ++i)  // as often a neighbour of a face as it has that neighbour
+    for (const std::int32_t j : neighbours[i])
+      check(j == last || std::ranges::count(neighbours[i], j) == std::ranges::count(neighbours[j], i));
   for (const FaceRecord& f : faces) check(all_finite(f.nx, f.ny, f.nz, f.area) && f.area >= 0);
   check(std::all_of(weight.begin(), weight.end(), [](float w) { return std::isfinite(w) && w >= 0; }));
   check(std::isfinite(area) && component_count <= static_cast<std::int64_t>(n));
@@ -143,9 +155,6 @@ CurvedProxy unpack_curved(const py::tuple& packed) {
   p.point = places[0];
   p.axis = places[1];
   p.across = places[2];
-  check(is_unit(p.axis) && is_unit(p.across) && p.point.allFinite() && all_finite(p.profile) && all_finite(p.knots));
-  check(all_finite(p.radius, p.slope, p.side, p.phase, p.span) && p.segments > 0 && p.rings > 0);
-  check(p.knots.size() == static_cast<std::size_t>(p.kind == CurvedKind::extrusion ? p.segments : p.rings) + 1);
   return p;
 }
 
@@ -179,7 +188,10 @@ MeshingReport unpack_report(const py::tuple& packed) {
              distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
              diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar, whole, added, apart,
              crossed, turned, meeting, left_off, rim_reach, rim_edges, rim_added, rim_lost, boxes, let_go);
-  for (const ListedDefect& i : imperfect) check(i.kind <= Defect::excused);
+  check(all_finite(planarity_max, planarity_mean, distance_max, whole, rim_reach, rim_added, rim_lost));
+  for (const ListedDefect& i : imperfect)
+    check(i.kind <= Defect::excused && i.polygon >= 0 && i.polygon < polygons && i.other >= kNone &&
+          i.other < polygons);
   return report;
 }
 
@@ -193,7 +205,9 @@ py::tuple state_of(const KeptMesh& mesh) {
                         pack_openings(mesh.openings()), mesh.report().cell);
 }
 
-std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
+namespace {
+
+std::shared_ptr<KeptMesh> mesh_of(const py::tuple& state) {
   check(state.size() == 7);
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
@@ -210,6 +224,12 @@ std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
                                            std::move(source_vertex), std::move(repairs), cell, Threads(0), job),
                                       std::move(openings));
   });
+}
+
+}  // namespace
+
+std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
+  return unpacked([&] { return mesh_of(state); });
 }
 
 py::tuple state_of(const Partition& partition) {
@@ -232,7 +252,9 @@ py::tuple state_of(const Partition& partition) {
       pack_all(axes_upright, axes_level, axes_parallel, axes_free, coaxial, equal_radii));
 }
 
-Partition partition_from_state(const py::tuple& state) {
+namespace {
+
+Partition partition_of(const py::tuple& state) {
   check(state.size() == 2 || state.size() == 4 || state.size() == 5);  // without curved patches or axes: older versions
   Partition partition;
   auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped, bound,
@@ -257,21 +279,22 @@ Partition partition_from_state(const py::tuple& state) {
   check(normals.size() == 1);
   normal = normals[0];
   if (is_symmetric) symmetry = plane;
-  check(held.empty() || (held.size() == region_seed.size() && region_offset.size() == held.size()));
-  const std::size_t faces = face_region.size(), regions = region_seed.size();
-  check(region_normal.size() == regions && region_sum.size() == regions && all_in(region_seed, 0, faces));
-  check((region_offset.empty() || region_offset.size() == regions) && (locked.empty() || locked.size() == regions));
-  check(all_in(face_region, kNone, regions));
-  check_regions(partition);
-  check(all_finite(error, smooth, tolerance, noise, bound, distance_max, area_left_out) && all_finite(history) &&
-        all_finite(region_offset) && (!is_symmetric || (is_unit(normal) && std::isfinite(offset))));
-  guided = unpack_guided(state[1], faces);
-  if (state.size() == 2) return partition;
-  for (const py::handle item : state[2].cast<py::tuple>()) curved.push_back(unpack_curved(item.cast<py::tuple>()));
-  unpack(state[3], cell);
-  check(cell.empty() || cell.size() == regions);
-  for (const CurvedCell& c : cell) check(c.proxy >= kNone && c.proxy < static_cast<std::int64_t>(curved.size()));
+  check(all_finite(error, smooth, tolerance, noise, bound, distance_max, area_left_out) && all_finite(history));
+  check(!is_regular || all_finite(length, rms_before, rms));
+  check(!is_symmetric || (is_unit(normal) && all_finite(offset, mismatch_mean, mismatch)));
+  guided = unpack_guided(state[1], face_region.size());
+  if (state.size() > 2) {
+    for (const py::handle item : state[2].cast<py::tuple>()) curved.push_back(unpack_curved(item.cast<py::tuple>()));
+    unpack(state[3], cell);
+  }
+  check(broken_arrays(partition).empty());
   return partition;
+}
+
+}  // namespace
+
+Partition partition_from_state(const py::tuple& state) {
+  return unpacked([&] { return partition_of(state); });
 }
 
 py::tuple state_of(const PolygonMesh& mesh) {
@@ -280,7 +303,9 @@ py::tuple state_of(const PolygonMesh& mesh) {
                         pack_report(report));
 }
 
-PolygonMesh polygons_from(const py::tuple& state) {
+namespace {
+
+PolygonMesh polygons_of(const py::tuple& state) {
   check(state.size() == 2);
   PolygonMesh mesh;
   auto& [vertices, loops, loop_start, polygon_region, planarity, source_vertex, let_go, report] = mesh;
@@ -290,9 +315,16 @@ PolygonMesh polygons_from(const py::tuple& state) {
   check(all_in(source_vertex, kNone, kAny) && all_in(polygon_region, 0, kAny) && all_in(let_go, 0, kAny));
   check(all_in(loop_start, 0, loops.size() + 1) && std::is_sorted(loop_start.begin(), loop_start.end()));
   check(loop_start.empty() ? loops.empty() : loop_start.front() == 0);
-  check(std::all_of(vertices.begin(), vertices.end(), [](const Vec3& v) { return v.allFinite(); }));
+  check(all_finite(vertices) && all_finite(planarity));
   report = unpack_report(state[1].cast<py::tuple>());
+  check(report.polygons == mesh.polygon_count());
   return mesh;
+}
+
+}  // namespace
+
+PolygonMesh polygons_from(const py::tuple& state) {
+  return unpacked([&] { return polygons_of(state); });
 }
 
 }  // namespace isimp::bindings

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ._core import Mesh, Partition, PolygonMesh, leave_out_regions
+from ._core import InvalidInput, Mesh, Partition, PolygonMesh, leave_out_regions
 
 MOST = 8  #: largest number of polygons of a region that is not clutter
 
@@ -36,7 +36,14 @@ def clutter(polygons: PolygonMesh) -> list[Clutter]:
 
 
 def without_clutter(mesh: Mesh, part: Partition, found: list[Clutter], box: bool = False) -> Partition:
-    """The partition with the regions of `clutter` left out, or with boxes in their place; see leave_out_regions."""
+    """The partition with the regions of `clutter` left out, or with boxes in their place; see leave_out_regions.
+
+    Raises InvalidInput if one is of another partition.
+    """
     if not found:
         return part
+    for each in found:
+        if not 0 <= each.region < part.region_count:
+            there = f"the partition has {part.region_count} regions: it was found in another one"
+            raise InvalidInput(f"clutter names region {each.region}, but {there}")
     return leave_out_regions(mesh, part, part.region_seed[[each.region for each in found]].astype(np.int64), box)

@@ -3,6 +3,7 @@
 The command and the add-on use it; without constraints it is `partition`.
 """
 
+from collections.abc import Sized
 from dataclasses import dataclass
 from typing import Any
 
@@ -118,5 +119,6 @@ def _some(pairs: Pairs | None) -> Pairs | None:
     return None if pairs is None or not len(pairs) else pairs
 
 
-def _numbers(faces: NDArray[Any] | None) -> NDArray[np.int64] | None:
-    return None if faces is None else np.asarray(faces, np.int64)
+def _numbers(faces: NDArray[Any] | None) -> NDArray[Any] | None:
+    """An empty list of any type as one of integers; others as they are, for the engine to check."""
+    return np.zeros(0, np.int64) if isinstance(faces, Sized) and not len(faces) else faces

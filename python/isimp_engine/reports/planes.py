@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import Job, Mesh, Partition, PolygonMesh
+from .._core import InvalidInput, Job, Mesh, Partition, PolygonMesh
 from ..exporting.surfaces import rings, surfaces_of
 from ..within import scan_distances
 from .round_parts import round_rows
@@ -48,9 +48,12 @@ def plane_table(
     azimuth: the compass direction in which it faces, clockwise from +Y, in [0, 360) degrees; none if it is level.
     distance: of the region's vertices of the scan from the polygons. class: as in `exporting.surfaces_of`, of the
     largest polygon. place: (4, 4), a rotation and a shift to the coordinates of the table; None: the mesh's own.
+    Raises InvalidInput (another shape) as scan_distances does.
     """
+    place = np.eye(4) if place is None else np.asarray(place)
+    if place.shape != (4, 4) or place.dtype.kind not in "fiu" or not np.isfinite(place).all():
+        raise InvalidInput(f"place must have the shape (4, 4) and finite numbers, got {place.shape} and {place.dtype}")
     away = scan_distances(mesh, part, poly, job=job)
-    place = np.eye(4) if place is None else np.asarray(place, np.float64)
     places = np.asarray(poly.vertices, np.float64) @ place[:3, :3].T + place[:3, 3]
     kinds, corners = surfaces_of(poly, tuple(place[2, :3].tolist())).kind, [places[loop] for loop in rings(poly)]
     origin = places.mean(axis=0) if len(places) else np.zeros(3)

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import Job, Mesh, Partition, PolygonMesh, _closest_places, _source_corners
+from .._core import InvalidInput, Job, Mesh, Partition, PolygonMesh, _closest_places, _source_corners
 
 
 def corner_sources(
@@ -29,7 +29,11 @@ def corner_sources(
     source, on_source, _, _ = _source_corners(mesh, vertices, triangles, job)
     group = np.zeros(0, dtype=np.int32)
     if islands is not None:
-        group = np.where(source >= 0, np.asarray(islands, dtype=np.int32)[np.maximum(source, 0)], -1).astype(np.int32)
+        island = np.asarray(islands)
+        if island.shape != (len(triangles),) or island.dtype.kind not in "iu":
+            wanted = f"islands must have the shape ({len(triangles)},) and integers"
+            raise InvalidInput(f"{wanted}, got {island.shape} and {island.dtype}")
+        group = np.where(source >= 0, island[np.maximum(source, 0)], -1).astype(np.int32)
     face, weight = _closest_places(mesh, part, poly, (source >= 0).astype(np.uint8), group, threads, job)
     at = np.maximum(face, 0)
     own = np.stack([1 - weight.sum(axis=1), weight[:, 0], weight[:, 1]], axis=1)
@@ -43,9 +47,15 @@ def uv_islands(triangles: NDArray[np.int32], uv: NDArray[np.float64]) -> NDArray
     """(T,) int32 the island of a UV map of each triangle: the number of the first triangle in it.
 
     Triangles are of one island where they share an edge with the same UVs at both of its ends.
-    triangles: (T, 3). uv: (T, 3, 2) of their corners. Cost: O(T log T).
+    triangles: (T, 3). uv: (T, 3, 2) of their corners. Raises InvalidInput (another shape). Cost: O(T log T).
     """
-    count = len(triangles)
+    triangles, uv = np.asarray(triangles), np.asarray(uv)
+    count = len(triangles) if triangles.ndim else 0
+    if triangles.shape != (count, 3) or triangles.dtype.kind not in "iu":
+        wanted = "triangles must have the shape (T, 3) and integers"
+        raise InvalidInput(f"{wanted}, got {triangles.shape} and {triangles.dtype}")
+    if uv.shape != (count, 3, 2) or uv.dtype.kind not in "fiu":
+        raise InvalidInput(f"uv must have the shape ({count}, 3, 2) and numbers, got {uv.shape} and {uv.dtype}")
     a, b = triangles, np.roll(triangles, -1, axis=1)
     p, q = uv, np.roll(uv, -1, axis=1)
     swap = a > b

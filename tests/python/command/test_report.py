@@ -46,6 +46,12 @@ def model():
     return mesh, part, poly, reports.plane_table(mesh, part, poly)
 
 
+def test_a_place_of_another_shape_is_refused(model):
+    for place in (np.eye(3), np.full((4, 4), np.nan), "north"):
+        with pytest.raises(engine.InvalidInput, match=r"place must have the shape \(4, 4\) and finite numbers, got \("):
+            reports.plane_table(*model[:3], place=place)
+
+
 def test_the_planes_of_a_house_are_as_built(model):
     rows = sorted(model[3].rows, key=lambda row: (row["tilt"], row["azimuth"] or 0.0))
     assert [row["class"] for row in rows] == ["RoofSurface"] * 2 + ["WallSurface"] * 4 + ["GroundSurface"]

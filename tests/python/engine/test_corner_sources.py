@@ -117,3 +117,18 @@ def test_a_polygon_across_two_islands_takes_the_larger_one():
     assert right[triangle].all()
     assert within[:, 0].min() >= 5.4 - 1e-6
     assert np.allclose(within[within[:, 0] > 5.99][:, 1], poly.vertices[poly.loops][within[:, 0] > 5.99][:, 1])
+
+
+def test_islands_and_uvs_of_other_shapes_are_refused():
+    vertices, triangles = shapes.cube(2)
+    count = len(triangles)
+    mesh, part, poly = made(vertices, triangles, 6)
+    for islands in (np.arange(3), np.zeros((count, 1), np.int32), np.zeros(count)):
+        with pytest.raises(engine.InvalidInput, match=rf"islands must have the shape \({count},\) and integers"):
+            engine.corner_sources(mesh, part, poly, vertices, triangles, islands=islands)
+    for uv in (np.zeros((3, 3, 2)), np.zeros((count, 2)), 0.0, np.full((count, 3, 2), "a")):
+        with pytest.raises(engine.InvalidInput, match=rf"uv must have the shape \({count}, 3, 2\) and numbers, got \("):
+            engine.uv_islands(triangles, uv)
+    for other in (triangles.ravel(), triangles * 1.0, 3):
+        with pytest.raises(engine.InvalidInput, match=r"triangles must have the shape \(T, 3\) and integers, got \("):
+            engine.uv_islands(other, np.zeros((count, 3, 2)))

@@ -223,6 +223,58 @@ def test_a_pickle_keeps_round_parts(mesh, part):
     assert engine.with_segments(mesh, again, face, 9).curved[0].segments == 9
 
 
+CELL = np.dtype([("proxy", "i4"), ("ring", "i4"), ("segment", "i4")])
+
+
+def damaged(state):
+    """States with one damage of the round parts each, by name."""
+    numbers, guided, patches, cells, axes = state
+    held = np.frombuffer(numbers[18], np.uint8)
+
+    def with_cells(**values):
+        array = np.frombuffer(cells, CELL).copy()
+        first = int(np.flatnonzero(array["proxy"] >= 0)[0])
+        for name, value in values.items():
+            array[name][first] = value
+        return numbers, guided, patches, array.tobytes(), axes
+
+    def with_patch(at, value):
+        return numbers, guided, ((*patches[0][:at], value, *patches[0][at + 1 :]), *patches[1:]), cells, axes
+
+    def with_held(value):
+        return (*numbers[:18], value, *numbers[19:]), guided, patches, cells, axes
+
+    places, knots = (np.frombuffer(patches[0][k], np.float64) for k in (1, 12))
+    yield "no cells", (numbers, guided, patches, b"", axes)
+    yield "cells of another type", (numbers, guided, patches, 3, axes)
+    yield "no patches", (numbers, guided, (), cells, axes)
+    yield "a patch of another type", (numbers, guided, (None,), cells, axes)
+    yield "no held planes", with_held(b"")
+    yield "an unknown plane", with_held(np.full_like(held, 9).tobytes())
+    yield "the plane of no cell", with_held(np.full_like(held, 4).tobytes())
+    yield "a cell of no patch", with_cells(proxy=len(patches))
+    yield "a negative patch", with_cells(proxy=-2)
+    yield "a ring too many", with_cells(ring=patches[0][11])
+    yield "a segment too many", with_cells(segment=patches[0][10])
+    yield "a negative segment", with_cells(segment=-1)
+    yield "no axis", with_patch(1, (places * 0).tobytes())
+    yield "a place that is not finite", with_patch(1, (places * np.nan).tobytes())
+    yield "no radius", with_patch(2, float("nan"))
+    yield "no profile", with_patch(0, 4)
+    yield "no segments", with_patch(10, 0)
+    yield "too many segments", with_patch(10, 2**31 - 1)
+    yield "too few knots", with_patch(12, knots[1:].tobytes())
+    yield "knots in no order", with_patch(12, knots[::-1].tobytes())
+
+
+def test_a_pickle_of_damaged_round_parts_gives_no_object(mesh, part):
+    state = engine.with_segments(mesh, part, int(part.region_seed[part.curved[0].regions[0]]), 8, 2).__getstate__()
+    part.__new__(type(part)).__setstate__(state)
+    for _, damage in damaged(state):
+        with pytest.raises(engine.InvalidInput, match="pickle is damaged"):
+            part.__new__(type(part)).__setstate__(damage)
+
+
 def test_segments_and_explode(mesh, part):
     face = int(part.region_seed[part.curved[0].regions[0]])
     assert engine.patch_of(mesh, part, face) == 0

@@ -189,3 +189,12 @@ def test_they_can_be_cancelled(mesh, part):
         job.cancel()
         with pytest.raises(engine.Cancelled):
             call(mesh, part, job=job)
+
+
+def test_clutter_of_another_partition_is_refused(mesh, part):
+    for region in (-1, part.region_count):
+        found = [engine.clutter.Clutter(region, 9, (0.0, 0.0, 0.0))]
+        with pytest.raises(
+            engine.InvalidInput, match=f"clutter names region {region}, but the partition has {REGIONS} "
+        ):
+            engine.clutter.without_clutter(mesh, part, found)

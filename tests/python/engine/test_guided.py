@@ -127,7 +127,15 @@ def test_a_part_without_neighbours():
     part = partition_guided(mesh, options(proxies=3), guides=Guides(faces=top))
     assert (part.face_region >= 0).sum() == len(top)
     assert part.region_count == 3
-    for faces, message in (([], "no face is given"), ([3, 9999], r"faces must be in \[0, 432\), got 9999")):
+    of_numbers = "faces must be an array of shape .* and integers, got shape "
+    for faces, message in (
+        ([], "no face is given"),
+        ([3, 9999], r"faces must be in \[0, 432\), got 9999"),
+        (np.array([3, 2**63], np.uint64), r"faces\[1\] is 9223372036854775808, which no index can be"),
+        ([0.5, np.nan], of_numbers + r"\(2,\) and float64"),
+        (["a"], of_numbers + r"\(1,\) and <U1"),
+        ([[0, 1]], of_numbers + r"\(1, 2\)"),
+    ):
         with pytest.raises(engine.InvalidInput, match=message):
             partition_guided(mesh, options(proxies=3), guides=Guides(faces=faces))
 
