@@ -169,14 +169,19 @@ void bind_result(py::module_& m) {
       .def_property_readonly("region_seed", viewer<Partition>(&Partition::region_seed),
                              "(R,) int32: the region's face that is nearest to its proxy.")
       .def_property_readonly("region_normal", viewer<Partition>(&Partition::region_normal),
-                             "(R, 3) float64: unit, the area-weighted mean; zero for a region without area.")
+                             "(R, 3) float64: unit, the area-weighted mean; zero for a region without area; where a "
+                             "plane is given (a bound, regularise, align_planes, round parts), that of the plane.")
       .def_property_readonly("region_locked", &region_locked,
                              "(R,) bool: whether a region is locked against edits; see lock_regions.")
       .def_property_readonly("region_left_out", &region_left_out,
                              "(R,) bool: whether no polygon is made of a region; see leave_out_regions.")
       .def_property_readonly("history", viewer<Partition>(&Partition::history),
                              "(rounds,) float64: the error after each round.")
-      .def_readonly("error", &Partition::error, "Sum of area * |n_face - n_region|^2, scene units squared.")
+      .def_readonly("error", &Partition::error,
+                    "Sum of weight * area * |n_face - n|^2, scene units squared: n is the weighted mean normal of the "
+                    "region, with a bound the normal of its plane; other planes (round parts, regularise, "
+                    "align_planes) do not change it. Small patches that closed an opening have the weight 0 where the "
+                    "number of regions is given.")
       .def_property_readonly("region_count", &Partition::region_count, "R.")
       .def_readonly("proxies_asked", &Partition::proxies_asked,
                     "The requested number, or R if the number was found; R is larger where parts need more.")

@@ -6,6 +6,7 @@
 
 #include "edit.h"
 #include "isimp/core/errors.h"
+#include "make_partition.h"
 
 namespace isimp {
 namespace {
@@ -20,7 +21,7 @@ RegionStatistics measure(const Mesh& mesh, const Partition& partition, const Fac
   RegionStatistics s;
   s.region = region;
   s.faces = static_cast<std::int32_t>(faces.size());
-  s.error = partition.region_sum[region].error() * graph.area;
+  s.error = region_error(partition, region) * graph.area;
   s.locked = !partition.region_locked.empty() && partition.region_locked[region] != 0;
   const Vec3 normal = partition.region_normal[region];
   const Vec3 origin = mesh.vertices()[mesh.triangles()[faces.front()][0]];

@@ -17,7 +17,10 @@ namespace isimp {
 Partition make_partition(const Surface& surface, const Components& components, const Regions& regions,
                          std::vector<double> history, const Threads& threads, Job& job);
 
-/// Measures the error from the normals there are, which with a bound need not be the mean ones.
+/// The error of a region as a share of the surface's area: by the mean normal, with a bound by the normal of the plane.
+double region_error(const Partition& part, std::int32_t region);
+
+/// Sets the error to that of the regions, where a bound was set after they were summed up.
 void restate_error(const FaceGraph& graph, Partition& part);
 
 /// Copies the values that determined the number of regions: bound, tolerance, noise.

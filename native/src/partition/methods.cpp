@@ -137,9 +137,9 @@ Partition on_original_weights(const Surface& surface, Partition of_reweighted, c
   if (of_reweighted.bound > 0) {
     result.region_normal = std::move(of_reweighted.region_normal);
     result.region_offset = std::move(of_reweighted.region_offset);
-    restate_error(graph, result);
   }
   take_how_found(result, of_reweighted);
+  if (result.bound > 0) restate_error(graph, result);
   return result;
 }
 

@@ -45,13 +45,14 @@ Partition make_partition(const Surface& surface, const Components& components, c
   return result;
 }
 
+double region_error(const Partition& part, std::int32_t region) {
+  const RegionSum& s = part.region_sum[region];
+  return part.bound > 0 ? std::max(0.0, s.weight - 2 * part.region_normal[region].dot(Vec3(s.x, s.y, s.z))) : s.error();
+}
+
 void restate_error(const FaceGraph& graph, Partition& part) {
-  double error = 0.0;
-  for (std::size_t r = 0; r < part.region_sum.size(); ++r) {
-    const RegionSum& s = part.region_sum[r];
-    error += s.weight - 2 * part.region_normal[r].dot(Vec3(s.x, s.y, s.z));
-  }
-  part.error = std::max(0.0, error * graph.area);
+  part.error = 0.0;
+  for (std::int32_t r = 0; r < part.region_count(); ++r) part.error += region_error(part, r) * graph.area;
   part.history = {part.error};
 }
 

@@ -219,7 +219,10 @@ Partition Partitioner::without_symmetry(const PartitionOptions& options, const C
   }
   const Job::Stage stage(job, "cutting", 0.9, 1.0);
   const auto labels = parted_at(*mesh_, result, constraints.cuts, job);
-  return labels ? inherited(partition_from(surface, *labels, job), result) : result;
+  if (!labels) return result;
+  Partition parted = inherited(partition_from(surface, *labels, job), result);
+  if (parted.bound > 0) restate_error(surface.graph(), parted);
+  return parted;
 }
 
 Partition partition(const Surface& surface, const PartitionOptions& options, Job& job) {

@@ -403,3 +403,59 @@ def test_faces_that_are_scattered_over_a_large_place_end_the_search_for_details(
     mesh = engine.Mesh(vertices, np.arange(900, dtype=np.int32).reshape(-1, 3))
     options = engine.PartitionOptions(proxies=300, adaptivity=0.5, leave_out=0)
     assert engine.partition(mesh, options).region_count == 300
+
+
+def error_of(mesh, part, weights=1.0):
+    """The sum of weight * area * |n_face - n|^2, n the weighted mean normal of the region, with a bound its plane's."""
+    corners = mesh.vertices[mesh.triangles]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(cross, axis=1)
+    inside = (part.face_region >= 0) & (length > 0)
+    cross, length, region = cross[inside], length[inside], part.face_region[inside]
+    weighted = length / 2 * np.broadcast_to(weights, inside.shape)[inside]
+    normal, total = cross / length[:, None], np.zeros((part.region_count, 3))
+    np.add.at(total, region, normal * weighted[:, None])
+    mean = total / np.maximum(np.linalg.norm(total, axis=1), 1e-300)[:, None]
+    mean = mean if part.bound is None else part.region_normal
+    return (weighted * ((normal - mean[region]) ** 2).sum(axis=1)).sum()
+
+
+def check_error(mesh, part, weights=1.0):
+    assert part.error == pytest.approx(error_of(mesh, part, weights), rel=2e-4)
+    every = engine.all_statistics(mesh, part)
+    assert part.error == pytest.approx(sum(each["error"] for each in every), rel=1e-9)
+
+
+def test_the_error_is_by_mean_normals_or_planes_of_a_bound():
+    mesh = engine.Mesh(*shapes.bumpy(40))
+    check_error(mesh, engine.partition(mesh, options(bound=0.03)))
+    part = engine.partition(mesh, options(proxies=20))
+    check_error(mesh, part)
+    moved = engine.regularise(mesh, part, engine.RegulariseOptions(angle=30, length=0.02))
+    assert not np.array_equal(moved.region_normal, part.region_normal)
+    assert moved.error == part.error
+    tin = engine.Mesh(*shapes.torus(60, 30))
+    check_error(tin, engine.partition(tin, options(proxies=40, curved=True)))
+    weights = np.linspace(0, 2, len(mesh.triangles))
+    check_error(mesh, engine.partition(mesh, options(proxies=20), weights=weights), weights)
+    check_error(mesh, engine.partition(mesh, options(bound=0.03), weights=weights), weights)
+
+
+def test_small_patches_of_openings_do_not_count_in_the_error():
+    vertices, triangles = shapes.bumpy(40)
+    triangles = np.delete(triangles, [700, 701, 1500, 1501], axis=0)
+    mesh = engine.clean(vertices, triangles, engine.CleanOptions(fill_holes=0.5))
+    patch = mesh.source_face < 0
+    assert mesh.report["filled_holes"] == 2
+    check_error(mesh, engine.partition(mesh, options(proxies=20)), ~patch)
+    check_error(mesh, engine.partition(mesh, options(detail=0.02)))
+
+
+@pytest.mark.parametrize("name", ["tin_16k", "brick_16k", "meat_can_16k"])
+def test_the_error_of_round_parts_and_patches_of_scans(data, name):
+    vertices, triangles = engine.read(data / "real" / f"{name}.ply")
+    few = engine.CleanOptions(fill_holes=0.1 * float(np.linalg.norm(np.ptp(vertices, axis=0))))
+    mesh = engine.clean(vertices, np.delete(triangles, slice(5000, 5003), axis=0), few)
+    patch = mesh.source_face < 0
+    assert patch.any()
+    check_error(mesh, engine.partition(mesh, options(proxies=60, curved=True)), ~patch)

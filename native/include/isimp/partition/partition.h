@@ -57,10 +57,10 @@ struct Partition {
   std::vector<std::int32_t> face_region;  ///< (F) in [0, R); kNone where a speck was left out
   std::vector<std::int32_t> region_seed;  ///< (R) the region's face that is nearest to its proxy
   std::vector<Vec3> region_normal;        ///< (R) unit, area-weighted mean; zero for a region without area; with a
-                                          ///< bound that the mean does not keep, a normal that keeps it
+                                          ///< bound, a held plane or a cell of a round part, that of the plane
   std::vector<RegionSum> region_sum;      ///< (R) sums of the faces, so that edits cost only the changed regions
-  double error = 0.0;                     ///< sum of area * |n_face - n_region|^2 of the faces that have an area
-                                          ///< (see make_face_graph), scene units squared
+  double error = 0.0;                     ///< sum of weight * area * |n_face - n|^2, scene units squared; n is the
+                                          ///< mean normal, with a bound that of the plane; no other plane counts
   std::vector<double> history;            ///< the error after each round; `error` is at most each of them, except for
                                           ///< Method::naive and queued: rounds of pieces, the last entry is `error`
 
