@@ -80,7 +80,7 @@ class Bends {
       for (std::size_t i = 0; i < j; ++i) {
         const std::optional<Bend> bend = between(pipes[i], pipes[j]);
         if (!bend) continue;
-        const auto is_known = [&](const Vec3& meet) { return (meet - bend->meet).norm() < bend->tube; };
+        const auto is_known = [&](const Vec3& meet) { return !((meet - bend->meet).norm() > bend->tube); };
         if (std::any_of(met_.begin(), met_.end(), is_known)) continue;
         met_.push_back(bend->meet);
         return std::pair<std::size_t, std::size_t>(pipes[i], pipes[j]);

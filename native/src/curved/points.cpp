@@ -28,7 +28,8 @@ class Splitter {
   /// \return the number of labels
   std::size_t run() {
     for (std::size_t p = 0; p < members_.size(); ++p)
-      while (is_off(members_[p])) split(p);
+      while (is_off(members_[p]) && split(p)) {
+      }
     return members_.size();
   }
 
@@ -58,7 +59,8 @@ class Splitter {
   }
 
   /// Halves a region across its longest direction; the second half gets a new label.
-  void split(std::size_t p) {
+  /// \return whether both halves have faces; else nothing has changed
+  bool split(std::size_t p) {
     const Vec3 middle = centre(members_[p]);
     Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
     for (const std::int32_t i : members_[p]) {
@@ -68,9 +70,11 @@ class Splitter {
     const Vec3 along = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(2);
     Some first, second;
     for (const std::int32_t i : members_[p]) ((f_.centre(i) - middle).dot(along) < 0 ? first : second).push_back(i);
+    if (first.empty() || second.empty()) return false;
     for (const std::int32_t i : second) label_[i] = static_cast<std::int32_t>(members_.size());
     members_[p] = std::move(first);
     members_.push_back(std::move(second));
+    return true;
   }
 
   const Faces& f_;

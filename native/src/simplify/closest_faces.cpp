@@ -39,7 +39,8 @@ ClosestFace ClosestFaces::find(const Vec3& place, const Vec3& facing, double gue
   const bool any_side = facing.isZero(0);
   ClosestFace best;
   most = std::min(most, 2 * mesh_.diagonal() + place.norm());
-  for (double reach = std::max(guess, least_);; reach *= 2) {
+  double reach = std::max(least_, guess);  // the former, if the guess is not a number
+  while (true) {
     reach = std::min(reach, most);
     const Vec3 around = Vec3::Constant(reach);
     (void)tree_.any(box_between(place - around, place + around), [&](const meshing::NumberedBox& entry) {
@@ -50,8 +51,8 @@ ClosestFace ClosestFaces::find(const Vec3& place, const Vec3& facing, double gue
       return false;
     });
     if (best.distance <= reach) return best;  // any nearer face meets the box
-    if (reach >= most) return best.distance <= most ? best : ClosestFace{};
-    if (best.face != kNone) reach = best.distance / 2;
+    if (!(reach < most)) return best.distance <= most ? best : ClosestFace{};
+    reach = best.face != kNone ? best.distance : reach > 0 ? 2 * reach : most;
   }
 }
 

@@ -303,3 +303,13 @@ def test_every_region_with_an_area_has_a_polygon(method: str, first: int) -> Non
         areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
         for region in np.setdiff1d(np.arange(part.region_count), poly.polygon_region):
             assert areas[part.face_region == region].sum() < 1e-3, f"region {region} of seed {seed}"
+
+
+@pytest.mark.parametrize("reach", [5e-324, 1e-200, 1e-160])
+def test_rims_within_a_length_below_rounding_follow_the_border(reach):
+    mesh = engine.Mesh(*shapes.bumpy(20))
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=12))
+    poly, plain = (engine.polygonize(mesh, part, engine.MeshingOptions(straight_rims=x)) for x in (reach, 0.0))
+    assert np.isfinite(poly.vertices).all()
+    assert np.array_equal(poly.vertices, plain.vertices)
+    assert np.array_equal(poly.loops, plain.loops)

@@ -11,7 +11,7 @@ void Search::start() {
 }
 
 bool Search::reach(std::int32_t i, double d, std::int32_t from_via) {
-  if (!reached.add(i) && d >= distance[i]) return false;
+  if (!reached.add(i) && !(d < distance[i])) return false;
   distance[i] = d;
   via[i] = from_via;
   queue_.push_back({d, i});

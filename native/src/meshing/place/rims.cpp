@@ -99,7 +99,7 @@ class Straightener {
     if (around.size() == 1) to = meeting(c);
     if (around.size() == 2) to = on_shared_edge(c);
     const double most = std::min(reach_, s_.options.reach * s_.mesh.diagonal());
-    if (!to || (*to - s_.mesh.vertices()[s_.corners.vertex[c]]).norm() > most) return std::nullopt;
+    if (!to || !((*to - s_.mesh.vertices()[s_.corners.vertex[c]]).norm() <= most)) return std::nullopt;
     return to;
   }
 
