@@ -70,7 +70,8 @@ Scene scene_of(CurvedProxy proxy, PatchFaces faces) {
   return scene;
 }
 
-std::optional<CurvedSurface> best_fit(const Faces& faces, const Some& some, std::optional<CurvedKind> kind) {
+std::optional<CurvedSurface> best_fit(const Faces& faces, const Some& some, std::optional<CurvedKind> kind,
+                                      const Job& job) {
   const Samples samples = samples_of(faces, some);
   Some few;
   const std::size_t step = some.size() / kMostSamples + 1;
@@ -80,9 +81,11 @@ std::optional<CurvedSurface> best_fit(const Faces& faces, const Some& some, std:
   for (const CurvedKind k :
        {CurvedKind::cylinder, CurvedKind::sphere, CurvedKind::cone, CurvedKind::revolution, CurvedKind::extrusion}) {
     if (kind && *kind != k) continue;
+    job.poll();
     const auto found =
         fit(k, k == CurvedKind::revolution || k == CurvedKind::extrusion ? samples_of(faces, few) : samples);
     if (!found || found->radius > faces.mesh().diagonal() * 8) continue;
+    job.poll();
     const double now = rms(*found, samples);
     if (best && now * kNearlyAsWell >= least) continue;
     best = found;
@@ -154,7 +157,7 @@ Partition make_round(const Mesh& mesh, const Partition& part, std::span<const st
   const Surface surface(mesh, part.guided);
   const Faces all(surface);
   Some some = faces_of(all, part, chosen);
-  const auto found = best_fit(all, some, kind);
+  const auto found = best_fit(all, some, kind, job);
   if (!found) throw InvalidInput("the faces given determine no round surface: choose more regions of one round part");
   CurvedProxy proxy;
   static_cast<CurvedSurface&>(proxy) = *found;
@@ -165,6 +168,7 @@ Partition make_round(const Mesh& mesh, const Partition& part, std::span<const st
   const double count = std::max<double>(proxy.full ? kLeastRound : 3,
                                         static_cast<double>(std::count(chosen.begin(), chosen.end(), true)));
   begin_at_border(all, proxy, cells, count);
+  job.poll();
   const std::vector<Grid> cuts = Cuts(proxy, cells).within(count, cells.rough);
   if (cuts.empty()) throw InvalidInput("the faces given can't be cut into segments");
   apply(proxy,

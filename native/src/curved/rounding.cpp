@@ -47,12 +47,16 @@ class Rounding {
         for (const std::int32_t i : p.faces.face) mates_.patch[i] = static_cast<std::int32_t>(mates_.together.size());
       mates_.together.push_back(p.together);
     }
-    for (RoundPatch& p : scene_.patches)
+    for (RoundPatch& p : scene_.patches) {
+      job.poll();
       if (p.proxy.segments > 0)
         if (std::optional<PatchCut> c = cut_of(p)) cuts[p.together].push_back(std::move(*c));
-    for (const auto& [together, some] : cuts)
+    }
+    for (const auto& [together, some] : cuts) {
+      job.poll();
       if (pay(some))
         for (const PatchCut& c : some) add(c);
+    }
     if (proxies_.empty()) return part_;
     clean(job);
     return made(job);

@@ -176,7 +176,7 @@ Partition align_planes(const Mesh& mesh, const Partition& partition, std::span<c
     out.region_offset[r] = planes[r].offset + planes[r].snapped.dot(mesh.origin());
   }
   place_free_planes(mesh, out);
-  Regularity found = summary_of(planes, mesh.diagonal());
+  Regularity found = summary_of(planes, mesh.diagonal(), job);
   count_kinds(found, out, planes, up);
   found.length = allowed;
   out.regularity = found;

@@ -41,8 +41,8 @@ struct Series {
 
 class Spacing {
  public:
-  Spacing(std::span<const ParallelPlane> planes, double tolerance)
-      : planes_(planes), tolerance_(tolerance), is_placed_(planes.size(), false) {
+  Spacing(std::span<const ParallelPlane> planes, double tolerance, const Job* job)
+      : planes_(planes), tolerance_(tolerance), job_(job), is_placed_(planes.size(), false) {
     for (const ParallelPlane& plane : planes) result_.offset.push_back(plane.offset);
   }
 
@@ -101,6 +101,7 @@ class Spacing {
     const double chance = -std::expm1(-2 * tolerance_ * (count - 2) / std::max(range, tolerance_));
     const double pairs = count * (count - 1) / 2;
     for (std::size_t i = 0; i < sorted.size(); ++i) {
+      if (job_ != nullptr) job_->poll();
       for (std::size_t j = i + 1; j < sorted.size(); ++j) {
         const double apart = planes_[sorted[j]].offset - planes_[sorted[i]].offset;
         // Far planes determine the step best; one of the planes between may be missing.
@@ -240,14 +241,15 @@ class Spacing {
 
   std::span<const ParallelPlane> planes_;
   double tolerance_;
+  const Job* job_;
   std::vector<bool> is_placed_;
   EvenSpacing result_;
 };
 
 }  // namespace
 
-EvenSpacing even_spacing(std::span<const ParallelPlane> planes, double tolerance) {
-  return Spacing(planes, tolerance).run();
+EvenSpacing even_spacing(std::span<const ParallelPlane> planes, double tolerance, const Job* job) {
+  return Spacing(planes, tolerance, job).run();
 }
 
 }  // namespace isimp::regular

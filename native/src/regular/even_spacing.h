@@ -3,6 +3,8 @@
 #include <span>
 #include <vector>
 
+#include "isimp/core/job.h"
+
 namespace isimp::regular {
 
 /// One of some parallel planes, with its place along their common normal.
@@ -27,8 +29,9 @@ struct EvenSpacing {
 /// counts if the expected number of such by chance among as many planes is below one in ten.
 ///
 /// \param tolerance  of an offset: the largest distance of a plane from its place in a series, above 0
+/// \param job  polled, if given
 /// Source: the count of false alarms as in Desolneux, Moisan, Morel 2000; the rest is our own.
 /// Cost: O(P^3); of P planes the 100 largest of each facing can be in a series.
-EvenSpacing even_spacing(std::span<const ParallelPlane> planes, double tolerance);
+EvenSpacing even_spacing(std::span<const ParallelPlane> planes, double tolerance, const Job* job = nullptr);
 
 }  // namespace isimp::regular

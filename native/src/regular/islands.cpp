@@ -43,11 +43,12 @@ class Islands {
     }
   }
 
-  std::vector<std::int32_t> find() {
+  std::vector<std::int32_t> find(const Job& job) {
     std::vector<std::int32_t> order = into_;
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return area_[a] > area_[b]; });
     for (const std::int32_t wall : order) {
       if (!part_.is_held(wall) || is_locked(wall)) continue;
+      job.poll();
       for (const std::int32_t island : order) {
         if (into_[wall] != wall) break;
         if (into_[island] != island || island == wall || !part_.is_held(island) || !is_one_plane(wall, island))
@@ -147,10 +148,10 @@ std::vector<std::int32_t> unite_regions(const Mesh& mesh, Partition& p, std::spa
 }  // namespace
 
 std::vector<std::int32_t> merge_islands(const Mesh& mesh, Partition& partition, std::span<RegionPlane* const> regions,
-                                        double depth) {
+                                        double depth, const Job& job) {
   std::vector<double> area;
   for (const RegionPlane* r : regions) area.push_back(r->scan.area);
-  const std::vector<std::int32_t> into = Islands(mesh, partition, area, depth).find();
+  const std::vector<std::int32_t> into = Islands(mesh, partition, area, depth).find(job);
   for (std::size_t i = 0; i < into.size(); ++i) {
     if (into[i] == static_cast<std::int32_t>(i)) continue;
     RegionPlane& wall = *regions[into[i]];

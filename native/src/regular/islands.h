@@ -21,6 +21,6 @@ namespace isimp::regular {
 /// \return the numbers of the regions that stay, rising
 /// Cost: O(F + R * islands).
 std::vector<std::int32_t> merge_islands(const Mesh& mesh, Partition& partition, std::span<RegionPlane* const> regions,
-                                        double depth);
+                                        double depth, const Job& job);
 
 }  // namespace isimp::regular

@@ -73,12 +73,13 @@ double median_distance(const std::vector<RegionPlane>& regions) {
   return 0;
 }
 
-Regularity summary_of(const std::vector<RegionPlane>& regions, double diagonal) {
+Regularity summary_of(const std::vector<RegionPlane>& regions, double diagonal, const Job& job) {
   Regularity found;
   double area = 0, before = 0, after = 0;
   std::vector<const RegionPlane*> planes;
   std::vector<Vec3> directions;
   for (const RegionPlane& r : regions) {
+    job.poll();
     if (r.scan.area <= 0) continue;
     area += r.scan.area;
     before += r.scan.area * squared_distance(r, r.normal, r.best_offset());

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "complex/planes.h"
+#include "isimp/core/job.h"
 #include "isimp/mesh/mesh.h"
 #include "isimp/partition/partition.h"
 
@@ -41,6 +42,6 @@ double median_distance(const std::vector<RegionPlane>& regions);
 /// Directions, planes and distances of the given planes. The counts of kinds are left 0.
 /// \param diagonal  of the mesh
 /// Cost: O(R^2).
-Regularity summary_of(const std::vector<RegionPlane>& regions, double diagonal);
+Regularity summary_of(const std::vector<RegionPlane>& regions, double diagonal, const Job& job);
 
 }  // namespace isimp::regular

@@ -62,11 +62,12 @@ Some largest_first(const std::vector<Region>& regions) {
 }
 
 /// Gives regions of one direction with nearly the same plane one plane: the one set by hand if there is one.
-void align_offsets(std::vector<Region>& regions, Some all, const Limits& limits) {
+void align_offsets(std::vector<Region>& regions, Some all, const Limits& limits, const Job& job) {
   std::stable_partition(all.begin(), all.end(), [&](std::int32_t r) { return regions[r].is_by_hand(); });
   std::vector<bool> done(regions.size(), false);
   for (const std::int32_t lead : all) {
     if (done[lead] || regions[lead].is_free()) continue;
+    job.poll();
     double sum = 0, area = 0;
     Some group;
     for (const std::int32_t r : all) {
@@ -90,10 +91,12 @@ void align_offsets(std::vector<Region>& regions, Some all, const Limits& limits)
 
 /// Moves planes of one direction to equal distances.
 /// \return the number of planes at equal distances
-int space_evenly_along(const Vec3& axis, std::vector<Region>& regions, const Some& parallel, const Limits& limits) {
+int space_evenly_along(const Vec3& axis, std::vector<Region>& regions, const Some& parallel, const Limits& limits,
+                       const Job& job) {
   std::vector<ParallelPlane> planes;
   std::vector<std::size_t> plane_of;
   for (const std::int32_t r : parallel) {
+    job.poll();
     const Region& region = regions[r];
     const bool along = region.snapped.dot(axis) > 0;
     const double offset = along ? region.offset : -region.offset, middle = axis.dot(region.scan.centre),
@@ -111,7 +114,7 @@ int space_evenly_along(const Vec3& axis, std::vector<Region>& regions, const Som
   }
   for (ParallelPlane& plane : planes)
     if (plane.is_fixed) plane.low = plane.high = plane.offset;
-  const EvenSpacing found = even_spacing(planes, limits.length);
+  const EvenSpacing found = even_spacing(planes, limits.length, &job);
   for (std::size_t k = 0; k < parallel.size(); ++k) {
     const std::size_t i = plane_of[k];
     if (found.offset[i] != planes[i].offset)
@@ -121,11 +124,12 @@ int space_evenly_along(const Vec3& axis, std::vector<Region>& regions, const Som
 }
 
 /// Moves parallel planes to equal distances.
-int space_evenly(std::vector<Region>& regions, const Some& all, const Limits& limits) {
+int space_evenly(std::vector<Region>& regions, const Some& all, const Limits& limits, const Job& job) {
   int even = 0;
   std::vector<bool> done(regions.size(), false);
   for (const std::int32_t lead : all) {
     if (done[lead] || regions[lead].is_free()) continue;
+    job.poll();
     const Vec3 axis = regions[lead].snapped;
     Some parallel;
     for (const std::int32_t r : all) {
@@ -133,7 +137,7 @@ int space_evenly(std::vector<Region>& regions, const Some& all, const Limits& li
       done[r] = true;
       parallel.push_back(r);
     }
-    even += space_evenly_along(axis, regions, parallel, limits);
+    even += space_evenly_along(axis, regions, parallel, limits, job);
   }
   return even;
 }
@@ -247,20 +251,21 @@ void store_planes(Partition& out, std::span<const Region> regions, const Vec3& o
   }
 }
 
-Regularity summary(const std::vector<Region>& regions, double diagonal) {
-  return summary_of({regions.begin(), regions.end()}, diagonal);
+Regularity summary(const std::vector<Region>& regions, double diagonal, const Job& job) {
+  return summary_of({regions.begin(), regions.end()}, diagonal, job);
 }
 
 /// Makes islands and their rims parts of their walls.
 /// \param depth  of rims behind which islands become part of their wall
-void merge_islands(const Mesh& mesh, Partition& out, std::vector<Region>& regions, double depth, Regularity& found) {
+void merge_islands(const Mesh& mesh, Partition& out, std::vector<Region>& regions, double depth, Regularity& found,
+                   const Job& job) {
   std::vector<RegionPlane*> planes;
   planes.reserve(regions.size());
   for (Region& r : regions) planes.push_back(&r);
   std::vector<Region> left;
-  for (const std::int32_t r : regular::merge_islands(mesh, out, planes, depth)) left.push_back(regions[r]);
+  for (const std::int32_t r : regular::merge_islands(mesh, out, planes, depth, job)) left.push_back(regions[r]);
   regions.swap(left);
-  const double before = std::exchange(found, summary(regions, mesh.diagonal())).rms_before;
+  const double before = std::exchange(found, summary(regions, mesh.diagonal(), job)).rms_before;
   found.rms_before = before;
   found.islands_merged = static_cast<std::int32_t>(left.size() - regions.size());
 }
@@ -287,12 +292,12 @@ Partition regularise(const Mesh& mesh, const Partition& partition, const Regular
   std::vector<Region> regions = regions_of(partition, planes, round, mesh.origin());
   job.report(0.5);
   Some all = largest_first(regions);
-  snap_directions(regions, all, limits, compass);
+  snap_directions(regions, all, limits, compass, job);
   std::erase_if(all, [&](std::int32_t r) { return static_cast<std::size_t>(r) >= planes.size(); });
   for (const std::int32_t r : all)
     if (!regions[r].is_by_hand()) regions[r].offset = regions[r].snapped.dot(regions[r].scan.centre);
-  align_offsets(regions, all, limits);
-  const int even = options.even_spacing ? space_evenly(regions, all, limits) : 0;
+  align_offsets(regions, all, limits, job);
+  const int even = options.even_spacing ? space_evenly(regions, all, limits, job) : 0;
   move_round(round, std::span(regions).subspan(planes.size()), limits);
   if (!options.length) release(regions, all, round, least);
   job.poll();
@@ -301,9 +306,9 @@ Partition regularise(const Mesh& mesh, const Partition& partition, const Regular
   const RegularAxes axes = store_round(out, round, regions);
   if (partition.bound > 0) keep_bound(mesh, partition, regions);
   store_planes(out, regions, mesh.origin());
-  Regularity found = summary(regions, mesh.diagonal());
+  Regularity found = summary(regions, mesh.diagonal(), job);
   const double depth = partition.bound > 0 ? std::min(options.merge_islands, partition.bound) : options.merge_islands;
-  if (depth > 0) merge_islands(mesh, out, regions, depth, found);
+  if (depth > 0) merge_islands(mesh, out, regions, depth, found, job);
   if (partition.bound > 0) out.distance_max = largest_distance(mesh, out);
   for (const Region& r : regions)
     if (r.scan.area > 0 && r.chosen != kPlaneRound) count(found, r.kind);

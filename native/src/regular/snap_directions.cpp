@@ -28,8 +28,9 @@ struct Slope {
 
 class Directions {
  public:
-  Directions(std::vector<Region>& regions, const Some& all, const Limits& limits, const Compass& compass)
-      : regions_(regions), all_(all), limits_(limits), compass_(compass) {}
+  Directions(std::vector<Region>& regions, const Some& all, const Limits& limits, const Compass& compass,
+             const Job& job)
+      : regions_(regions), all_(all), limits_(limits), compass_(compass), job_(job) {}
 
   void run() {
     Some left = all_;
@@ -50,6 +51,7 @@ class Directions {
   /// \return the snapped ones
   template <class Target>
   Some take(Some& left, Kind kind, Target target) {
+    job_.poll();
     auto [took, rest] = parted(left, [&](std::int32_t r) { return may(r, target(regions_[r])); });
     for (const std::int32_t r : took) regions_[r].snap(target(regions_[r]), kind);
     left = std::move(rest);
@@ -152,6 +154,7 @@ class Directions {
           weight += regions_[s.region].scan.area;
         }
       const double mean = weight > 0 ? sum / weight : lead;
+      job_.poll();
       std::vector<Slope> others;
       for (std::size_t k = 0; k < slopes.size(); ++k) {
         const Slope& s = slopes[k];
@@ -195,6 +198,7 @@ class Directions {
   const Some& all_;
   const Limits& limits_;
   const Compass& compass_;
+  const Job& job_;
   std::vector<double> frames_;  // azimuths of walls
 };
 
@@ -212,8 +216,9 @@ bool Limits::allow(const RegionPlane& region, const Vec3& n) const {
   return same >= std::cos(kWider * angle) && added < reach(region, kSure);
 }
 
-void snap_directions(std::vector<Region>& regions, const Some& all, const Limits& limits, const Compass& compass) {
-  Directions(regions, all, limits, compass).run();
+void snap_directions(std::vector<Region>& regions, const Some& all, const Limits& limits, const Compass& compass,
+                     const Job& job) {
+  Directions(regions, all, limits, compass, job).run();
 }
 
 }  // namespace isimp::regular

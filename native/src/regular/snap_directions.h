@@ -51,6 +51,7 @@ constexpr double kWider = 3;  ///< times the angle: allowed to regions that it h
 /// its regions.
 /// \param all  regions that take part, the largest first
 /// Cost: O(R^2).
-void snap_directions(std::vector<Region>& regions, const Some& all, const Limits& limits, const Compass& compass);
+void snap_directions(std::vector<Region>& regions, const Some& all, const Limits& limits, const Compass& compass,
+                     const Job& job);
 
 }  // namespace isimp::regular

@@ -40,7 +40,7 @@ std::vector<std::int32_t> weld(std::span<const Vec3> points, std::span<const std
   for (std::int32_t begin = 0, end = 0; begin < count; begin = end) {
     wishes.clear();
     for (; end < count && tile[end] == tile[begin]; ++end) {
-      if ((end & 0xfff) == 0) job.poll();
+      if ((end & 0x3f) == 0) job.poll();  // where the length is large, all points are near
       to[end] = end;
       const detail::HashGrid::Nearest best = grid.nearest(points, points[end]);
       if (best.point != kNone) wishes.push_back({best.point, best.distance, end});

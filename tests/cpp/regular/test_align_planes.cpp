@@ -246,6 +246,27 @@ TEST(AlignPlanes, PlanesThatAreNotFiniteAreRefusedByName) {
   EXPECT_EQ(cube.refusal({cube.top()}, Align::level, infinity), "length must be a finite length above 0, got inf");
 }
 
+TEST(AlignPlanes, ItAndRegularisePollForEachRegion) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::plane(16), 0.01, 1));
+  std::vector<std::int32_t> label(mesh.face_count());
+  for (std::size_t f = 0; f < label.size(); ++f) label[f] = static_cast<std::int32_t>(f);
+  Job job;
+  const Partition part = partition_from(mesh, label, job);
+  RegulariseOptions options;
+  options.even_spacing = true;
+  options.merge_islands = 0.1;
+  const auto polls = [&](const auto& call) {
+    Job counted;
+    int count = 0;
+    counted.at_poll = [&] { ++count; };
+    call(counted);
+    return count;
+  };
+  EXPECT_GE(polls([&](Job& j) { (void)align_planes(mesh, part, std::vector{0}, Align::level, kUp, 1.0, j); }),
+            part.region_count());
+  EXPECT_GE(polls([&](Job& j) { (void)regularise(mesh, part, options, j); }), 2 * part.region_count());
+}
+
 TEST(AlignPlanes, PolygonsKeepToThem) {
   const Leaning cube;
   const Partition part =

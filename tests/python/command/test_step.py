@@ -225,6 +225,30 @@ def _write(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
     path.write_text("\n".join(lines) + "\n")
 
 
+class Polled:
+    """A job that counts the questions whether it was cancelled, and is so from a given one on."""
+
+    def __init__(self, stop: float = np.inf) -> None:
+        self.stop, self.polls = stop, 0
+
+    @property
+    def cancelled(self) -> bool:
+        self.polls += 1
+        return self.polls > self.stop
+
+
+def test_a_cancel_is_seen_for_each_face_and_edge(read: Any) -> None:
+    from isimp_engine.exporting.step.solid import make
+
+    mesh, part, polygons = scanned("plate")
+    job = Polled()
+    solid = make(polygons, part, mesh, job)  # type: ignore[arg-type]
+    assert job.polls > 4 * solid.faces
+    for stop in range(0, job.polls, job.polls // 8):
+        with pytest.raises(engine.Cancelled):
+            make(polygons, part, mesh, Polled(stop))  # type: ignore[arg-type]
+
+
 def test_an_unknown_unit_is_refused(tmp_path: Path) -> None:
     with pytest.raises(engine.InvalidInput, match="unit must be one of m, mm, got 'ft'"):
         engine.write(tmp_path / "a.obj", scanned("capped")[2], unit="ft")

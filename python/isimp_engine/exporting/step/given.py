@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..._core import Mesh, Partition, PolygonMesh
+from ..._core import Cancelled, Job, Mesh, Partition, PolygonMesh
 from . import fitting
 from .outlines import Outlines, outlines
 from .shapes import Array, Plane, Turned, square_to, unit
@@ -21,10 +21,17 @@ _FLAT = 1e-7  # share of the diagonal: polygons this near to a plane are in it
 _SQUARE = float(np.cos(np.radians(0.6)))  # a plane within this angle of perpendicular to an axis becomes perpendicular
 
 
+def poll(job: Job | None) -> None:
+    """Raise Cancelled if a job was cancelled."""
+    if job is not None and job.cancelled:
+        raise Cancelled
+
+
 class Given:
     """Arrays of the polygons and the scan, relative to their middle."""
 
-    def __init__(self, poly: PolygonMesh, part: Partition | None, mesh: Mesh | None) -> None:
+    def __init__(self, poly: PolygonMesh, part: Partition | None, mesh: Mesh | None, job: Job | None = None) -> None:
+        self._job = job
         at = np.asarray(poly.vertices, np.float64)
         self.shift = (at.min(axis=0) + at.max(axis=0)) / 2 if len(at) else np.zeros(3)
         self.places = at - self.shift
@@ -55,8 +62,13 @@ class Given:
             self.volume_of_scan = float((corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum() / 6)
         self.normal = [area_normal(self.places[loop]) for loop in self.loops]
 
+    def poll(self) -> None:
+        """Raise Cancelled if the job was cancelled."""
+        poll(self._job)
+
     def scanned(self, regions: list[int]) -> Array:
         """Return vertices of the scan in chosen regions, with border vertices; a sample if there are many."""
+        self.poll()
         if self._mesh is None or not regions:
             return np.zeros((0, 3))
         faces = np.concatenate([self._faces[r] for r in regions])
@@ -71,6 +83,7 @@ class Given:
 
     def plane_of_polygons(self, polygons: list[int]) -> Plane:
         """Return the plane of the corners of chosen polygons."""
+        self.poll()
         corners = np.unique(np.concatenate([self.loops[q] for q in polygons]))
         return fitting.plane_of(self.places[corners], np.sum([self.normal[q] for q in polygons], axis=0))
 

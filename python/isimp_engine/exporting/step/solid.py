@@ -14,7 +14,7 @@ from OCP.GProp import GProp_GProps
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Face, TopoDS_Shell, TopoDS_Solid
 
-from ..._core import Cancelled, Job, Mesh, Partition, PolygonMesh
+from ..._core import Job, Mesh, Partition, PolygonMesh
 from . import seams
 from .faces import Edge, Edges, FaceMaker
 from .given import PLANES, Given, Surfaces, area_normal
@@ -64,14 +64,13 @@ class _Choice:
 
 def make(poly: PolygonMesh, part: Partition | None, mesh: Mesh | None, job: Job | None = None) -> Made:
     """Make the shape. A part that can't be one valid face is split into smaller parts, and finally into triangles."""
-    given = Given(poly, part, mesh)
+    given = Given(poly, part, mesh, job)
     surfaces = Surfaces(given)
     choice = _Choice(dict(surfaces.reasons), apart=set(surfaces.apart))
     for number in range(_TRIES):
         if number == _TRIES - 1:
             choice.all_triangles(given)
-        if job is not None and job.cancelled:
-            raise Cancelled
+        given.poll()
         attempt = _Attempt(given, choice, surfaces)
         if not attempt.improve():
             break
@@ -139,6 +138,7 @@ class _Attempt:
         ends = self._meet()
         self._curves: list[Curve] = []
         for chain in self._out.chains:
+            self._given.poll()
             sides = self._sides([chain.left, chain.right])
             free = any(g >= 0 and self._shape[g] is None for g in (chain.left, chain.right))
             if free and any(isinstance(s, Turned) for s in sides):
@@ -154,12 +154,14 @@ class _Attempt:
                 self._frame(g, shape, exact)
         edges = Edges(exact)
         for k, (chain, curve) in enumerate(zip(self._out.chains, self._curves, strict=True)):
+            self._given.poll()
             try:
                 self._edges.append(edges.of(k, curve))
             except NoFace as problem:
                 self._edges.append([])
                 self._bad |= {g: str(problem) for g in (chain.left, chain.right) if g >= 0}
         for g in self._shape:
+            self._given.poll()
             if g not in self._bad:
                 self._face(g)
 
@@ -187,6 +189,7 @@ class _Attempt:
                     touching.setdefault(v, []).append((sides[0], sides[1]))
         found = {}
         for v, groups in self._out.junctions.items():
+            given.poll()
             sides = self._sides(sorted(groups))
             found[v] = (
                 meet_at(given.places[v], sides, touching.get(v, []), reach.get(v, 0.0)) if sides else given.places[v]

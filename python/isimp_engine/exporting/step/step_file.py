@@ -20,6 +20,7 @@ from OCP.TopLoc import TopLoc_Location
 
 from ... import _core
 from ..._core import FileError, Job, Mesh, Partition, PolygonMesh
+from .given import poll
 from .solid import Made, make
 
 _LENGTHS = ("write.step.unit", "xstep.cascade.unit")
@@ -39,6 +40,7 @@ def write(
     if not len(poly.loop_start):
         raise FileError(f"{path}: there are no polygons, and a STEP file needs some")
     made = make(poly, partition, mesh, job)
+    poll(job)  # OpenCASCADE is not interrupted below
     shape = made.shape if place is None else _moved(made.shape, place)
     writer = STEPControl_Writer()  # before the settings, which it resets
     for printer in Message.DefaultMessenger_s().Printers():
@@ -50,6 +52,7 @@ def write(
         done = writer.Transfer(shape, STEPControl_AsIs)
     if done != IFSelect_RetDone:
         raise FileError(f"{path}: OpenCASCADE can't write this shape")
+    poll(job)
     _name(writer.Model(), name)
     header = APIHeaderSection_MakeHeader(writer.Model())
     header.SetName(_text(name))
