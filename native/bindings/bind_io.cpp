@@ -60,12 +60,13 @@ py::tuple read_with_columns(const py::object& name, std::vector<std::string> nam
   PolygonSoup soup = call(job, [&](Job& j) { return read_polygons(path, j, threads, &columns); });
   py::object uv = py::none();
   if (columns.uv) uv = owned(std::move(*columns.uv)).reshape({-1, 2});
-  py::list files, materials;
+  py::list files, materials, skipped;
   for (const std::string& file : columns.files) files.append(to_text(file));
   for (const auto& [face, material] : columns.materials) materials.append(py::make_tuple(face, to_text(material)));
+  for (const std::string& what : columns.skipped) skipped.append(to_text(what));
   return py::make_tuple(owned(std::move(soup.vertices)), owned(std::move(soup.loops)),
                         owned(std::move(soup.loop_start)), to_dict(std::move(columns.vertices)),
-                        to_dict(std::move(columns.faces)), uv, files, materials);
+                        to_dict(std::move(columns.faces)), uv, files, materials, skipped);
 }
 
 PolygonSoup read_soup(const py::object& vertices, const py::object& loops, const py::object& loop_start) {

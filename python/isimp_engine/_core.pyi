@@ -396,7 +396,7 @@ _shared_edges: Callable[[NDArray[Any]], tuple[NDArray[np.int32], NDArray[np.int3
 _all_opening_lengths: Callable[[Mesh, int, PartitionOptions, Job | None], tuple[float, float, float, int]]
 _guess_opening_lengths: Callable[[Mesh, PartitionOptions, Job | None], tuple[float, float, float, int, bool, int]]
 _partition: Callable[..., Partition]
-_read_columns: Callable[..., tuple[Any, Any, Any, dict[str, Any], dict[str, Any], Any, list[str], list[Any]]]
+_read_columns: Callable[..., tuple[Any, Any, Any, dict[str, Any], dict[str, Any], Any, list[str], list[Any], list[str]]]
 _open_faces: Callable[[Mesh, NDArray[Any] | None, Partition | None, int, float], NDArray[np.int32] | None]
 _part_of: Callable[[Mesh, NDArray[Any], Job | None], Mesh]
 _inside_regions: Callable[[Mesh, Partition, NDArray[Any]], int]

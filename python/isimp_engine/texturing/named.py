@@ -2,12 +2,30 @@
 
 import os
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path, PureWindowsPath
+from typing import NoReturn
 
 from .._core import FileError
 from . import udim
+from .look import Fault
 
 _ADDRESS = re.compile(r"[A-Za-z][\w+.-]+:/|//")  # one letter and a colon are a drive of Windows
+
+
+def refuse(fault: str) -> NoReturn:
+    """Refuses a file with a fault. `read_look` collects faults instead."""
+    raise FileError(fault)
+
+
+@contextmanager
+def faults(fault: Fault) -> Iterator[None]:
+    """Passes a FileError of the block to `fault`."""
+    try:
+        yield
+    except FileError as error:
+        fault(str(error))
 
 
 def folder_of(scan: Path) -> Path:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .._core import FileError, Job, _read_columns, triangulate
 from . import images, named, udim
 from .layers import NORMAL, TextureLayer, channel, scaled_colors, to_srgb
+from .look import COLOR, Fault, Look, Material
 from .soup import TexturedSoup, corner_places
 
 # The number of words that follow each option of a texture map.
@@ -22,29 +23,50 @@ _UP_TO_THREE = ("-o", "-s", "-t")
 # Numbers and maps in addition to the colour. A map counts alone, without its number, except for emission above 1.
 _NUMBERS = {"Pr": "roughness", "Pm": "metallic", "Ke": "emission"}
 _MAPS = {f"map_{word}": name for word, name in _NUMBERS.items()} | {"norm": NORMAL}
+_OTHER_MAPS = ("map_", "bump", "disp", "decal", "refl")  # begin the words of maps that are not read
 _LARGEST = 1e30  # largest of such numbers
 
 
 def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
-    vertices, loops, loop_start, vertex, _, uv, names, uses = _read_columns(path, [], job, threads)
-    triangles, polygon = triangulate(vertices, loops, loop_start, job)
-    places = corner_places(loops, loop_start, triangles, polygon)
-    libraries = _library_files(path, names if uses else [])  # without a material no image is shown
-    used = dict.fromkeys(name for face, name in uses if face < len(loop_start))  # in the order of their first use
-    materials = _materials(path, used, libraries)
-    number = {name: i for i, name in enumerate(materials)}
-    begin = [0, *(face for face, _ in uses), len(loop_start)]
-    material = np.repeat([-1, *(number.get(name, -1) for _, name in uses)], np.diff(begin)).astype(np.int32)
-    colors = _colors(vertex)
+    look, materials, libraries = _read(path, job, threads, named.refuse)
+    triangles, polygon = triangulate(look.vertices, look.loops, look.loop_start, job)
+    places = corner_places(look.loops, look.loop_start, triangles, polygon)
     pictures, shown = images.Pictures(), list[Any]()
     for m in materials.values():
         if m.map is not None:
             shown.append(pictures.load(m.map, m.place))
         else:
-            shown.append(None if colors is not None else m.plain())
+            shown.append(None if look.colors is not None else m.plain())
     names, layers = list(materials), _layers(materials, pictures)
     files = [*libraries, *(file for m in materials.values() for file in m.files())]
-    return TexturedSoup(vertices, triangles, uv[places], material[polygon], shown, colors, names, files, layers)
+    uv = np.zeros((len(triangles), 3, 2)) if look.uv is None else look.uv[places]
+    material = look.material[polygon]
+    return TexturedSoup(look.vertices, triangles, uv, material, shown, look.colors, names, files, layers)
+
+
+def read_look(path: Path, stands: Path, job: Job | None, fault: Fault) -> Look:
+    """As `reading.read_look`. stands: the path of the scan, if `path` is an unpacked copy of it."""
+    found, materials, _ = _read(path, job, 0, fault, stands)
+    for name, m in materials.items():
+        maps = {COLOR: (m.map, m.place)} if m.map is not None else {}
+        found.materials.append(Material(name, m.diffuse, dict(m.numbers), maps | m.maps))
+        found.skipped.extend(word for word in m.skipped if word not in found.skipped)
+    return found
+
+
+def _read(
+    path: Path, job: Job | None, threads: int, fault: Fault, stands: Path | None = None
+) -> tuple[Look, dict[str, "_Material"], list[Path]]:
+    """Return the look without its materials, the materials by name, and their files."""
+    vertices, loops, loop_start, vertex, _, uv, names, uses, skipped = _read_columns(path, [], job, threads)
+    path = stands or path
+    libraries = _library_files(path, names if uses else [], fault)  # without a material no image is shown
+    used = dict.fromkeys(name for face, name in uses if face < len(loop_start))  # in the order of their first use
+    materials = _materials(path, used, libraries, fault)
+    number = {name: i for i, name in enumerate(materials)}
+    begin = [0, *(face for face, _ in uses), len(loop_start)]
+    material = np.repeat([-1, *(number.get(name, -1) for _, name in uses)], np.diff(begin)).astype(np.int32)
+    return Look(vertices, loops, loop_start, uv, material, _colors(vertex), skipped=skipped), materials, libraries
 
 
 def _layers(materials: dict[str, "_Material"], pictures: images.Pictures) -> dict[str, TextureLayer]:
@@ -68,6 +90,7 @@ class _Material:
     def __init__(self, place: str) -> None:
         self.place, self.diffuse = place, (0.8, 0.8, 0.8)
         self.map: Path | None = None
+        self.skipped: list[str] = []  # words of maps and of transparency, which are not read
         self.numbers: dict[str, tuple[float, float, float]] = {}
         self.maps: dict[str, tuple[Path, str]] = {}  # with the places where they are named
 
@@ -99,24 +122,25 @@ class _Material:
         return np.append(rgb, np.uint8(255)).reshape(1, 1, 4)
 
 
-def _library_files(path: Path, libraries: list[str]) -> list[Path]:
+def _library_files(path: Path, libraries: list[str], fault: Fault) -> list[Path]:
     root, files = named.root_of(path), list[Path]()
     for names in libraries:
-        whole = [names] if (path.parent / names).is_file() else names.split()
-        files += [named.file(name, path.parent, root, str(path)) for name in whole]
-    for file in files:
-        if not file.is_file():
-            raise FileError(f"{path}: its material file {file} does not exist; put it there")
+        for name in [names] if (path.parent / names).is_file() else names.split():
+            with named.faults(fault):
+                file = named.file(name, path.parent, root, str(path))
+                if not file.is_file():
+                    raise FileError(f"{path}: its material file {file} does not exist; put it there")
+                files.append(file)
     return files
 
 
-def _materials(path: Path, used: Iterable[str], libraries: list[Path]) -> dict[str, _Material]:
+def _materials(path: Path, used: Iterable[str], libraries: list[Path], fault: Fault) -> dict[str, _Material]:
     known: dict[str, _Material] = {}
     for file in libraries:
-        known |= read_mtl(file, named.root_of(path))
+        known |= read_mtl(file, named.root_of(path), fault)
     for name in used:
         if name not in known and libraries:
-            raise FileError(f"{path}: uses the material {name!r}, which {libraries[-1]} does not have")
+            fault(f"{path}: uses the material {name!r}, which {libraries[-1]} does not have")
     return {name: known.get(name, _Material(str(path))) for name in used}
 
 
@@ -131,8 +155,8 @@ def _colors(vertex: dict[str, NDArray[np.float64]]) -> NDArray[np.uint8] | None:
     return np.hstack([rgb, np.full((len(rgb), 1), 255, dtype=np.uint8)])
 
 
-def read_mtl(path: Path, root: Path) -> dict[str, _Material]:
-    """The materials of an MTL file by name. root: see `named`."""
+def read_mtl(path: Path, root: Path, fault: Fault = named.refuse) -> dict[str, _Material]:
+    """The materials of an MTL file by name. root: see `named`. fault: gets each line that can't be used."""
     found: dict[str, _Material] = {}
     material = _Material(str(path))
     for row, line in enumerate(path.read_bytes().removeprefix(b"\xef\xbb\xbf").splitlines(), start=1):
@@ -140,17 +164,24 @@ def read_mtl(path: Path, root: Path) -> dict[str, _Material]:
         place = f"{path}, line {row}"
         if word == "newmtl":
             material = found[rest] = _Material(place)
-        elif word == "Kd" or word in _NUMBERS:
-            numbers = _three_numbers(word, rest, place)
-            if word == "Kd":
-                material.diffuse = numbers
-            else:
-                material.numbers[_NUMBERS[word]] = numbers
-        elif word in _MAPS and rest:
-            material.maps[_MAPS[word]] = named.image(map_name(rest, place), path.parent, root, place), place
-        elif word == "map_Kd" and rest:
-            material.map, material.place = named.image(map_name(rest, place), path.parent, root, place), place
+            continue
+        with named.faults(fault):
+            _set(material, word, rest, path.parent, root, place)
     return found
+
+
+def _set(material: _Material, word: str, rest: str, folder: Path, root: Path, place: str) -> None:
+    """Sets what a line of an MTL file says of its material."""
+    if word == "Kd":
+        material.diffuse = _three_numbers(word, rest, place)
+    elif word in _NUMBERS:
+        material.numbers[_NUMBERS[word]] = _three_numbers(word, rest, place)
+    elif word in _MAPS and rest:
+        material.maps[_MAPS[word]] = named.image(map_name(rest, place), folder, root, place), place
+    elif word == "map_Kd" and rest:
+        material.map, material.place = named.image(map_name(rest, place), folder, root, place), place
+    elif (rest and word.startswith(_OTHER_MAPS)) or (word == "d" and _is_number(rest) and float(rest) < 1):
+        material.skipped.append(word)
 
 
 def _three_numbers(word: str, text: str, place: str) -> tuple[float, float, float]:

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import FileError, Job, _read_columns, triangulate
+from .._core import Job, _read_columns, triangulate
 from . import images, named
+from .look import COLOR, Fault, Look, Material
 from .soup import TexturedSoup, corner_places
 
 _UV_NAMES = (
@@ -24,30 +25,55 @@ Columns = dict[str, NDArray[Any]]
 
 
 def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
-    vertices, loops, loop_start, vertex, face, uv, textures, _ = _read_columns(path, _NAMES, job, threads)
-    triangles, polygon = triangulate(vertices, loops, loop_start, job)
-    places = corner_places(loops, loop_start, triangles, polygon)
-    for u, v in _UV_NAMES:
-        if uv is None and u in vertex and v in vertex:
-            uv = np.stack([vertex[u], vertex[v]], axis=1).astype(np.float64)[loops]
-    root, loader = named.root_of(path), images.Pictures()
+    look, textures, files = _read(path, job, threads, named.refuse)
+    triangles, polygon = triangulate(look.vertices, look.loops, look.loop_start, job)
+    loader = images.Pictures()
+    pictures = [loader.load(file, str(path)) for file in files] if look.uv is not None else []
+    colors: NDArray[np.uint8] | None = None
+    if look.colors is not None and look.colors_of_faces:
+        colors = np.repeat(look.colors[polygon][:, None], 3, axis=1)
+    elif look.colors is not None:
+        colors = look.colors[triangles]
+    corner_uv = np.zeros((len(triangles), 3, 2))
+    if look.uv is not None:
+        corner_uv = look.uv[corner_places(look.loops, look.loop_start, triangles, polygon)]
+    return TexturedSoup(look.vertices, triangles, corner_uv, look.material[polygon], pictures, colors, textures, files)
+
+
+def read_look(path: Path, stands: Path, job: Job | None, fault: Fault) -> Look:
+    """As `reading.read_look`. stands: the path of the scan, if `path` is an unpacked copy of it."""
+    found, _, files = _read(path, job, 0, fault, stands)
+    if found.uv is not None:
+        found.materials.extend(Material(file.stem, maps={COLOR: (file, str(stands))}) for file in files)
+    return found
+
+
+def _read(
+    path: Path, job: Job | None, threads: int, fault: Fault, stands: Path | None = None
+) -> tuple[Look, list[str], list[Path]]:
+    """Return the look without its materials, the names of the images, and their files."""
+    vertices, loops, loop_start, vertex, face, uv, textures, _, skipped = _read_columns(path, _NAMES, job, threads)
+    path = stands or path
+    pairs = [pair for pair in _UV_NAMES if all(name in vertex for name in pair)]
+    if uv is None and pairs:
+        uv = np.stack([vertex[name] for name in pairs.pop(0)], axis=1).astype(np.float64)[loops]
+    skipped += [name for pair in pairs for name in pair]
+    root = named.root_of(path)
     files = [path.parent / name for name in textures]
     if uv is not None:
-        files = [named.image(name, path.parent, root, str(path)) for name in textures]
-    pictures = [loader.load(file, str(path)) for file in files] if uv is not None else []
+        with named.faults(fault):
+            files = [named.image(name, path.parent, root, str(path)) for name in textures]
+    pictures = len(files) if uv is not None else 0
     material = np.full(len(loop_start), 0 if pictures else -1, dtype=np.int32)
     if pictures and "texnumber" in face:
         material = face["texnumber"].astype(np.int32)
-        if len(material) and (material.min() < -1 or material.max() >= len(pictures)):
-            worst = int(material.max())
-            raise FileError(f"{path}: a face has texnumber {worst}, but it names {len(pictures)} texture files")
-    colors: NDArray[np.uint8] | None = None
-    if (rgba := _colors(vertex)) is not None:
-        colors = rgba[triangles]
-    elif (rgba := _colors(face)) is not None:
-        colors = np.repeat(rgba[polygon][:, None], 3, axis=1)
-    corner_uv = np.zeros((len(triangles), 3, 2)) if uv is None else uv[places]
-    return TexturedSoup(vertices, triangles, corner_uv, material[polygon], pictures, colors, textures, files)
+        if len(material) and (material.min() < -1 or material.max() >= pictures):
+            fault(f"{path}: a face has texnumber {int(material.max())}, but it names {pictures} texture files")
+            material = np.where((material < -1) | (material >= pictures), -1, material).astype(np.int32)
+    colors = _colors(vertex)
+    of_faces = colors is None and (colors := _colors(face)) is not None
+    look = Look(vertices, loops, loop_start, uv, material, colors, colors_of_faces=of_faces, skipped=skipped)
+    return look, textures, files
 
 
 def _colors(columns: Columns) -> NDArray[np.uint8] | None:

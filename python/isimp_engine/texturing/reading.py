@@ -1,11 +1,13 @@
 """Files of scans with their textures."""
 
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
-from .._core import FileError, Job, read
-from ..reading import COMPRESSED, reader
+from .._core import FileError, Job, _read_columns, read, read_polygons
+from ..reading import COMPRESSED, plain, reader
 from . import glb, obj, ply
+from .look import Fault, Look
 from .soup import TexturedSoup
 
 KINDS = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
@@ -35,3 +37,31 @@ def read_textured(path: str | PathLike[str], job: Job | None = None, *, threads:
             return ply.read(place, job, threads)
         return glb.read(place)
     raise AssertionError
+
+
+def read_look(path: str | PathLike[str], job: Job | None = None) -> Look:
+    """Read the polygons of a PLY, OBJ, STL or OFF file, also .gz and .zst of them, with the look that it describes.
+
+    Nothing is refused because of the look: what can't be used is in `faults`, words for what is not read in `skipped`.
+    Raises FileError or Cancelled as `read_polygons`.
+    """
+    scan = Path(path)
+    with plain(scan, job=job) as place:
+        stands = scan if place == scan else scan.with_name(place.name)
+        faults: list[str] = []
+        try:
+            found = _look(place, stands, job, faults.append)
+        except FileError as error:
+            found = Look(*read_polygons(place, job))  # raises if it is not the look that is damaged
+            faults.append(str(error))
+    return replace(found, faults=faults)
+
+
+def _look(place: Path, stands: Path, job: Job | None, fault: Fault) -> Look:
+    kind = place.suffix.lower()
+    if kind == ".obj":
+        return obj.read_look(place, stands, job, fault)
+    if kind == ".ply":
+        return ply.read_look(place, stands, job, fault)
+    vertices, loops, start, *_, skipped = _read_columns(place, [], job, 0)
+    return Look(vertices, loops, start, skipped=skipped)

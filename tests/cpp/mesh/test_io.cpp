@@ -189,6 +189,31 @@ TEST_F(Io, PlyColumnsThatAreWantedAreRead) {
   EXPECT_EQ(columns.faces[0].values, (std::vector<double>{-5, 6}));
   EXPECT_EQ(columns.uv.value(), (std::vector<double>{.1, .2, .3, .4, .5, .6, 0, 0, 0, 0}));
   EXPECT_EQ(columns.files, std::vector<std::string>{"a b.png"});
+  EXPECT_EQ(columns.skipped, std::vector<std::string>{"notes"});
+}
+
+TEST_F(Io, WhatIsSkippedIsNamed) {
+  const auto skipped = [&](const std::string& name, const std::string& bytes) {
+    Columns columns;
+    parse(name, bytes, &columns);
+    return columns.skipped;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(skipped("a.obj", "# c\no a\ng b\ns 1\nv 0 0 0\nvn 0 0 1\nvn 0 0 1\nf 1//1 1//1 1//1\nl 1 1\n"),
+            (Names{"vn", "l"}));
+  EXPECT_EQ(skipped("a.ply",
+                    "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+                    "property float nx\nelement face 1\nproperty list uchar int vertex_indices\nproperty int flags\n"
+                    "element edge 1\nproperty int a\nelement none 0\nend_header\n0 0 0 1\n3 0 0 0 1\n1\n"),
+            (Names{"nx", "flags", "edge"}));
+  EXPECT_EQ(skipped("a.off", "OFF\n1 1 0\n0 0 0\n3 0 0 0\n"), Names{});
+  EXPECT_EQ(skipped("a.off", "OFF\n1 2 0\n0 0 0\n3 0 0 0\n3 0 0 0 255 0 0\n"), Names{"C"});
+  EXPECT_EQ(skipped("a.off", "STCNOFF\n1 1 0\n0 0 0\n3 0 0 0\n"), (Names{"ST", "C", "N"}));
+  std::string stl(84 + 50, '\0');
+  stl[80] = 1;
+  EXPECT_EQ(skipped("a.stl", stl), Names{});
+  stl.back() = 1;
+  EXPECT_EQ(skipped("a.stl", stl), Names{"C"});
 }
 
 TEST_F(Io, PlyTextKeepsNaNAndReadsOn) {

@@ -31,7 +31,7 @@ struct Column {
   std::vector<double> values;
 };
 
-/// The content of a PLY or OBJ file besides its geometry.
+/// The content of a file besides its geometry.
 struct Columns {
   std::vector<std::string> names;         ///< set by the caller: the properties of PLY to read
   std::vector<Column> vertices;           ///< (V) numbers each; OBJ: red, green and blue if each vertex has them
@@ -39,6 +39,9 @@ struct Columns {
   std::optional<std::vector<double>> uv;  ///< (L, 2) of each corner (PLY: from "texcoord"); zeros where it has none
   std::vector<std::string> files;         ///< PLY: textures that comments name; OBJ: material libraries
   std::vector<std::pair<std::int32_t, std::string>> materials;  ///< OBJ: each name with the first face behind it
+  /// What the file has and the reader skipped, each once. PLY: properties of vertices and faces, and other elements with
+  /// rows; OBJ: keywords other than o, g and s; OFF: "C" (colours), "N" (normals), "ST" (texture coordinates); STL: "C".
+  std::vector<std::string> skipped;
 };
 
 /// Reads a mesh file: PLY (text, binary of either byte order), OBJ, STL (text, binary) or OFF (text). The extension, in
@@ -55,7 +58,7 @@ struct Columns {
 ///                    expected content
 /// \throws Cancelled  polled at least every 50 ms of work and while it waits for a pipe, not while the system waits for
 ///                    the disk
-/// \param columns    filled if not null; only PLY and OBJ have any
+/// \param columns    filled if not null; STL and OFF have `skipped` only
 /// \param threads    0: as many as there are cores; the result does not depend on it. They share all of the work on
 ///                   plain files: binary PLY with one number of corners, text PLY with a row in each line, OBJ whose
 ///                   faces count vertices from 1. In other binary PLY files they share stretches of faces with equal

@@ -1,4 +1,5 @@
 // Reads OBJ files that the plain reader leaves.
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -7,6 +8,8 @@
 
 namespace isimp::detail {
 namespace {
+
+constexpr std::size_t kMostSkipped = 64;  // keywords; a file of other content may have any number
 
 void read_vertex(const FileText& file, std::string_view line, Words& words, SoupBuilder& soup) {
   Vec3 place;
@@ -99,6 +102,13 @@ void read_face(const FileText& file, std::string_view line, Words& words, SoupBu
   }
 }
 
+/// Keeps a keyword of a line that is skipped, unless it only names or groups faces.
+void note_skipped(std::string_view keyword, std::vector<std::string>& skipped) {
+  if (keyword.empty() || keyword.starts_with('#') || keyword == "o" || keyword == "g" || keyword == "s") return;
+  if (skipped.size() < kMostSkipped && std::ranges::find(skipped, keyword) == skipped.end())
+    skipped.emplace_back(keyword);
+}
+
 }  // namespace
 
 PolygonSoup read_obj(const FileText& file, Columns* columns, const Threads& threads, Job& job) {
@@ -135,6 +145,8 @@ PolygonSoup read_obj(const FileText& file, Columns* columns, const Threads& thre
       columns->materials.emplace_back(static_cast<std::int32_t>(soup.polygons()), words.rest());
     } else if (keyword == "mtllib") {
       columns->files.emplace_back(words.rest());
+    } else {
+      note_skipped(keyword, columns->skipped);
     }
   }
   PolygonSoup result = soup.finish(1, job);

@@ -1,4 +1,9 @@
 // Reads OFF files.
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "files/formats.h"
 #include "surface/edge_groups.h"
 
@@ -33,20 +38,23 @@ struct Counts {
 };
 
 /// The first word is OFF, perhaps after letters for further data of each vertex: ST, C, N.
-void check_kind(const FileText& file, std::string_view word) {
+/// \param skipped  these letters
+void check_kind(const FileText& file, std::string_view word, std::vector<std::string>& skipped) {
   std::string_view rest = word;
-  if (rest.starts_with("ST")) rest.remove_prefix(2);
-  if (rest.starts_with("C")) rest.remove_prefix(1);
-  if (rest.starts_with("N")) rest.remove_prefix(1);
+  for (const std::string_view letters : {"ST", "C", "N"})
+    if (rest.starts_with(letters)) {
+      rest.remove_prefix(letters.size());
+      skipped.emplace_back(letters);
+    }
   if (rest == "4OFF" || rest == "nOFF" || rest == "4nOFF")
     file.fail("its vertices are not in three dimensions (" + shown(word) + "), which is not supported");
   if (rest != "OFF") file.fail("it does not begin with \"OFF\", as an OFF file does; is it in another format?");
 }
 
-Counts read_counts(const FileText& file, OffLines& lines) {
+Counts read_counts(const FileText& file, OffLines& lines, std::vector<std::string>& skipped) {
   std::string_view line = lines.next("the word OFF");
   Words words(line);
-  check_kind(file, words.next());
+  check_kind(file, words.next(), skipped);
   std::string_view word = words.next();
   if (word == "BINARY") file.fail("it is a binary OFF file, which is not supported; save it as text or as PLY");
   if (word.empty()) {
@@ -66,9 +74,11 @@ Counts read_counts(const FileText& file, OffLines& lines) {
 
 }  // namespace
 
-PolygonSoup read_off(const FileText& file, Columns* /*columns*/, const Threads& threads, Job& job) {
+PolygonSoup read_off(const FileText& file, Columns* columns, const Threads& threads, Job& job) {
   OffLines lines(file);
-  const Counts counts = read_counts(file, lines);
+  std::vector<std::string> skipped;
+  const Counts counts = read_counts(file, lines, skipped);
+  bool face_colors = false;
   SoupBuilder soup(file, threads);
   soup.reserve(counts.vertices, counts.faces);
   for (std::size_t v = 0; v < counts.vertices; ++v) {
@@ -102,7 +112,10 @@ PolygonSoup read_off(const FileText& file, Columns* /*columns*/, const Threads& 
                                       ", got " + shown(word));
       soup.add_corner(*vertex);
     }
+    face_colors = face_colors || !words.next().empty();
   }
+  if (face_colors && std::ranges::find(skipped, "C") == skipped.end()) skipped.emplace_back("C");
+  if (columns != nullptr) columns->skipped = std::move(skipped);
   return soup.finish(0, job);
 }
 

@@ -301,6 +301,29 @@ void read_strips(const FileText& file, const PlyElement& element, Values& values
   }
 }
 
+/// Names of all properties and elements that are not read.
+/// \param columns  with what was read
+std::vector<std::string> skipped_names(const PlyHeader& header, const Columns& columns) {
+  std::vector<std::string> skipped;
+  const auto is_read = [](const std::vector<Column>& read, const std::string& name) {
+    return std::ranges::find(read, name, &Column::name) != read.end();
+  };
+  for (const PlyElement& element : header.elements) {
+    const bool vertex = element.name == "vertex", face = element.name == "face" || element.name == "tristrips";
+    if (!vertex && !face && element.count > 0) skipped.push_back(element.name);
+    if (!vertex && !face) continue;
+    const int corners = element.find_corners();
+    for (int i = 0; const PlyProperty& p : element.properties) {
+      const bool place = vertex && (p.name == "x" || p.name == "y" || p.name == "z");
+      const bool uv = face && p.name == "texcoord" && columns.uv.has_value();
+      if (!place && !uv && (vertex || i != corners) && !is_read(vertex ? columns.vertices : columns.faces, p.name))
+        skipped.push_back(p.name);
+      ++i;
+    }
+  }
+  return skipped;
+}
+
 }  // namespace
 
 PolygonSoup read_ply(const FileText& file, Columns* wanted, const Threads& threads, Job& job) {
@@ -331,6 +354,7 @@ PolygonSoup read_ply(const FileText& file, Columns* wanted, const Threads& threa
   PolygonSoup result = soup.finish(0, job);
   if (columns.uv && columns.uv->size() != 2 * result.loops.size()) columns.uv.reset();  // triangles of strips have none
   std::erase_if(columns.faces, [&](const Column& c) { return c.values.size() != result.loop_start.size(); });
+  columns.skipped = skipped_names(header, columns);
   return result;
 }
 

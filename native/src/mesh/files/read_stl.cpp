@@ -43,17 +43,20 @@ T load(const char* p) {  // STL is little-endian everywhere
   return std::bit_cast<T>(bytes);
 }
 
-PolygonSoup read_binary(const FileText& file, std::size_t facets, const Threads& threads, Job& job) {
+PolygonSoup read_binary(const FileText& file, std::size_t facets, Columns* columns, const Threads& threads, Job& job) {
   FacetBuilder builder(file, facets, threads);
+  bool colors = false;
   for (std::size_t f = 0; f < facets; ++f) {
     if (f % kPollEvery == 0) job.poll();
-    const char* facet = file.bytes.data() + kHead + f * kFacet;  // normal, three corners, two bytes to skip
+    const char* facet = file.bytes.data() + kHead + f * kFacet;  // normal, three corners, two bytes of a colour
     builder.begin_facet();
     for (std::size_t corner = 1; corner <= 3; ++corner) {
       const char* p = facet + 12 * corner;
       builder.add_corner(Vec3(load<float>(p), load<float>(p + 4), load<float>(p + 8)));
     }
+    colors = colors || facet[kFacet - 2] != 0 || facet[kFacet - 1] != 0;
   }
+  if (colors && columns != nullptr) columns->skipped = {"C"};
   return builder.finish(job);
 }
 
@@ -137,10 +140,10 @@ class TextReader {
 }  // namespace
 
 /// A binary file may begin with "solid" too: the file is binary if its length fits the number of facets that it states.
-PolygonSoup read_stl(const FileText& file, Columns* /*columns*/, const Threads& threads, Job& job) {
+PolygonSoup read_stl(const FileText& file, Columns* columns, const Threads& threads, Job& job) {
   const std::size_t size = file.bytes.size();
   const std::size_t facets = size >= kHead ? load<std::uint32_t>(file.bytes.data() + 80) : 0;
-  if (size >= kHead && size == kHead + facets * kFacet) return read_binary(file, facets, threads, job);
+  if (size >= kHead && size == kHead + facets * kFacet) return read_binary(file, facets, columns, threads, job);
   const std::string_view start = file.text().substr(0, 1024);
   const std::string_view first = Words(start).next();
   if (is(first, "solid") && start.find('\0') == start.npos) return TextReader(file, threads, job).read();
@@ -148,7 +151,7 @@ PolygonSoup read_stl(const FileText& file, Columns* /*columns*/, const Threads& 
   if (size < kHead + facets * kFacet)
     file.fail("it promises " + std::to_string(facets) + " facets, but has " + std::to_string(size) +
               " bytes, room for " + std::to_string((size - kHead) / kFacet) + "; it is cut short or not an STL file");
-  return read_binary(file, facets, threads, job);  // some programs write more after the last facet
+  return read_binary(file, facets, columns, threads, job);  // some programs write more after the last facet
 }
 
 }  // namespace isimp::detail
