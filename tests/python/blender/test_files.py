@@ -52,7 +52,7 @@ def test_map_coordinates_are_kept_to_the_last_digit(file):
 
 def test_a_scan_near_zero_has_no_place(tmp_path):
     (tmp_path / "tri.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
-    scan = imported(tmp_path / "tri.off", y_up=True)
+    scan = imported(tmp_path / "tri.off", up="Y")
     assert places.ORIGIN not in scan
     assert not places.origin(scan).any()
     assert np.array(scan.matrix_world)[:3, :3] @ (0, 1, 0) == pytest.approx((0, 0, 1), abs=1e-6)

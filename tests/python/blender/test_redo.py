@@ -129,7 +129,7 @@ CHANGES = [
 ]
 SAME = {"step_move"}  # both settings change places of the same two steps
 WITHOUT_SETTINGS = {"improve", "take_back", "keep_lod"}
-OF_FILES = {"import_scan"}  # test_files.py
+OF_FILES = {"import_scan"}  # test_imports.py
 
 
 def operators():

@@ -1,4 +1,4 @@
-"""Operators for files: exact import of scans, export of buildings, solids and levels of detail, reports."""
+"""Operators for files: export of buildings, solids and levels of detail, reports."""
 
 import re
 from contextlib import contextmanager
@@ -7,9 +7,7 @@ from operator import itemgetter
 from pathlib import Path
 
 import bpy
-import numpy as np
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, StringProperty
-from bpy_extras.io_utils import ImportHelper
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ... import handover, messages
 from ... import recipe as rcp
@@ -18,58 +16,7 @@ from ...language import own, said
 from .. import reading
 from ..scene import mesh_io, places, runtime, store, targets
 
-_SCANS = (".ply", ".obj", ".stl", ".off")
 _UNITS = (("m", "Metre", "A unit is a metre"), ("mm", "Millimetre", "A unit is a millimetre"))
-
-
-class ISIMP_OT_import_scan(ImportHelper, bpy.types.Operator):
-    """Import scans exactly. The offset of map coordinates is stored with the object, as float32 can't hold it"""
-
-    bl_idname = "isimp.import_scan"
-    bl_label = "Import Scan (iSimp)"
-    bl_options = {"REGISTER", "UNDO"}
-
-    filter_glob: StringProperty(default=";".join(f"*{kind}" for kind in _SCANS), options={"HIDDEN"})
-    files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
-    directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
-    y_up: BoolProperty(name="Y Is Up", description="The file has Y up: turn the scan upright")
-    epsg: IntProperty(name="EPSG", description="Number of the coordinates' reference system; 0: not known", min=0)
-
-    def invoke(self, context, event):
-        if self.directory and self.files:  # dropped into the view
-            return self.execute(context)
-        return super().invoke(context, event)
-
-    def execute(self, context):
-        names = [Path(self.directory) / file.name for file in self.files if file.name] or [Path(self.filepath)]
-        made = []
-        for path in names:
-            try:
-                made.append(self._import(context, path))
-            except (ValueError, OSError, MemoryError) as problem:
-                self.report({"ERROR"}, str(problem))
-        if not made:
-            return {"CANCELLED"}
-        for obj in context.selected_objects:
-            obj.select_set(False)
-        for obj in made:
-            obj.select_set(True)
-        context.view_layer.objects.active = made[-1]
-        faces = messages.count(sum(len(obj.data.polygons) for obj in made), "face")
-        self.report({"INFO"}, said("{faces} imported", faces=faces))
-        return {"FINISHED"}
-
-    def _import(self, context, path: Path):
-        vertices, loops, start = engine.read_polygons(path)
-        origin = handover.far_origin(vertices)
-        mesh = bpy.data.meshes.new(path.stem)
-        mesh_io.fill_polygons(mesh, vertices - origin, loops, start, {})
-        obj = bpy.data.objects.new(path.stem, mesh)
-        context.collection.objects.link(obj)
-        if self.y_up:
-            obj.rotation_euler = (np.pi / 2, 0.0, 0.0)
-        places.keep(obj, origin, self.epsg)
-        return obj
 
 
 class _Model:
@@ -281,20 +228,4 @@ class ISIMP_OT_write_report(_Model, bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES: tuple = (ISIMP_OT_import_scan, ISIMP_OT_export_building, ISIMP_OT_write_report)
-CLASSES = (*CLASSES, ISIMP_OT_export_step, ISIMP_OT_export_lods)
-
-
-if hasattr(bpy.types, "FileHandler"):  # Blender 4.1 and later
-
-    class ISIMP_FH_scan(bpy.types.FileHandler):
-        bl_idname = "ISIMP_FH_scan"
-        bl_label = "Scan (iSimp)"
-        bl_import_operator = "isimp.import_scan"
-        bl_file_extensions = ";".join(_SCANS)
-
-        @classmethod
-        def poll_drop(cls, context):
-            return context.area is not None and context.area.type == "VIEW_3D"
-
-    CLASSES = (*CLASSES, ISIMP_FH_scan)
+CLASSES = (ISIMP_OT_export_building, ISIMP_OT_write_report, ISIMP_OT_export_step, ISIMP_OT_export_lods)

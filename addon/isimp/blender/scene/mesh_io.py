@@ -86,6 +86,14 @@ def points(mesh) -> np.ndarray:
     return vertices
 
 
+def polygons(mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Return (L,) int32 the vertex of each corner, and (Q,) int32 the first corner of each polygon."""
+    loops, start = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.polygons), np.int32)
+    mesh.loops.foreach_get("vertex_index", loops)
+    mesh.polygons.foreach_get("loop_start", start)
+    return loops, start
+
+
 def loop_triangles(mesh, what):
     """Return (3 T,) int32 "vertices" or "loops" of Blender's triangles, and (T,) the polygon of each triangle."""
     mesh.calc_loop_triangles()
@@ -422,10 +430,12 @@ def read_layer(mesh, name: str) -> np.ndarray:
     return values
 
 
-def fill_polygons(mesh, vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray, layers: dict) -> None:
+def fill_polygons(
+    mesh, vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray, layers: dict, more=None
+) -> None:
     """Replaces all geometry of a mesh by polygons. vertices (W, 3), loops (L,), loop_start (Q,).
 
-    layers: {name: (Q,) int} face layers to write.
+    layers: {name: (Q,) int} face layers to write. more: writes further layers, before Blender removes invalid faces.
     """
     mesh.clear_geometry()
     mesh.vertices.add(len(vertices))
@@ -440,5 +450,7 @@ def fill_polygons(mesh, vertices: np.ndarray, loops: np.ndarray, loop_start: np.
     mesh.update(calc_edges=True)
     for name, values in layers.items():
         _layer(mesh, name, "INT", "FACE").data.foreach_set("value", values.astype(np.int32))
+    if more is not None:
+        more()
     mesh.validate()
     mesh.update()

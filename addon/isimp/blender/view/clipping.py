@@ -48,11 +48,17 @@ class ISIMP_OT_show_all(bpy.types.Operator):
             space.clip_start = max(space.clip_start, _NEAR * size)
         elif limit == "clip_start":
             space.clip_start = _NEAR * size
-        region = next((region for region in context.area.regions if region.type == "WINDOW"), None)
-        if region is not None and not bpy.app.background and scan.visible_get():
-            with context.temp_override(region=region):
-                bpy.ops.view3d.view_selected()
+        if scan.visible_get():
+            frame(context, context.area)
         return {"FINISHED"}
+
+
+def frame(context, area) -> None:
+    """Frames the selected objects in a 3D view, as Numpad . does."""
+    region = next((region for region in area.regions if region.type == "WINDOW"), None)
+    if region is not None and not bpy.app.background:
+        with context.temp_override(area=area, region=region):
+            bpy.ops.view3d.view_selected()
 
 
 CLASSES = (ISIMP_OT_show_all,)
