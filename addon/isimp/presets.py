@@ -5,7 +5,7 @@ Standard library only. Blender saves presets of the user.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from . import recipe as rcp
 
@@ -20,12 +20,21 @@ class Preset:
     partition: rcp.Partition
     mesh: rcp.Mesh
     regularise: rcp.Regularise | None = None  #: the step that snaps planes before Mesh; None: no snapping
+    scanned_detail: float = 0.0  #: the detail for scans with noise, if it differs: finer detail is noise there
     card: bool = True  #: whether the panel has a card for it; the menu lists all presets
 
     @property
     def recipe(self) -> rcp.Recipe:
         steps = (self.partition, self.regularise, self.mesh)
         return rcp.Recipe(tuple(step for step in steps if step is not None))
+
+    def partition_for(self, is_scanned: bool) -> rcp.Partition:
+        """Return the settings of the partition for a scan with noise, or for a drawn model."""
+        return (
+            replace(self.partition, detail=self.scanned_detail)
+            if is_scanned and self.scanned_detail
+            else self.partition
+        )
 
 
 PRESETS = (
@@ -54,9 +63,10 @@ PRESETS = (
     Preset(
         "cad",
         "CAD",
-        "CAD models, not scanned: exact planes and triangulated curves",
-        rcp.Partition(count_by="detail", detail=0.00125, noise=0.0, adaptivity=0.0, leave_out=0.0, curved=True),
+        "Machine parts, drawn or scanned: planes, cylinders and other round parts. Drawn ones keep finer features",
+        rcp.Partition(count_by="detail", detail=0.00125, adaptivity=0.0, leave_out=0.0, curved=True),
         rcp.Mesh(flatten=60),
+        scanned_detail=0.005,
     ),
     Preset(
         "generated",

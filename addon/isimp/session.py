@@ -108,6 +108,10 @@ class Session:
             self._meshes.put(key, prepared, 300 * len(scan.triangles))
         return prepared
 
+    def is_scanned(self, scan: Scan) -> bool:
+        """Return whether the scan has noise, which drawn models do not have. Raises ValueError as `prepare`."""
+        return not engine.nearer.is_drawn(self.prepare(scan).mesh)
+
     def _prepared(self, scan: Scan, outcome: Outcome, watch: Watch | None = None) -> Prepared:
         """Return the repaired scan that an outcome's partition belongs to."""
         return self.prepare(scan, watch, closing=outcome.closing)

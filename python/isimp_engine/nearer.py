@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from . import _core
 from ._core import Job, Mesh, Partition
 from .within import Made
 
@@ -27,6 +28,14 @@ class Nearer:
         return {"bound": self.bound, "regions": self.regions, "times": self.times}
 
 
+def is_drawn(mesh: Mesh, noise: float | None = None) -> bool:
+    """Whether a mesh was drawn and not scanned. noise: its deviation, scene units; None: it is estimated, in O(F)."""
+    if noise is None:
+        noise = float(_core._tile_measure(mesh, None)[3])
+    edge = np.sqrt(mesh.report["area"] / len(mesh.triangles) * 4 / np.sqrt(3))
+    return bool(noise < _LEAST_NOISE * edge)
+
+
 def nearer_by_bound(mesh: Mesh, part: Partition, made: Made, job: Job | None = None) -> Nearer | None:
     """A bound whose planes are at least LEAST_TIMES nearer than those of a partition of a drawn model.
 
@@ -35,10 +44,9 @@ def nearer_by_bound(mesh: Mesh, part: Partition, made: Made, job: Job | None = N
     Cost: some partitions by a bound, about twice the time of the first partition.
     """
     told, options = part.report, made.options
-    edge = np.sqrt(mesh.report["area"] / len(mesh.triangles) * 4 / np.sqrt(3))
-    is_drawn = told["tolerance"] is not None and told["noise"] < _LEAST_NOISE * edge
+    drawn = told["tolerance"] is not None and is_drawn(mesh, told["noise"])
     is_plain = options.method == "hierarchy" and options.symmetry == "none" and not options.curved
-    if not (is_drawn and is_plain) or len(mesh.triangles) > MOST_FACES:
+    if not (drawn and is_plain) or len(mesh.triangles) > MOST_FACES:
         return None
     now = _distance(mesh, part)
     if now <= 1e-6 * mesh.report["diagonal"]:

@@ -1,6 +1,7 @@
 """Presets in the panel: the add-on's own, and users', which Blender keeps as files."""
 
 import bpy
+import numpy as np
 import pytest
 import scans
 
@@ -58,6 +59,23 @@ def test_a_preset_equals_partition_with_its_settings():
     panel = settings.group(bpy.context, rcp.Partition)
     bpy.ops.isimp.partition(**{name: getattr(panel, name) for name in settings.names(rcp.Partition)})
     assert len(set(scans.regions(bpy.context.object))) == 6
+
+
+def test_a_scan_with_noise_has_larger_features_and_the_same_card(capfd):
+    drawn = scans.dimple(scans.cube(cells=12), 0.1)
+    bpy.ops.isimp.preset(name="cad")
+    assert shown(rcp.Partition).detail == pytest.approx(0.00125)
+    assert "noise" not in capfd.readouterr().out
+    points = scans.coordinates(drawn.data) + np.random.default_rng(1).normal(0, 0.003, (len(drawn.data.vertices), 3))
+    drawn.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    bpy.ops.isimp.preset(name="cad")
+    assert shown(rcp.Partition).detail == pytest.approx(0.005)
+    assert presets.title(bpy.context) == "CAD"
+    assert "CAD: the scan has noise, features below 1" in capfd.readouterr().out
+    bpy.ops.object.select_all(action="DESELECT")
+    bpy.context.view_layer.objects.active = None
+    bpy.ops.isimp.preset(name="cad")
+    assert shown(rcp.Partition).detail == pytest.approx(0.00125)
 
 
 def test_users_keep_presets_of_their_own(tmp_path, monkeypatch):

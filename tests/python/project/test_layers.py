@@ -182,8 +182,10 @@ def test_no_file_imports_itself_by_way_of_others(package):
 
 #: rooms and files of addon/isimp/blender by floors, lowest first; a file may import its own room and lower floors
 FLOORS = [
-    {"scene", "preferences", "translations", "command"},
-    {"drawing", "texts", "texturing", "controls", "without_numpy"},
+    {"scene", "translations", "command", "widths"},
+    {"texts", "without_numpy"},
+    {"preferences", "texturing", "controls"},
+    {"drawing"},
     {"reading"},
     {"view"},
     {"work"},

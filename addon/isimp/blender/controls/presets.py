@@ -10,7 +10,8 @@ from bpy.props import EnumProperty
 from ... import presets
 from ... import recipe as rcp
 from ...language import own, said
-from ..scene import runtime
+from ..scene import mesh_io, runtime, targets
+from ..texts.text import in_scene
 from . import settings
 
 _FOLDER = "isimp"
@@ -40,14 +41,37 @@ class ISIMP_OT_preset(bpy.types.Operator):
 
     def execute(self, context):
         preset = presets.BY_NAME[self.name]
-        for step in (preset.partition, preset.mesh, *([preset.regularise] if preset.regularise else [])):
+        scanned = bool(preset.scanned_detail) and _is_scanned(context)
+        partition = preset.partition_for(scanned)
+        for step in (partition, preset.mesh, *([preset.regularise] if preset.regularise else [])):
             group = settings.group(context, type(step))
             for name in _kept(type(step)):
                 if getattr(group, name) != getattr(step, name):
                     setattr(group, name, getattr(step, name))
         context.window_manager.isimp.regularise_first = preset.regularise is not None
         ISIMP_MT_presets.bl_label = preset.label
+        if scanned:
+            feature = in_scene(settings.group(context, rcp.Partition).feature)
+            self.report(
+                {"INFO"},
+                said(
+                    "{preset}: the scan has noise, features below {length} are ignored",
+                    preset=said(preset.label),
+                    length=feature,
+                ),
+            )
         return {"FINISHED"}
+
+
+def _is_scanned(context) -> bool:
+    """Return whether the active scan has noise; False without a usable scan."""
+    scan, problem = targets.find(context)
+    if problem:
+        return False
+    try:
+        return runtime.get().session.is_scanned(mesh_io.read(context, scan))
+    except (ValueError, mesh_io.Unusable):
+        return False
 
 
 class ISIMP_MT_presets(bpy.types.Menu):
@@ -88,7 +112,8 @@ def title(context) -> str:
     chosen = ISIMP_MT_presets.bl_label
     for preset in presets.PRESETS:
         snaps = context.window_manager.isimp.regularise_first == (preset.regularise is not None)
-        if snaps and all(_is_shown(context, step) for step in (preset.partition, preset.mesh)):
+        partitions = {preset.partition_for(scanned) for scanned in (False, True)}
+        if snaps and any(_is_shown(context, step) for step in partitions) and _is_shown(context, preset.mesh):
             are_defaults = (preset.partition, preset.mesh, preset.regularise) == (rcp.Partition(), rcp.Mesh(), None)
             return _DEFAULTS if are_defaults and chosen != preset.label else preset.label
     return _TITLE if chosen in _OURS else chosen

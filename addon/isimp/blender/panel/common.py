@@ -3,6 +3,7 @@
 from ...language import said
 from ..scene import targets
 from ..texts import text
+from ..widths import letters
 
 _NARROW = 16  # letters in a line
 
@@ -50,12 +51,6 @@ def draw_lines(context, layout, message: str, icon: str, alert: bool = False) ->
     column.alert = alert
     for number, line in enumerate(text.wrapped(said(message), letters(context))):
         column.label(text=line, icon=icon if number == 0 else "BLANK1")
-
-
-def letters(context) -> int:
-    """Return how many letters fit into a line after an icon."""
-    width = context.region.width / context.preferences.system.ui_scale if context.region else 260
-    return max(8, int((width - 66) / 6.1))
 
 
 def is_narrow(context) -> bool:
