@@ -11,7 +11,7 @@ from . import recipe as rcp
 from . import smoothing, view
 from .engine import engine
 from .language import said
-from .outcome import Outcome
+from .outcome import EXACT, Outcome
 from .prepared import Prepared, face_regions, joined_pairs, pair_lengths, triangle_at, triangles_at, with_split_faces
 from .task import Stopped, Watch
 
@@ -230,7 +230,7 @@ def _apply_regularise(step: rcp.Regularise, prepared, before, watch, begin, end)
     partition = engine_call(watch, begin, end, "regularising", snap, *args)
     if partition.regularity["islands_merged"]:
         return with_regions(prepared, partition, carried_colors(before, partition), {})
-    return _with_planes(before, partition)
+    return _with_planes(prepared, before, partition)
 
 
 def _apply_align(step: rcp.AlignPlanes, prepared, before, watch, begin, end) -> Outcome:
@@ -243,10 +243,10 @@ def _apply_align(step: rcp.AlignPlanes, prepared, before, watch, begin, end) -> 
     faces = np.array([triangle_at(prepared, face) for face in step.faces])
     align = partial(engine.align_planes, length=step.length or None)
     args = (prepared.mesh, before.partition, faces, step.to, up)
-    return _with_planes(before, engine_call(watch, begin, end, "aligning planes", align, *args))
+    return _with_planes(prepared, before, engine_call(watch, begin, end, "aligning planes", align, *args))
 
 
-def _with_planes(before: Outcome, partition) -> Outcome:
+def _with_planes(prepared: Prepared, before: Outcome, partition) -> Outcome:
     """Return the outcome with the same regions and the planes of `partition`."""
     names = ("regions", "error", "left_out", "locked", "regions_left_out")
     known = {name: before.numbers[name] for name in names if name in before.numbers}
@@ -256,7 +256,7 @@ def _with_planes(before: Outcome, partition) -> Outcome:
         polygons=None,
         region_distance=None,
         made=None,
-        numbers=known | planes_known(partition),
+        numbers=known | planes_known(partition) | _round_known(prepared, partition),
     )
 
 
@@ -338,7 +338,8 @@ def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int
         regions = with_regions(prepared, found.partition, carried_colors(before, found.partition), {})
     args = (prepared.mesh, regions.partition, found.polygons, 0.0)
     away = engine_call(watch, end - 0.1 * (end - begin), end, "measuring", engine.within.scan_distances, *args)
-    numbers = _mesh_numbers(found, regions, away) | {"regions_before": before.numbers["regions"]}
+    numbers = _mesh_numbers(found, regions, away, prepared.mesh.report["diagonal"])
+    numbers |= {"regions_before": before.numbers["regions"]}
     return replace(
         regions,
         polygons=found.polygons,
@@ -348,10 +349,13 @@ def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int
     )
 
 
-def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
-    """Return the numbers of the report. away: (V,) distance of each vertex from the polygons, NaN outside regions."""
+def _mesh_numbers(found, regions: Outcome, away: np.ndarray, diagonal: float) -> dict:
+    """Return the numbers of the report. away: (V,) distance of each vertex from the polygons, NaN outside regions.
+
+    diagonal: of the scan.
+    """
     polygons, report = found.polygons, found.report
-    names = ("regions", "error", "left_out", "regions_left_out", "symmetry", *NEARER)
+    names = ("regions", "error", "left_out", "regions_left_out", "symmetry", "round", *NEARER)
     more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
     numbers = {name: regions.numbers[name] for name in names if name in regions.numbers}
     numbers |= planes_known(regions.partition)
@@ -372,6 +376,7 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
         numbers |= {"cluttered": len(found), "clutter_polygons": sum(each.polygons for each in found)}
     if report.get("left_off"):
         numbers["cut_if_planar"] = 1 - report["whole"]
+        numbers["not_flat"] = int(np.count_nonzero(np.asarray(polygons.planarity) > EXACT * diagonal))
     if "symmetry" in numbers:
         numbers["mirrored_corners"] = report["mirrored_corners"]
     known = away[np.isfinite(away)]

@@ -27,7 +27,7 @@ class Model:
     def __post_init__(self) -> None:
         closed, manifold = _topology(self.loops, self.loop_start)
         zero = dict.fromkeys(("crossing", "intersecting", "excused"), 0)
-        object.__setattr__(self, "planarity", _planarity(self.vertices, self.loops, self.loop_start))
+        object.__setattr__(self, "planarity", planarity(self.vertices, self.loops, self.loop_start))
         object.__setattr__(self, "report", {"closed": closed, "manifold": manifold} | zero)
 
 
@@ -41,7 +41,8 @@ def _topology(loops: np.ndarray, start: np.ndarray) -> tuple[bool, bool]:
     return bool((count == 2).all()), bool((count <= 2).all() and (once == 1).all())
 
 
-def _planarity(vertices: np.ndarray, loops: np.ndarray, start: np.ndarray) -> np.ndarray:
+def planarity(vertices: np.ndarray, loops: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Return (Q,) the largest distance of a corner from the plane of its polygon."""
     of = np.repeat(np.arange(len(start)), np.diff(start, append=len(loops)))
     places = vertices[loops]
     after = np.roll(places, -1, axis=0)

@@ -20,6 +20,9 @@ class StepFailed(Exception):
         self.index, self.step, self.reason, self.outcome = index, step, reason, outcome
 
 
+EXACT = 1e-6  #: polygons that bend by at most this share of the scan's diagonal count as exactly flat
+
+
 @dataclass(frozen=True, eq=False)
 class Outcome:
     """The result of a recipe. Arrays are by the user's faces."""

@@ -178,7 +178,7 @@ _COUNTS = (
     ),
     *("polygons", "corners", "vertices", "triangles", "faces", "components", "border_loops", "kept_open"),
     *("cluttered", "clutter_polygons", "nearer_regions"),
-    *("held", "planes", "directions", "let_go", "mirrored_regions", "mirrored_corners"),
+    *("held", "planes", "directions", "let_go", "not_flat", "mirrored_regions", "mirrored_corners"),
 )
 _NUMBERS = (
     *("error", "seconds", "diagonal", "planarity_max", "planarity_mean"),
@@ -208,6 +208,7 @@ _TOGETHER = {
     "away_max": ("away_mean",),
     "away_mean": ("away_max",),
     "mirrored_regions": ("regions",),
+    "not_flat": ("cut_if_planar", "polygons"),
     "failed": ("reason",),
 }
 

@@ -354,8 +354,9 @@ def test_the_report_is_short_and_its_tooltip_has_the_reasons(width, polygons):
     told = " ".join(line for line, _ in text.report_lines(numbers, "METRIC", 1.0))
     assert "more than regions" in told
     assert "split because they bend" in told
-    alerts = text.report_rows(numbers | {"let_go": 3}, "METRIC", 1.0, None, width)
-    assert not polygons or any(alert for _, _, alert in alerts), "what was promised and not kept is seen"
+    rows = text.report_rows(numbers | {"let_go": 3, "held": 4}, "METRIC", 1.0, None, width)
+    assert not polygons or "not held" in " ".join(row for row, _, _ in rows), "what was asked for and not kept is seen"
+    assert not any(alert for _, _, alert in rows), "the program chose it"
 
 
 def test_the_tooltip_of_the_report_has_the_distance_and_the_flatness():

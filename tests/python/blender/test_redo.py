@@ -118,6 +118,7 @@ CHANGES = [
     ("make_editable", rounded, {"chord_tolerance": 0.35}, {"chord_tolerance": 0.05}),
     ("mesh", rounded, {"chord_tolerance": 0.35}, {"chord_tolerance": 0.05}),
     ("texture", textured, {"size": 64}, {"size": 128}),
+    ("flatten", rounded, {"chord_tolerance": 0.35}, {"chord_tolerance": 0.05}),
     ("show_problems", divided, {"kind": "DEFECTIVE"}, {"kind": "DIVIDED"}),
     ("step_switch", stepped, {"step": 1}, {"step": 2}),
     ("step_move", stepped, {"step": 1, "later": True}, {"step": 2, "later": False}),

@@ -55,8 +55,42 @@ def test_a_number_is_parted_from_its_word_only_where_it_must_be():
 def test_planes_that_are_not_held_are_in_the_report():
     away = {"away_mean": 0.01, "away_max": 0.02, "planarity_mean": 0.0, "planarity_max": 0.0}
     numbers = away | {"regions": 4, "polygons": 4, "closed": True, "manifold": True, "diagonal": 1.0, "let_go": 3}
-    assert ("3 planes not held, for better polygons", True) in text.report_lines(numbers, "METRIC", 1.0)
+    line = ("3 planes not held, for better polygons", False)
+    assert line in text.report_lines(numbers | {"held": 4}, "METRIC", 1.0)
+    assert line in text.report_lines(numbers | {"planes": 4}, "METRIC", 1.0)
+    assert line not in text.report_lines(numbers, "METRIC", 1.0), "nobody asked for planes"
+    rows = text.report_rows(numbers | {"held": 4}, "METRIC", 1.0, None, 60)
+    assert ("3 planes not held, for better polygons", "INFO", False) in rows
     assert len(text.report_lines(numbers | {"let_go": 0}, "METRIC", 1.0)) == 3
+
+
+def test_polygons_left_bent_are_counted_before_the_planes():
+    away = {"away_mean": 0.01, "away_max": 0.02, "planarity_mean": 0.01, "planarity_max": 0.1}
+    numbers = away | {"regions": 4, "polygons": 307, "closed": True, "manifold": True, "diagonal": 1.0}
+    numbers |= {"let_go": 3, "held": 4, "cut_if_planar": 0.5, "not_flat": 136}
+    lines = [line for line, _ in text.report_lines(numbers, "METRIC", 1.0)]
+    assert lines.index("136 of 307 not exactly flat") < lines.index("3 planes not held, for better polygons")
+    assert not any("not held" in row for row, _, _ in text.report_rows(numbers, "METRIC", 1.0, None, 60))
+    assert text.not_flat(numbers) == "136 of 307 not exactly flat"
+    assert text.not_flat(numbers | {"not_flat": 0}) == ""
+
+
+@pytest.mark.parametrize(
+    ("parts", "told"),
+    [
+        ([["cylinder", 0.04985, 28, 1, 7]], "1 cylinder Ø 9.97 cm, 28 segments"),
+        ([["cone", 0.04985, 28, 1, 7]], "1 cone, 28 segments"),
+        ([["cylinder", 1.0, 8, 1, 7], ["cone", 1.0, 8, 1, 7], ["cylinder", 2.0, 8, 1, 7]], "2 cylinders, 1 cone"),
+        ([["revolution", 1.0, 8, 1, 7], ["sphere", 1.0, 8, 1, 7]], "1 sphere, 1 turned part"),
+    ],
+)
+def test_round_parts_are_told(parts, told):
+    assert text.round_parts(parts, False) == told
+
+
+def test_round_parts_that_were_asked_for_and_not_found_are_told():
+    assert text.round_parts([], False) == ""
+    assert text.round_parts([], True) == "No round part found: try a larger Smallest Feature"
 
 
 def test_a_bound_that_is_nearer_to_a_drawn_model_is_in_the_report():

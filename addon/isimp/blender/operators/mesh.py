@@ -59,4 +59,16 @@ class ISIMP_OT_mesh(Meshing, bpy.types.Operator):
     does_all = True
 
 
-CLASSES = (ISIMP_OT_mesh,)
+class ISIMP_OT_flatten(Meshing, bpy.types.Operator):
+    """Mesh again with every polygon exactly flat, even if many are cut for it"""
+
+    bl_idname = "isimp.flatten"
+    bl_label = "Flatten Anyway"
+    adjusted = ("chord_tolerance", "regularise")
+
+    def wanted(self, context, scan):
+        self.planar, self.planar_most = True, 1.0
+        return super().wanted(context, scan)
+
+
+CLASSES = (ISIMP_OT_mesh, ISIMP_OT_flatten)

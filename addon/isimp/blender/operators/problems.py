@@ -1,16 +1,28 @@
 import bpy
 import numpy as np
 
-from ... import messages
+from ... import handover, messages
 from ...language import own, said
+from ...outcome import EXACT
 from ..scene import mesh_io, selection, store, targets
 from ..texts import text
 from ..view import display, overlay
 from ..work import scene_outcome
 
+_TOOLTIPS = {
+    "DEFECTIVE": own("Select the defective polygons in Edit Mode of the result"),
+    "BENT": own("Select the polygons that are not exactly flat, in Edit Mode of the result"),
+    "DIVIDED": own("Select the polygons of regions that became more than one polygon, in Edit Mode of the result"),
+}
+_NONE = {
+    "DEFECTIVE": own("No polygon has a defect."),
+    "BENT": own("Each polygon is exactly flat."),
+    "DIVIDED": own("Each region is one polygon."),
+}
+
 
 class ISIMP_OT_show_problems(bpy.types.Operator):
-    """Select polygons in Edit Mode of the result: defective ones, or the polygons of divided regions"""
+    """Select polygons in Edit Mode of the result: defective or bent ones, or the polygons of divided regions"""
 
     bl_idname = "isimp.show_problems"
     bl_label = "Select Defective Polygons"
@@ -20,6 +32,7 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
         name="Polygons",
         items=(
             ("DEFECTIVE", "Defective", "Polygons that are bent, flipped, crossing or intersecting"),
+            ("BENT", "Bent", "Polygons that are not exactly flat"),
             ("DIVIDED", "Of Divided Regions", "Polygons of regions that became more than one polygon"),
         ),
         options={"SKIP_SAVE"},
@@ -27,9 +40,7 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        if properties.kind == "DIVIDED":
-            return said("Select the polygons of regions that became more than one polygon, in Edit Mode of the result")
-        return said("Select the defective polygons in Edit Mode of the result")
+        return said(_TOOLTIPS[properties.kind])
 
     @classmethod
     def poll(cls, context):
@@ -47,8 +58,7 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
         display.show_result(context, result)
         selection.select_polygons(result, chosen)
         if not chosen.any():
-            none = own("No polygon has a defect.") if self.kind == "DEFECTIVE" else own("Each region is one polygon.")
-            self.report({"INFO"}, said(none))
+            self.report({"INFO"}, said(_NONE[self.kind]))
             return {"FINISHED"}
         bpy.ops.object.mode_set(mode="EDIT")
         context.tool_settings.mesh_select_mode = (False, False, True)
@@ -89,6 +99,10 @@ def _chosen(mesh, kind: str) -> np.ndarray:
     """Return (polygons,) bool: the polygons to select."""
     if kind == "DEFECTIVE":
         return mesh_io.read_layer(mesh, mesh_io.DEFECT) > 0
+    if kind == "BENT":
+        vertices = mesh_io.points(mesh).reshape(-1, 3).astype(np.float64)
+        size = np.linalg.norm(np.ptp(vertices, axis=0)) if len(vertices) else 0.0
+        return handover.planarity(vertices, *mesh_io.polygons(mesh)) > EXACT * size
     region = mesh_io.read_layer(mesh, mesh_io.REGION)
     return np.bincount(np.maximum(region, 0))[np.maximum(region, 0)] > 1
 

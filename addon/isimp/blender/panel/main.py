@@ -15,7 +15,7 @@ from ..controls import presets, settings
 from ..scene import result, runtime, store, targets
 from ..texts import text
 from ..view import clipping, overlay
-from .common import Panel, draw_lines, is_narrow, letters
+from .common import Panel, draw_lines, is_narrow, letters, side_by_side
 
 
 class ISIMP_PT_main(Panel, bpy.types.Panel):
@@ -146,7 +146,11 @@ def _draw_progress(place, running) -> None:
 def _draw_report(context, layout, scan, numbers) -> None:
     """Draws the report of Mesh, repairs, notes and warnings, below the buttons because the number of lines varies."""
     unit = context.scene.unit_settings
+    if "regions" in numbers:
+        parts = text.round_parts(numbers.get("round", []), _asks_for_round_parts(scan))
+        draw_lines(context, layout, parts, icon="MESH_CYLINDER")
     _draw_counts(context, layout, scan, numbers)
+    _draw_not_flat(context, layout, numbers)
     defects = text.problems(numbers)
     if defects:
         layout.operator("isimp.show_problems", text=defects, icon="ERROR").kind = "DEFECTIVE"
@@ -167,6 +171,23 @@ def _draw_report(context, layout, scan, numbers) -> None:
         draw_lines(context, layout, warning, icon="ERROR")
     if store.kept(scan) is not None:
         layout.operator("isimp.take_back", icon="LOOP_BACK")
+
+
+def _asks_for_round_parts(scan) -> bool:
+    recipe = store.load(scan)
+    found = [step for _, step in recipe.active() if isinstance(step, rcp.Partition)] if recipe is not None else []
+    return bool(found) and found[-1].curved
+
+
+def _draw_not_flat(context, layout, numbers) -> None:
+    """Draws how many polygons Mesh left bent in spite of Exactly Flat Faces, with a button that makes them flat."""
+    told = text.not_flat(numbers)
+    if not told:
+        return
+    draw_lines(context, layout, told, icon="INFO")
+    row = side_by_side(context, layout, "Flatten Anyway", "Show")
+    give_mesh(context.window_manager.isimp, row.operator("isimp.flatten", icon="MESH_PLANE"))
+    row.operator("isimp.show_problems", text="Show", icon="RESTRICT_SELECT_OFF").kind = "BENT"
 
 
 def _draw_counts(context, layout, scan, numbers) -> None:

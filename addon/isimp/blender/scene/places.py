@@ -43,10 +43,7 @@ def model_of(context, scan, result) -> handover.Model:
     mesh = seen.to_mesh()
     try:
         points = mesh_io.points(mesh).reshape(-1, 3).astype(np.float64)
-        loops = np.empty(len(mesh.loops), np.int32)
-        mesh.loops.foreach_get("vertex_index", loops)
-        start = np.empty(len(mesh.polygons), np.int32)
-        mesh.polygons.foreach_get("loop_start", start)
+        loops, start = mesh_io.polygons(mesh)
     finally:
         seen.to_mesh_clear()
     matrix = np.array(result.matrix_world, np.float64)

@@ -8,6 +8,7 @@ import bpy
 from ... import float_loss, messages
 from ...language import count as _count
 from ...language import noun, own, said
+from ...outcome import EXACT
 from ..scene import mesh_io
 
 _STAY = "\N{NO-BREAK SPACE}"
@@ -134,6 +135,9 @@ def report_rows(
     for line in short[1:]:
         rows += [(part, "BLANK1", False) for part in wrapped(line, width)]
     rows += [("", "BLANK1", False)] * (_ROWS - len(rows))
+    if "polygons" in numbers and not not_flat(numbers):  # else that line has the reason
+        icons = ["INFO"]
+        rows += [(part, icons.pop() if icons else "BLANK1", False) for part in wrapped(_let_go(numbers), width)]
     for line, alert in lines:
         if alert:
             icons = ["ERROR"]
@@ -182,12 +186,10 @@ def report_lines(
         mean, most = (amount(numbers, name, system, scale) for name in ("away_mean", "away_max"))
         lines.append((said("{mean} from the scan on average, {most} at most", mean=mean, most=most), False))
     lines.append((_flatness(numbers, system, scale), False))
-    if numbers.get("let_go"):
-        gone = _count(numbers["let_go"], "plane")
-        lines.append((said("{gone} not held, for better polygons", gone=gone), True))
     if "cut_if_planar" in numbers:
         share = f"{100 * numbers['cut_if_planar']:.0f} %"
         lines.append((said("Exactly Flat Faces left off: it would cut {share} of the polygons", share=share), False))
+    lines += [(line, False) for line in [not_flat(numbers), _let_go(numbers)] if line]
     if not numbers["manifold"]:
         lines.append((said("Non-manifold: polygons share an edge or vertex that they should not"), True))
     elif not numbers["closed"]:
@@ -208,9 +210,16 @@ def report_lines(
     return lines
 
 
+def _let_go(numbers: dict) -> str:
+    """Return the line about planes that the user asked for and that are not held; empty if there are none."""
+    if not numbers.get("let_go") or not (numbers.get("held") or "planes" in numbers):
+        return ""
+    return said("{gone} not held, for better polygons", gone=_count(numbers["let_go"], "plane"))
+
+
 def _flatness(numbers: dict, system: str, scale: float) -> str:
     """Return the line about flatness. Polygons within a millionth of the diagonal count as exactly flat."""
-    if numbers["planarity_max"] <= 1e-6 * numbers.get("diagonal", 0.0):
+    if numbers["planarity_max"] <= EXACT * numbers.get("diagonal", 0.0):
         return said("Exactly flat")
     flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
     return said("Flat within {flat} on average, {worst} at most", flat=flat, worst=worst)
@@ -249,7 +258,7 @@ def amount(numbers: dict, name: str, system: str, scale: float) -> str:
     return length(numbers[name], system, scale)
 
 
-def length(value: float, system: str, scale: float) -> str:
+def length(value: float, system: str, scale: float, digits: int = 2) -> str:
     """Return a length with its unit. Blender's own texts have the unusual units "um" and "mil"."""
     if system == "NONE":
         return f"{value:.3g}"
@@ -257,13 +266,47 @@ def length(value: float, system: str, scale: float) -> str:
         return f"{1e6 * value * scale:.3g} \N{MICRO SIGN}m"
     if system == "IMPERIAL" and 0 < abs(value * scale) < 0.0254:
         return said("{number} in", number=f"{value * scale / 0.0254:.2g}")
-    return bpy.utils.units.to_string(system, "LENGTH", value * scale, precision=2, compatible_unit=True)
+    return bpy.utils.units.to_string(system, "LENGTH", value * scale, precision=digits, compatible_unit=True)
 
 
-def in_scene(value: float) -> str:
+def in_scene(value: float, digits: int = 2) -> str:
     """Return a length in the units of the current scene."""
     unit = bpy.context.scene.unit_settings
-    return length(value, unit.system, unit.scale_length)
+    return length(value, unit.system, unit.scale_length, digits)
+
+
+_ROUND = {
+    "cylinder": noun("cylinder"),
+    "cone": noun("cone"),
+    "sphere": noun("sphere"),
+    "revolution": noun("turned part"),
+    "extrusion": noun("extrusion"),
+}
+_WIDE = ("cylinder", "sphere")  # have one diameter
+
+
+def round_parts(parts: list, asked: bool) -> str:
+    """Return the line about the round parts of a partition; empty if there are none and none were asked for.
+
+    parts: the number "round". Lengths have the units of the current scene.
+    """
+    if not parts:
+        return said("No round part found: try a larger Smallest Feature") if asked else ""
+    if len(parts) == 1:
+        kind, radius, segments, *_ = parts[0]
+        told = _count(1, _ROUND[kind])
+        if kind in _WIDE:
+            told = said("{part} Ø {diameter}", part=told, diameter=in_scene(2 * radius, 3))
+        return f"{told}, {_count(segments, 'segment')}"
+    kinds = [part[0] for part in parts]
+    return ", ".join(_count(kinds.count(kind), _ROUND[kind]) for kind in _ROUND if kind in kinds)
+
+
+def not_flat(numbers: dict) -> str:
+    """Return the line about polygons that were not made exactly flat as asked; empty if there are none."""
+    if not numbers.get("not_flat"):
+        return ""
+    return said("{some} of {all} not exactly flat", some=f"{numbers['not_flat']:,}", all=f"{numbers['polygons']:,}")
 
 
 _PLANES = {"none": own("None found"), "oblique": own("Oblique plane")}
