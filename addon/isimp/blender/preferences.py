@@ -5,6 +5,9 @@ import rna_keymap_ui
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
 
 from .. import session
+from .scene import targets
+from .texts import text
+from .widths import letters
 
 _BACKENDS = tuple(session.backends()) or ("cpu",)
 _ADDON = __package__.rpartition(".")[0]  # "isimp", or "bl_ext....isimp" as an extension
@@ -62,6 +65,8 @@ class IsimpPreferences(bpy.types.AddonPreferences):
 
     def draw(self, context):
         layout = self.layout
+        for number, line in enumerate(text.wrapped(targets.install_problem(), letters(context))):
+            layout.label(text=line, icon="ERROR" if number == 0 else "BLANK1")
         layout.use_property_split = True
         for title, names in _DRAWN:
             layout.label(text=title)

@@ -10,9 +10,10 @@ import textwrap
 import bpy
 
 from ..language import own, said
-from . import translations
+from . import translations, widths
 
-PROBLEM = own("Blender's Python has no numpy: install python3-numpy and start Blender again")
+PROBLEM = own("numpy is missing in Blender's Python: install python3-numpy and start Blender again")
+_ADDON = __package__.rpartition(".")[0]
 
 
 def is_missing() -> bool:
@@ -23,6 +24,11 @@ def is_missing() -> bool:
     return False
 
 
+def _draw_problem(context, layout) -> None:
+    for number, line in enumerate(textwrap.wrap(said(PROBLEM), widths.letters(context))):
+        layout.label(text=line, icon="ERROR" if number == 0 else "BLANK1")
+
+
 class ISIMP_PT_without_numpy(bpy.types.Panel):
     bl_label = "iSimp"
     bl_space_type = "VIEW_3D"
@@ -30,16 +36,27 @@ class ISIMP_PT_without_numpy(bpy.types.Panel):
     bl_category = "iSimp"
 
     def draw(self, context):
-        for number, line in enumerate(textwrap.wrap(said(PROBLEM), 30)):
-            self.layout.label(text=line, icon="ERROR" if number == 0 else "BLANK1")
+        _draw_problem(context, self.layout.column(align=True))
+
+
+class IsimpPreferencesWithoutNumpy(bpy.types.AddonPreferences):
+    bl_idname = _ADDON
+
+    def draw(self, context):
+        _draw_problem(context, self.layout.column(align=True))
+
+
+_CLASSES = (ISIMP_PT_without_numpy, IsimpPreferencesWithoutNumpy)
 
 
 def register() -> None:
     translations.register()
-    bpy.utils.register_class(ISIMP_PT_without_numpy)
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
     print(f"iSimp: {said(PROBLEM)}", file=sys.stderr)
 
 
 def unregister() -> None:
-    bpy.utils.unregister_class(ISIMP_PT_without_numpy)
+    for cls in _CLASSES:
+        bpy.utils.unregister_class(cls)
     translations.unregister()

@@ -1,5 +1,7 @@
 """Preferences: the settings of a user for all files."""
 
+import types
+
 import bpy
 import numpy as np
 import pytest
@@ -7,7 +9,7 @@ import scans
 
 from isimp import session
 from isimp.blender import preferences
-from isimp.blender.scene import runtime
+from isimp.blender.scene import runtime, targets
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -57,3 +59,28 @@ def test_a_missing_back_end_is_not_used(monkeypatch):
     scans.cube()
     assert bpy.ops.isimp.partition(proxies=6, method="queued") == {"FINISHED"}
     assert runtime.get().session.backend == "cpu"
+
+
+def test_a_wrong_installation_is_told_in_the_preferences_and_in_the_panel(monkeypatch):
+    class Row:
+        def __init__(self):
+            self.told = []
+
+        def label(self, text, icon="NONE"):
+            self.told.append(text)
+
+        def __getattr__(self, name):
+            return lambda *_, **__: Row()
+
+    drawn = types.SimpleNamespace(show_keys=False)
+    monkeypatch.setattr(runtime.get(), "is_replaced", True)
+    assert targets.install_problem() == "Another version of iSimp was installed: start Blender again"
+    drawn.layout = Row()
+    preferences.IsimpPreferences.draw(drawn, bpy.context)
+    assert targets.install_problem() in " ".join(drawn.layout.told)
+    monkeypatch.setattr(runtime.get(), "is_replaced", False)
+    assert targets.install_problem() == ""
+    monkeypatch.setattr(session, "ENGINE_PROBLEM", "no such module")
+    drawn.layout = Row()
+    preferences.IsimpPreferences.draw(drawn, bpy.context)
+    assert "(no such module)" in " ".join(drawn.layout.told)

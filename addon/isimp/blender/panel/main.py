@@ -24,8 +24,12 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
     def draw(self, context):
         layout = self.prepare(context)
         scan, problem = targets.seen(context)
+        broken = targets.install_problem()
+        if broken:
+            draw_lines(context, layout, broken, icon="ERROR")
         if problem:
-            draw_lines(context, layout, problem, icon="INFO")
+            if problem != broken:
+                draw_lines(context, layout, problem, icon="INFO")
             return
         numbers, panel = store.numbers(scan), context.window_manager.isimp
         _draw_head(context, layout, scan, numbers)

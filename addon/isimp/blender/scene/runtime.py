@@ -5,6 +5,7 @@ from collections import OrderedDict
 from contextlib import contextmanager
 
 from ...array_pool import ArrayPool
+from ...engine import is_replaced
 from ...session import Session
 
 
@@ -46,6 +47,7 @@ class Live:
 class Runtime:
     def __init__(self):
         self.session = Session()
+        self.is_replaced = is_replaced()  #: whether another version was installed over the running one
         self.pool = ArrayPool()
         self.running = None  #: the Work of the running modal operator
         self.nodes = {}  #: nodes that undo may have removed from the mesh; see store.py

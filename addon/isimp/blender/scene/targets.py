@@ -112,6 +112,13 @@ def seen(context):
     return (None, problem) if problem else (scan, "")
 
 
+def install_problem() -> str:
+    """Return what is wrong with the installed add-on; empty if nothing is."""
+    if runtime.get() is not None and runtime.get().is_replaced:
+        return said("Another version of iSimp was installed: start Blender again")
+    return _no_engine()
+
+
 def _no_engine() -> str:
     if session.ENGINE_PROBLEM:
         text = own("The iSimp engine does not load: install the zip for this system ({why})")

@@ -85,14 +85,62 @@ def test_without_numpy_the_addon_names_the_remedy(installed):
     hide = "import sys; sys.modules['numpy'] = None"
     script = (
         "import bpy; print('panel', bpy.types.ISIMP_PT_without_numpy.bl_category);"
+        "from isimp.blender import without_numpy as w; drawn = [];"
+        "row = type('Row', (), {'label': lambda self, text, icon: drawn.append(text)})();"
+        "w._draw_problem(bpy.context, row); print('preferences', ' '.join(drawn));"
+        "assert w.IsimpPreferencesWithoutNumpy.is_registered;"
         "import addon_utils; addon_utils.disable('isimp'); print('off', hasattr(bpy.types, 'ISIMP_PT_without_numpy'))"
     )
     done = blender("--python-expr", hide, "--addons", "isimp", "--python-expr", script, scripts=installed)
     said = done.stdout + done.stderr
     assert "Traceback" not in said, said
-    assert "Blender's Python has no numpy: install python3-numpy and start Blender again" in said
+    assert "numpy is missing in Blender's Python: install python3-numpy and start Blender again" in said
     assert "panel iSimp\n" in said
+    assert "preferences numpy is missing in Blender's" in said
     assert "off False\n" in said
+
+
+def test_numpy_that_is_installed_later_is_found_without_a_new_start(installed):
+    hide = "import sys; sys.modules['numpy'] = None"
+    script = (
+        "import sys, addon_utils; addon_utils.disable('isimp'); del sys.modules['numpy']; addon_utils.enable('isimp');"
+        "import bpy; bpy.ops.isimp.partition(proxies=6);"
+        "from isimp import session; print('problem', session.ENGINE_PROBLEM, '.')"
+    )
+    done = blender("--python-expr", hide, "--addons", "isimp", "--python-expr", script, scripts=installed)
+    assert "problem  ." in done.stdout, done.stdout + done.stderr
+
+
+def test_the_right_zip_over_the_wrong_one_works_at_once(installed, tmp_path):
+    """An older Blender unpacks the extension as it is: without an engine outside of its wheel."""
+    place = tmp_path / "addons" / "isimp"
+    shutil.copytree(installed / "addons" / "isimp", place, ignore=shutil.ignore_patterns("isimp_engine"))
+    (place / "wheels").mkdir()
+    script = f"""
+import addon_utils, bpy, shutil
+from isimp.blender.scene import targets
+print("before", targets.install_problem())
+addon_utils.disable("isimp")
+shutil.rmtree({str(place)!r})
+shutil.copytree({str(installed / "addons" / "isimp")!r}, {str(place)!r}, copy_function=shutil.copyfile)
+addon_utils.enable("isimp")
+from isimp.blender.scene import targets
+print("after", targets.install_problem(), ".")
+bpy.ops.mesh.primitive_cube_add()
+bpy.ops.isimp.partition(proxies=6)
+addon_utils.disable("isimp")
+shutil.rmtree({str(place)!r})
+shutil.copytree({str(installed / "addons" / "isimp")!r}, {str(place)!r}, copy_function=shutil.copyfile)
+addon_utils.enable("isimp")
+print("again", targets.install_problem())
+"""
+    done = blender("--addons", "isimp", "--python-exit-code", "1", "--python-expr", script, scripts=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "before The iSimp engine does not load: install the zip for this system (this zip is for Blender 4.2" in (
+        done.stdout
+    )
+    assert "after  .\n" in done.stdout
+    assert "again Another version of iSimp was installed: start Blender again\n" in done.stdout
 
 
 def test_switched_on_in_saved_preferences_it_is_there_in_the_background(installed, tmp_path):
