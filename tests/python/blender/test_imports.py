@@ -181,6 +181,8 @@ def test_up_is_chosen_by_format_or_by_hand(tmp_path):
     triangle = "v {0} 0 0\nv {1} 0 0\nv {0} 0 1\nf 1 2 3\n"
     (tmp_path / "near.obj").write_text(triangle.format(0, 1))
     (tmp_path / "far.obj").write_text(triangle.format(4_600_123.25, 4_600_124.25))
+    (tmp_path / "beside.obj").write_text(triangle.format(40, 41))
+    assert imported(tmp_path / "beside.obj").rotation_euler.x == pytest.approx(np.pi / 2), "no map coordinates"
     assert imported(tmp_path / "near.obj").rotation_euler.x == pytest.approx(np.pi / 2)
     assert imported(tmp_path / "near.obj", up="Z").rotation_euler.x == 0
     far = imported(tmp_path / "far.obj")

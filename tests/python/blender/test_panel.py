@@ -337,6 +337,38 @@ def drawn_rows(scan, made=None):
     return [text for _, text in drawn]
 
 
+def test_the_report_begins_with_round_parts_if_they_were_asked_for():
+    scan = scans.dimple(scans.cube(cells=10))
+    told = "No round part found: try a larger Smallest Feature"
+    bpy.ops.isimp.partition(proxies=12)
+    assert told not in " ".join(drawn_rows(scan))
+    bpy.ops.isimp.partition(proxies=12, curved=True)
+    assert " ".join(drawn_rows(scan)).startswith(told)
+    bpy.context.window_manager.isimp.regularise_first = True
+    assert told not in " ".join(drawn_rows(scan)), "a building"
+    bpy.context.window_manager.isimp.regularise_first = False
+
+
+def test_polygons_left_bent_are_shown_and_made_flat():
+    scan = scans.dimple(scans.cube(cells=10), 0.8)
+    bpy.ops.isimp.partition(proxies=60)
+    bpy.ops.isimp.mesh(planar=True, planar_most=0.0)
+    made, numbers = bpy.context.object, store.numbers(scan)
+    line = f"{numbers['not_flat']} of {numbers['polygons']} not exactly flat"
+    rows = [row.replace("\N{NO-BREAK SPACE}", " ") for row in drawn_rows(scan)]
+    assert [line, "isimp.flatten", "Show"] == rows[rows.index(line) :][:3]
+    assert bpy.ops.isimp.show_problems(kind="BENT") == {"FINISHED"}
+    made.update_from_editmode()
+    assert sum(polygon.select for polygon in made.data.polygons) == numbers["not_flat"] > 0
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert bpy.ops.isimp.flatten() == {"FINISHED"}
+    assert not any("exactly flat" in row for row in drawn_rows(scan))
+    assert store.load(scan).steps[-1].planar_most == 1.0
+    assert bpy.context.window_manager.isimp.mesh.planar_most == 1.0
+    assert bpy.ops.isimp.show_problems(kind="BENT") == {"FINISHED"}
+    assert bpy.context.mode == "OBJECT", "there is nothing to show"
+
+
 @pytest.mark.parametrize("width", [12, 22, 25, 40, 80])
 @pytest.mark.parametrize("polygons", [None, 1_325, 12_417])
 def test_the_report_is_short_and_its_tooltip_has_the_reasons(width, polygons):

@@ -21,6 +21,7 @@ _UPS = (
     ("Z", "Z", "The file has Z up"),
 )
 _TURNED = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])  # Y up becomes Z up
+_MAP = 10_000  # coordinates as large as these are map coordinates, units
 _MOST_FAULTS = 3  # in a message
 
 
@@ -74,7 +75,7 @@ class ISIMP_OT_import_scan(ImportHelper, bpy.types.Operator):
         faults = [*look.faults, *looks.give_materials(mesh, look)]
         obj = bpy.data.objects.new(path.stem, mesh)
         context.collection.objects.link(obj)
-        if self.up == "Y" or (self.up == "FORMAT" and kind == ".obj" and not origin.any()):
+        if self.up == "Y" or (self.up == "FORMAT" and kind == ".obj" and np.abs(origin).max() < _MAP):
             obj.rotation_euler, origin = (np.pi / 2, 0.0, 0.0), _TURNED @ origin
         places.keep(obj, origin, self.epsg)
         warnings += _told(path, faults, looks.skipped(look))

@@ -151,7 +151,7 @@ def _draw_report(context, layout, scan, numbers) -> None:
     """Draws the report of Mesh, repairs, notes and warnings, below the buttons because the number of lines varies."""
     unit = context.scene.unit_settings
     if "regions" in numbers:
-        parts = text.round_parts(numbers.get("round", []), _asks_for_round_parts(scan))
+        parts = text.round_parts(numbers.get("round", []), _asks_for_round_parts(context, scan))
         draw_lines(context, layout, parts, icon="MESH_CYLINDER")
     _draw_counts(context, layout, scan, numbers)
     _draw_not_flat(context, layout, numbers)
@@ -177,9 +177,13 @@ def _draw_report(context, layout, scan, numbers) -> None:
         layout.operator("isimp.take_back", icon="LOOP_BACK")
 
 
-def _asks_for_round_parts(scan) -> bool:
+def _asks_for_round_parts(context, scan) -> bool:
+    """Return whether the user expects round parts. Buildings, whose planes become regular, seldom have any."""
     recipe = store.load(scan)
-    found = [step for _, step in recipe.active() if isinstance(step, rcp.Partition)] if recipe is not None else []
+    steps = [step for _, step in recipe.active()] if recipe is not None else []
+    if context.window_manager.isimp.regularise_first or any(isinstance(step, rcp.Regularise) for step in steps):
+        return False
+    found = [step for step in steps if isinstance(step, rcp.Partition)]
     return bool(found) and found[-1].curved
 
 

@@ -1,6 +1,7 @@
 """Detects a view whose clipping distances hide a part of the scan, and widens them."""
 
 import bpy
+from mathutils import Vector
 
 from ...language import own, said
 from ..scene import targets
@@ -54,11 +55,21 @@ class ISIMP_OT_show_all(bpy.types.Operator):
 
 
 def frame(context, area) -> None:
-    """Frames the selected objects in a 3D view, as Numpad . does."""
+    """Frames the selected objects in a 3D view, as Numpad . does, but with their corners inside of the view."""
     region = next((region for region in area.regions if region.type == "WINDOW"), None)
-    if region is not None and not bpy.app.background:
+    if region is None or bpy.app.background:
+        return
+    preferences = context.preferences.view
+    smooth, preferences.smooth_view = preferences.smooth_view, 0  # else the view goes on to its old distance
+    try:
         with context.temp_override(area=area, region=region):
             bpy.ops.view3d.view_selected()
+    finally:
+        preferences.smooth_view = smooth
+    corners = [obj.matrix_world @ Vector(corner) for obj in context.selected_objects for corner in obj.bound_box]
+    if corners:
+        sides = Vector(max(each) - min(each) for each in zip(*corners, strict=True))
+        area.spaces.active.region_3d.view_distance *= sides.length / max(*sides, 1e-30)
 
 
 CLASSES = (ISIMP_OT_show_all,)
