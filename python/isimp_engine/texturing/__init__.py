@@ -2,19 +2,16 @@
 
 from .baking import Texture, texture
 from .layers import TextureLayer
-from .look import Look
 from .places import corner_sources, uv_islands
-from .reading import read_look, read_textured
+from .reading import read_textured
 from .soup import TexturedSoup
 from .writing import write_textured
 
 __all__ = [
-    "Look",
     "Texture",
     "TextureLayer",
     "TexturedSoup",
     "corner_sources",
-    "read_look",
     "read_textured",
     "texture",
     "uv_islands",

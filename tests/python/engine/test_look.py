@@ -7,7 +7,7 @@ import pytest
 
 import isimp_engine as engine
 
-read_look = engine.texturing.read_look
+read_look = engine.texturing.reading.read_look
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 UVS = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
 

@@ -66,7 +66,7 @@ class ISIMP_OT_import_scan(ImportHelper, bpy.types.Operator):
         return {"FINISHED"}
 
     def _import(self, context, path: Path, warnings: list):
-        look = engine.texturing.read_look(path)
+        look = engine.texturing.reading.read_look(path)
         origin, kind = handover.far_origin(look.vertices), engine.reading.kind_of(path)
         mesh = bpy.data.meshes.new(path.stem)
         mesh_io.fill_polygons(
