@@ -10,6 +10,7 @@
 
 #include "isimp/core/errors.h"
 #include "isimp/core/options.h"
+#include "kept_planes.h"
 #include "region_planes.h"
 
 namespace isimp {
@@ -149,17 +150,9 @@ void align(std::vector<RegionPlane>& planes, const Chosen& of, Align to, const V
   }
 }
 
-}  // namespace
-
-Partition align_planes(const Mesh& mesh, const Partition& partition, std::span<const std::int32_t> faces, Align to,
-                       const Vec3& up_direction, std::optional<double> length, Job& job) {
-  check_is_of(mesh, partition);
-  const Vec3 up = unit_up(up_direction);
-  if (length && !above(0).holds(*length))
-    throw InvalidInput("length must be " + words(above(0), Unit::length) + ", got " + in_short(*length));
-  const Chosen of = chosen(partition, faces);
-  if ((is_by_lead(to) || to == Align::coplanar) && of.regions.size() < 2)
-    throw InvalidInput("all faces are in one region: name faces of two or more");
+/// As align_planes, on the components that have regions.
+Partition aligned(const Mesh& mesh, const Partition& partition, const Chosen& of, Align to, const Vec3& up,
+                  std::optional<double> length, Job& job) {
   Job::Stage whole(job, "aligning planes", 0.0, 1.0);
   std::vector<RegionPlane> planes = planes_as_held(mesh, partition);
   job.poll();
@@ -181,6 +174,22 @@ Partition align_planes(const Mesh& mesh, const Partition& partition, std::span<c
   found.length = allowed;
   out.regularity = found;
   return out;
+}
+
+}  // namespace
+
+Partition align_planes(const Mesh& mesh, const Partition& partition, std::span<const std::int32_t> faces, Align to,
+                       const Vec3& up_direction, std::optional<double> length, Job& job) {
+  check_is_of(mesh, partition);
+  const Vec3 up = unit_up(up_direction);
+  if (length && !above(0).holds(*length))
+    throw InvalidInput("length must be " + words(above(0), Unit::length) + ", got " + in_short(*length));
+  const Chosen of = chosen(partition, faces);
+  if ((is_by_lead(to) || to == Align::coplanar) && of.regions.size() < 2)
+    throw InvalidInput("all faces are in one region: name faces of two or more");
+  return on_kept_planes(
+      mesh, partition,
+      [&](const Mesh& kept, const Partition& part) { return aligned(kept, part, of, to, up, length, job); }, job);
 }
 
 std::vector<RegionFit> region_fits(const Mesh& mesh, const Partition& partition) {

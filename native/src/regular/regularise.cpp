@@ -12,6 +12,7 @@
 #include "even_spacing.h"
 #include "isimp/core/sorted.h"
 #include "islands.h"
+#include "kept_planes.h"
 #include "region_planes.h"
 #include "round_axes.h"
 #include "snap_directions.h"
@@ -276,14 +277,9 @@ void count(Regularity& found, Kind kind) {
   ++*counts[static_cast<std::size_t>(kind)];
 }
 
-}  // namespace
-
-Partition regularise(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, Job& job,
-                     const std::optional<Vec3>& up_direction) {
-  check_fields(options);
-  check_is_of(mesh, partition);
-  const Vec3 ups[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), Vec3::Zero()};
-  const Compass compass(up_direction ? unit_up(*up_direction) : ups[static_cast<int>(options.up)]);
+/// As regularise, on the components that have regions.
+Partition regularised(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, Job& job,
+                      const Compass& compass) {
   Job::Stage whole(job, "regularising", 0.0, 1.0);
   const std::vector<RegionPlane> planes = region_planes(mesh, partition);
   const double least = kLeastLength * mesh.diagonal();
@@ -317,6 +313,19 @@ Partition regularise(const Mesh& mesh, const Partition& partition, const Regular
   found.axes = axes;
   out.regularity = found;
   return out;
+}
+
+}  // namespace
+
+Partition regularise(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, Job& job,
+                     const std::optional<Vec3>& up_direction) {
+  check_fields(options);
+  check_is_of(mesh, partition);
+  const Vec3 ups[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), Vec3::Zero()};
+  const Compass compass(up_direction ? unit_up(*up_direction) : ups[static_cast<int>(options.up)]);
+  return on_kept_planes(
+      mesh, partition,
+      [&](const Mesh& kept, const Partition& part) { return regularised(kept, part, options, job, compass); }, job);
 }
 
 }  // namespace isimp

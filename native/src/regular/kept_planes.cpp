@@ -1,0 +1,32 @@
+#include "kept_planes.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "kept_part.h"
+
+namespace isimp::regular {
+
+Partition on_kept_planes(const Mesh& mesh, const Partition& partition, const OnPlanes& operation, Job& job) {
+  const auto& locked = partition.region_locked;
+  const bool has_all = std::ranges::find(partition.face_region, kNone) == partition.face_region.end() ||
+                       std::ranges::any_of(locked, [](std::uint8_t lock) { return lock >= kLeftOut; });
+  if (has_all) return operation(mesh, partition);
+  const std::optional<meshing::KeptPart> part = meshing::kept_part(mesh, partition, job);
+  Partition out = operation(part->mesh, part->partition);
+  std::vector<std::int32_t> labels(partition.face_region.size(), kNone);
+  for (std::size_t k = 0; k < part->face.size(); ++k) labels[part->face[k]] = out.face_region[k];
+  out.face_region = std::move(labels);
+  for (std::int32_t& seed : out.region_seed) seed = part->face[seed];
+  out.guided = partition.guided;
+  if (out.region_count() == partition.region_count()) return out;
+  out.error = 0;  // the sums are shares of the whole mesh
+  for (const RegionSum& s : out.region_sum) out.error += s.error();
+  out.error *= Surface(mesh, out.guided).graph().area;
+  out.history.assign(1, out.error);
+  return out;
+}
+
+}  // namespace isimp::regular
