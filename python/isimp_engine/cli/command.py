@@ -8,14 +8,14 @@ import argparse
 import io
 import sys
 from collections.abc import Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from pathlib import Path
 
 from .. import FileError, InvalidInput, __version__, _process
 from . import batch, flat, guiding, info, lods, report, simplify, tiles
 from .ending import Terminated, terminable
 from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, USAGE, UsageError
-from .files import place
+from .files import place, show
 from .options import simplify_options
 
 EXPECTED = (UsageError, FileError, OSError, MemoryError, InvalidInput, RuntimeError)  #: errors that wrong input raises
@@ -96,8 +96,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
             terminable() if parsed.run in (flat.run, report.run, info.run) else nullcontext()
         ):  # the others have their own
             status = parsed.run(parsed)
-        if sys.stdout is not None:
-            sys.stdout.flush()
     except Terminated:
         return _say("terminated, nothing was written", TERMINATED)
     except KeyboardInterrupt:
@@ -123,6 +121,6 @@ def problem(error: Exception, path: Path) -> tuple[str, int]:
 
 
 def _say(message: str, status: int) -> int:
-    if sys.stderr is not None:  # a closed stderr is None: only the status reports the error then
-        print("isimp:", " ".join(message.split()), file=sys.stderr)
+    with suppress(OSError):  # of stderr: only the status reports the error then
+        show(f"isimp: {' '.join(message.split())}", beside=True)
     return status

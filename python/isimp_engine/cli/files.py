@@ -1,11 +1,12 @@
 """Files that appear whole or not at all."""
 
+import contextlib
 import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
-from typing import TypeVar
+from typing import TextIO, TypeVar
 
 from .. import FileError
 from ..drafts import deliver, draft_of
@@ -39,7 +40,19 @@ def show(text: str, beside: bool = False) -> None:
     try:
         print(text, file=stream, flush=True)
     except OSError as error:
+        _drop_rest(stream)
         raise OSError(error.errno, error.strerror, "stderr" if beside else "stdout") from None
+
+
+def _drop_rest(stream: TextIO) -> None:
+    """Send what is left in the buffers of a stream to the null device: Python writes it again at its end.
+
+    A second error there would replace the exit status by 120.
+    """
+    with contextlib.suppress(OSError):  # a stream without a file
+        number, null = stream.fileno(), os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, number)
+        os.close(null)
 
 
 def is_same(path: Path, other: Path) -> bool:

@@ -136,11 +136,18 @@ def test_a_full_disk_is_named_with_the_file(tmp_path):
     with Outputs() as outputs, pytest.raises(OSError, match=r"l\.npy") as caught:
         outputs.write(tmp_path / "l.npy", lambda part: (_ for _ in ()).throw(OSError("7 requested and 6 written")))
     assert caught.value.strerror == "7 requested and 6 written"
-    path = scan(tmp_path / "a.ply")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_full_stream_is_an_error_once(tmp_path, unbuffered):
+    command = [sys.executable, "-m", "isimp_engine", "info", str(scan(tmp_path / "a.ply")), "--mesh-only"]
+    environment = ENVIRONMENT | {"PYTHONUNBUFFERED": unbuffered}
     with open("/dev/full", "w") as full:  # noqa: PTH123
-        command = [sys.executable, "-m", "isimp_engine", "info", path, "--mesh-only"]
-        done = subprocess.run([*map(str, command)], stdout=full, stderr=subprocess.PIPE, env=ENVIRONMENT, text=True)
-    assert (done.returncode, done.stderr.splitlines()[0]) == (3, "isimp: stdout: No space left on device")
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, env=environment, text=True)
+        assert (done.returncode, done.stderr) == (3, "isimp: stdout: No space left on device\n")
+        command[-2] = "missing.ply"
+        assert subprocess.run(command, stderr=full, env=environment).returncode == 3
 
 
 @posix
