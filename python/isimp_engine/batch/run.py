@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .. import CleanOptions, FileError, PartitionOptions, __version__, exporting, recipes
+from .. import FileError, __version__, exporting, recipes
 from ..children.errors import BatchError
 from ..children.nursery import SIMPLIFY, Ending
 from ..children.runner import Assignment, Children, Workers, clear, endings

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import InvalidInput, Job, Mesh, guides, partition_from
+from .. import Job, Mesh, guides, partition_from
 from ..guided import Guides
 from .errors import UsageError
 from .loading import Input
@@ -44,10 +44,7 @@ def guides_of(files: GuideFiles, angle: float | None, source: Input, mesh: Mesh,
     face = np.where(mesh.source_face >= 0, source.polygon[mesh.source_face], -1)
     barriers = []
     if angle is not None:
-        try:
-            barriers.append(guides.sharp_edges(mesh, np.radians(angle)))
-        except InvalidInput:
-            raise UsageError(f"--angle must be in [0, 180], got {angle}") from None
+        barriers.append(guides.sharp_edges(mesh, np.radians(angle)))
     if files.borders:
         values = _load(files.borders, "borders", (source.faces,))
         barriers.append(guides.attribute_borders(mesh, values[face], among=face >= 0))

@@ -2,6 +2,7 @@
 
 import argparse
 import copy
+import math
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -165,7 +166,25 @@ def options_of(arguments: argparse.Namespace, recipe: recipes.Recipe | None, kin
         except InvalidInput as error:
             flag = "--" + _FLAGS.get((kind, name), name).replace("_", "-")
             raise UsageError(str(error).replace(f"{kind.__name__}.{name}", flag)) from None
+    check_ranges(options)
     return options
+
+
+def check_ranges(options: Any) -> None:
+    """Check the numbers of an engine's options before the work. All must be finite: reports are JSON."""
+    values = options.as_dict()
+    for field in options.fields():
+        name, value = field["name"], values[field["name"]]
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            continue
+        low, high = field.get("least"), field.get("most")
+        fits = math.isfinite(value)
+        fits = fits and (low is None or (value > low if field.get("above_least") else value >= low))
+        fits = fits and (high is None or (value < high if field.get("below_most") else value <= high))
+        if not fits:
+            flag = "--" + _FLAGS.get((type(options), name), name).replace("_", "-")
+            wanted = field.get("range", "a finite number").replace("a length", "a finite length")
+            raise UsageError(f"{flag} must be {wanted}, got {value:g}")
 
 
 def _of_recipe(recipe: recipes.Recipe | None, kind: Options, given: dict[str, Any]) -> dict[str, Any]:
@@ -201,6 +220,8 @@ def settings_of(arguments: argparse.Namespace, recipe: recipes.Recipe | None) ->
     for name, choices in _CHOICES.items():  # a batch from Python does not pass them through argparse
         if (value := getattr(given, name)) not in choices:
             raise UsageError(f"--{name} must be one of {', '.join(choices)}, got {value!r}")
+    if given.angle is not None and not 0 <= given.angle <= 180:
+        raise UsageError(f"--angle must be in [0, 180], got {given.angle:g}")
     of_recipe = [(x, y, z) for x, y, z in recipe.keep_openings] if recipe is not None else []
     texture = None
     if given.texture is not None:

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from .. import FileError, InvalidInput, PartitionOptions, __version__, exporting
-from ..batch.run import check_ranges
 from ..batch.scans import READABLE, find_scans
 from ..children.errors import BatchError
+from ..cli.errors import UsageError
+from ..cli.options import check_ranges
 from ..reading import kind_of
 from .errors import TileFailed, TilesError
 from .tileset import Leaf, leaves, tileset_of
@@ -99,7 +100,7 @@ def _plan_of_tileset(tileset: Path, place: Path, folder: Path, options: dict[str
 def _check(options: dict[str, Any]) -> None:
     try:
         check_ranges(PartitionOptions(**{name: options[name] for name in PARTITION if name in options}))
-    except (BatchError, InvalidInput) as error:
+    except (UsageError, InvalidInput) as error:
         raise TilesError(str(error)) from None
     if len(given := [name for name in ("proxies", "detail", "tolerance") if name in options]) > 1:
         raise TilesError(f"--{given[0]} and --{given[1]} contradict each other; give one of them")

@@ -16,6 +16,7 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 from isimp_engine.cli import main
+from isimp_engine.cli.options import simplify_options
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1]), "COLUMNS": "80"}
 
@@ -171,7 +172,7 @@ def test_what_covers_a_hole_is_counted_and_takes_no_label(tmp_path):
     assert set(values) == set(range(6))
     assert "covered" in isimp("info", tmp_path / "a.obj", "--fill-holes=10").stdout
     refused = isimp("info", tmp_path / "a.obj", "--fill-holes=-1")
-    assert "fill_holes must be a length, at least 0" in refused.stderr
+    assert "--fill-holes must be a finite length, at least 0, got -1" in refused.stderr
 
 
 def test_a_speck_has_no_label(tmp_path):
@@ -224,9 +225,9 @@ def test_wrong_usage_is_2(arguments):
 def test_wrong_usage_that_shows_later_is_2_and_writes_nothing(scan, tmp_path):
     out = tmp_path / "o.ply"
     check_line(called("simplify", scan, out, "--method", "magic"), 2, "--method must be one of", "'lloyd'", "magic")
-    check_line(called("simplify", scan, out, "--proxies", 0), 2, scan, "[1, 1800]")
+    check_line(called("simplify", scan, out, "--proxies", 0), 2, "--proxies must be at least 1, got 0")
     check_line(called("simplify", scan, out, "--proxies", 1801), 2, scan, "[1, 1800], got 1801")
-    check_line(called("simplify", scan, out, "--leave-out", 1), 2, "leave_out")
+    check_line(called("simplify", scan, out, "--leave-out", 1), 2, "--leave-out must be in [0, 1), got 1")
     check_line(called("simplify", scan, out, "--backend", "abacus"), 2, "abacus", "cpu")
     check_line(called("simplify", scan, tmp_path / "o.fbx"), 2, "o.fbx", ".ply, .obj")
     check_line(called("simplify", scan, tmp_path / "no" / "o.ply"), 2, "no")
@@ -259,6 +260,17 @@ def test_input_that_can_not_be_used_is_3_with_one_line(tmp_path):
     assert not out.exists()
     for done in (called("simplify", missing, out), called("info", empty)):
         assert done.stderr.count(str(tmp_path)) == 1, "the path is said once"
+
+
+@pytest.mark.parametrize("text", ["inf", "nan"])
+def test_numbers_that_are_not_finite_are_refused_before_the_work(tmp_path, text):
+    numbers = {action.dest: action for action in simplify_options()._actions if action.type is float}
+    assert len(numbers) > 15
+    for action in [*numbers.values(), next(a for a in simplify_options()._actions if a.dest == "grid")]:
+        with_planes = ["--regularise"] if action.dest == "merge_islands" else []
+        flag = action.option_strings[0]
+        done = isimp("simplify", tmp_path / "none.ply", tmp_path / "o.ply", *with_planes, f"{flag}={text}")
+        check_line(done, 2, f"{flag} must be ", f"got {text}")
 
 
 def test_a_full_disk_is_3_and_leaves_nothing(scan, tmp_path):
