@@ -98,3 +98,15 @@ def report_texts(mesh: Any, outcome: Outcome, place: np.ndarray, name: str, crs:
     table = reports.plane_table(mesh, part, poly, place=place)
     texts: dict[str, str] = reports.texts_of(name, mesh, part, poly, table, crs, place[:3, :3])
     return texts
+
+
+def write_report(folder: Path, texts: dict[str, str]) -> None:
+    """Write the files of a report, and remove those of an earlier one that it lacks."""
+    from importlib import import_module
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in import_module(f"{engine.__name__}.reports").NAMES:
+        if name in texts:
+            (folder / name).write_text(texts[name], encoding="utf-8")
+        else:
+            (folder / name).unlink(missing_ok=True)

@@ -3,7 +3,7 @@
 import contextlib
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import TracebackType
 from typing import TextIO, TypeVar
@@ -30,6 +30,16 @@ def check(path: Path) -> None:
         raise UsageError(f"{path}: is a folder; give the name of a file")
     if path.is_file() and not (path.stat().st_mode & 0o222 and os.access(path, os.W_OK)):
         raise UsageError(f"{path}: is read-only, so it is not replaced")
+
+
+def check_all(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
+    """Check the paths of all outputs before the computation: no two of them and the inputs are one file."""
+    taken = list(inputs)
+    for path in outputs:
+        check(path)
+        if any(is_same(path, other) for other in taken) and not path.is_char_device():
+            raise UsageError(f"{path}: is named twice; INPUT and all outputs must be different files")
+        taken.append(path)
 
 
 def show(text: str, beside: bool = False) -> None:
@@ -68,6 +78,7 @@ class Outputs:
 
     def __init__(self) -> None:
         self._moves: list[tuple[Path, Path]] = []
+        self._old: list[Path] = []
 
     def __enter__(self) -> "Outputs":
         return self
@@ -99,8 +110,14 @@ class Outputs:
         except OSError as error:
             raise OSError(error.errno, error.strerror or str(error), str(path)) from None
 
+    def remove(self, path: Path) -> None:
+        """Have `commit` remove a file of an earlier run that these outputs lack."""
+        self._old.append(path)
+
     def commit(self) -> None:
         with too_late():
             while self._moves:
                 deliver(*self._moves[0])
                 self._moves.pop(0)
+            for path in self._old:
+                path.unlink(missing_ok=True)

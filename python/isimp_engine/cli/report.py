@@ -6,12 +6,10 @@ from pathlib import Path
 from .. import reports
 from . import simplify, words
 from .errors import UsageError
-from .files import Outputs, show
+from .files import Outputs, check_all, show
 from .loading import load
 from .options import recipe_of, settings_of
 from .progress import Steps, wanted
-
-ANGLES = "angles.csv"
 
 
 def regions(text: str) -> list[int]:
@@ -40,6 +38,8 @@ def add_options(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     if arguments.output.exists() and not arguments.output.is_dir():
         raise UsageError(f"{arguments.output}: is a file; OUTPUT_FOLDER must be a folder")
+    if arguments.output.exists():
+        check_all([arguments.output / name for name in reports.NAMES], [arguments.input])
     settings = settings_of(arguments, recipe_of(arguments))
     steps = Steps(wanted(arguments.quiet))
     with steps("read") as job:
@@ -56,11 +56,14 @@ def run(arguments: argparse.Namespace) -> None:
         angles = reports.angle_rows(table, arguments.angles)
     texts = reports.texts_of(source.path.name, model.mesh, model.partition, poly, table, settings.crs)
     if angles is not None:
-        texts[ANGLES] = reports.write_csv(angles, ("region", "other", "angle"))
+        texts[reports.ANGLES] = reports.write_csv(angles, ("region", "other", "angle"))
     arguments.output.mkdir(parents=True, exist_ok=True)
     with Outputs() as outputs:
         for name, text in texts.items():
             outputs.write_text(arguments.output / name, text)
+        for name in reports.NAMES:
+            if name not in texts:
+                outputs.remove(arguments.output / name)
         outputs.commit()
     if not arguments.quiet:
         found = words.count(len(table.rows), "plane")

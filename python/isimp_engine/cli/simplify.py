@@ -33,7 +33,7 @@ from ..texturing.writing import files_of
 from ..within import Made, Within, polygonize_within
 from . import closing, guiding, lods, texturing, words
 from .errors import UsageError
-from .files import STDOUT, Outputs, check, is_same, show
+from .files import STDOUT, Outputs, check_all, show
 from .loading import Cleaned, Input, clean_mesh, close_mesh, facts, labels, load
 from .options import BOX_CLUTTER, KEEP_CLUTTER, guide_files, recipe_of, settings_of
 from .progress import Steps, wanted
@@ -297,14 +297,8 @@ def check_places(task: Simplification) -> list[Path]:
     beside = texturing.check_output(task)
     if task.labels == STDOUT:
         raise UsageError("--labels writes a binary file, which can't go to stdout; give ./- for a file called -")
-    taken = [task.input]
-    for path in (task.output, *beside, task.labels, task.report):
-        if not isinstance(path, Path):
-            continue
-        check(path)
-        if any(is_same(path, other) for other in taken) and not path.is_char_device():
-            raise UsageError(f"{path}: is named twice; INPUT and all outputs must be different files")
-        taken.append(path)
+    places = (task.output, *beside, task.labels, task.report)
+    check_all([path for path in places if isinstance(path, Path)], [task.input])
     return beside
 
 

@@ -20,7 +20,7 @@ from . import words
 from .batch import add_workers, children_of
 from .ending import Terminated, terminable
 from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, UsageError
-from .files import STDOUT, Outputs, check, place, show
+from .files import STDOUT, Outputs, check_all, place, show
 from .progress import Screen, wanted
 
 _WORDS = {  # the names of steps for the user
@@ -80,8 +80,8 @@ def add_options(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    if isinstance(arguments.report, Path):
-        check(arguments.report)
+    places = [path for path in (arguments.output, arguments.report) if isinstance(path, Path)]
+    check_all(places, [arguments.input])
     screen = Screen() if wanted(arguments.quiet) else None
     state = State()
     told = arguments.quiet

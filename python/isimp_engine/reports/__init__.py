@@ -1,10 +1,12 @@
 """Reports about a model: tables of its planes and round parts, and a page with pictures."""
 
-from .files import texts_of
+from .files import ANGLES, NAMES, texts_of
 from .page import numbers_of, write_page
 from .planes import PlaneTable, angle_rows, plane_table, write_csv, write_geojson
 
 __all__ = [
+    "ANGLES",
+    "NAMES",
     "PlaneTable",
     "angle_rows",
     "numbers_of",

@@ -9,6 +9,10 @@ from .page import numbers_of, write_page
 from .planes import PlaneTable, write_csv, write_geojson
 from .round_parts import ROUND_COLUMNS
 
+ANGLES = "angles.csv"
+_PLANES, _ROUND, _MAP, _PAGE = "planes.csv", "round_parts.csv", "planes.geojson", "report.html"
+NAMES = (_PLANES, _ROUND, _MAP, _PAGE, ANGLES)  #: all files that a report can have
+
 _SIDE = 420  # pixels of each picture
 
 
@@ -31,10 +35,10 @@ def texts_of(
         scan, model = scan @ turn.T, model @ turn.T
     shown = model, polygons.loops, polygons.loop_start, polygons.polygon_region
     seen = picture.beside((scan, np.asarray(mesh.triangles)), shown, _SIDE)
-    parts = {"round_parts.csv": write_csv(table.round_parts, ROUND_COLUMNS)} if table.round_parts else {}
+    parts = {_ROUND: write_csv(table.round_parts, ROUND_COLUMNS)} if table.round_parts else {}
     return {
-        "planes.csv": write_csv(table.rows),
+        _PLANES: write_csv(table.rows),
         **parts,
-        "planes.geojson": write_geojson(table, crs),
-        "report.html": write_page(title, numbers_of(mesh, part, polygons.report, table), table, seen),
+        _MAP: write_geojson(table, crs),
+        _PAGE: write_page(title, numbers_of(mesh, part, polygons.report, table), table, seen),
     }

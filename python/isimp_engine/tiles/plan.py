@@ -13,6 +13,7 @@ from .. import FileError, InvalidInput, PartitionOptions, __version__, exporting
 from ..batch.scans import READABLE, find_scans
 from ..children.errors import BatchError
 from ..cli.errors import UsageError
+from ..cli.files import is_same
 from ..cli.options import check_ranges
 from ..reading import kind_of
 from .errors import TileFailed, TilesError
@@ -68,8 +69,11 @@ def plan_of(source: Path, output: Path, work: Any, options: dict[str, Any], tile
         scans = find_scans([source], output.suffix, besides=folder)
     except BatchError as error:
         raise TilesError(str(error)) from None
-    inputs = [(scan.name, scan.path) for scan in scans]
-    inputs = [(name, path) for name, path in inputs if path.resolve() != place.resolve()]
+    earlier = place.parent.resolve() / place.name  # the result of an earlier run is no tile
+    inputs = [(scan.name, scan.path) for scan in scans if scan.path.parent.resolve() / scan.path.name != earlier]
+    inside = place.is_symlink() and place.resolve().is_relative_to(source.resolve())
+    if inside or any(is_same(place, path) for _, path in inputs):
+        raise TilesError(f"{output}: leads to the tile {place.resolve()}, which would be overwritten")
     if not inputs:
         raise TilesError(f"{source}: there is no tile in this folder")
     for _, path in inputs:

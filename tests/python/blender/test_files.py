@@ -140,7 +140,11 @@ def test_a_report_has_map_coordinates_and_the_scene_up(file, tmp_path):
     scan = meshed(file)
     scan.rotation_euler = (0, 0, np.pi / 2)
     bpy.context.view_layer.update()
+    old = tmp_path / "report" / "round_parts.csv"
+    old.parent.mkdir()
+    old.touch()
     assert OPS.write_report(directory=str(tmp_path / "report")) == {"FINISHED"}
+    assert not old.exists(), "there are no round parts"
     rows = list(csv.DictReader((tmp_path / "report" / "planes.csv").read_text().splitlines()))
     assert len(rows) == 6
     assert sorted(round(float(row["tilt"])) for row in rows) == [0, 90, 90, 90, 90, 180]

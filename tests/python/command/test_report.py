@@ -2,6 +2,7 @@
 
 import csv
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -210,3 +211,35 @@ def test_wrong_uses_are_refused(tmp_path):
     out.write_text("")
     check_line(isimp("report", source, out), 2, "must be a folder")
     check_line(isimp("report", tmp_path / "none.ply", tmp_path / "new"), 3, "none.ply")
+
+
+def test_a_folder_has_the_tables_of_one_report(tmp_path):
+    source, out = tmp_path / "house.ply", tmp_path / "out"
+    vertices, triangles = house()
+    meshfiles.ply_binary(source, vertices, triangles.tolist())
+    out.mkdir()
+    for name in ("angles.csv", "round_parts.csv", "other.csv"):
+        (out / name).write_text("old")
+    done = isimp("report", source, out, "--proxies", "7")
+    assert done.returncode == 0, done.stderr
+    names = ["other.csv", "planes.csv", "planes.geojson", "report.html"]
+    assert sorted(path.name for path in out.iterdir()) == names
+    assert (out / "other.csv").read_text() == "old"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs links and permissions as POSIX has them")
+def test_neither_the_scan_nor_a_read_only_table_is_overwritten(tmp_path):
+    source, out = tmp_path / "house.ply", tmp_path / "out"
+    vertices, triangles = house()
+    meshfiles.ply_binary(source, vertices, triangles.tolist())
+    before = source.read_bytes()
+    out.mkdir()
+    (out / "planes.geojson").symlink_to("../house.ply")
+    check_line(isimp("report", source, out), 2, "planes.geojson: is named twice")
+    assert source.read_bytes() == before
+    (out / "planes.geojson").unlink()
+    (out / "planes.csv").write_text("precious")
+    (out / "planes.csv").chmod(0o444)
+    check_line(isimp("report", source, out), 2, "planes.csv: is read-only")
+    assert [path.name for path in out.iterdir()] == ["planes.csv"]
+    assert (out / "planes.csv").read_text() == "precious"

@@ -370,6 +370,17 @@ def test_what_is_wrong_is_said_in_one_line(tmp_path, whole, arguments, status, s
     assert not (tmp_path / "a.obj").exists()
 
 
+def test_a_result_that_leads_to_a_tile_is_refused(tmp_path, whole):
+    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 2), meshfiles.ply_binary, ".ply")
+    first = sorted(folder.iterdir())[0]
+    before = first.read_bytes()
+    (folder / "city.ply").symlink_to(first.name)
+    done = isimp("tiles", folder, folder / "city.ply", "--proxies", P)
+    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1), done.stderr
+    assert f"leads to the tile {first}" in done.stderr
+    assert first.read_bytes() == before
+
+
 def test_ctrl_c_ends_it_and_the_next_run_goes_on(tmp_path, whole):
     folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 3, 2))
     command = [sys.executable, "-m", "isimp_engine", "tiles", folder, tmp_path / "a.obj", "--proxies", P]

@@ -218,9 +218,7 @@ class ISIMP_OT_write_report(_Model, bpy.types.Operator):
         try:
             mesh, outcome = _replayed(context, scan, lambda r: r if _last_mesh(r) else r.then(rcp.Mesh()))
             texts = handover.report_texts(mesh, outcome, places.to_world(scan), scan.name, places.epsg(scan) or None)
-            folder.mkdir(parents=True, exist_ok=True)
-            for name, text in texts.items():
-                (folder / name).write_text(text, encoding="utf-8")
+            handover.write_report(folder, texts)
         except (ValueError, OSError, mesh_io.Unusable) as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
