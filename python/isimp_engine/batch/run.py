@@ -17,6 +17,7 @@ from ..children.errors import BatchError
 from ..children.nursery import SIMPLIFY, Ending
 from ..children.runner import Assignment, Children, Workers, clear, endings
 from ..cli.errors import UsageError
+from ..cli.files import check
 from ..cli.options import settings_of, simplify_options
 from ..cli.settings import Settings
 from ..cli.simplify import output_kinds
@@ -201,19 +202,33 @@ class _Run:
 
     def _keep(self, scan: Scan, folder: Path | None, ending: Ending) -> None:
         """Move the result to its place, then add its row."""
-        target = None
+        target, files = None, self._earlier(scan)
         if folder is not None and not ending.why:
             try:
-                target = self._published(scan, folder)
+                target, files = self._published(scan, folder)
+            except UsageError as error:
+                ending = Ending(str(error), {}, ending.seconds)
             except OSError as error:
                 ending = Ending(f"can't be written to {scan.output}: {error.strerror}", {}, ending.seconds)
-        self._row(scan, ending, target)
+        self._row(scan, ending, target, files)
 
-    def _published(self, scan: Scan, folder: Path) -> Path:
-        """Move the files to their places, the result last. All of them are on disk before they get their names."""
+    def _earlier(self, scan: Scan) -> list[str]:
+        """Return the names of the files that earlier runs made of a scan. All of them begin with its name."""
+        row, stem = self._table.rows.get(scan.name), Path(scan.name).name.partition(".")[0]
+        return [] if row is None else [name for name in row["files"] if name.startswith(stem)]
+
+    def _published(self, scan: Scan, folder: Path) -> tuple[Path, list[str]]:
+        """Move the files to their places, the result last, and remove older ones; returns the result and the names.
+
+        All of them are on disk before they get their names.
+        """
         target = self._plan.output / scan.output
         target.parent.mkdir(parents=True, exist_ok=True)
         made = sorted((folder / MADE).iterdir(), key=lambda path: path.name == target.name)
+        names = [path.name for path in made]
+        old = sorted(set(self._earlier(scan)).difference(names))
+        for name in names + old:
+            check(target.parent / name)
         for path in made:
             handle = os.open(path, os.O_RDONLY)
             try:
@@ -222,19 +237,22 @@ class _Run:
                 os.close(handle)
         for path in made:
             path.replace(target.parent / path.name)
+        for name in old:
+            (target.parent / name).unlink(missing_ok=True)
         sync_folder(target.parent)
         picture = folder / PICTURE
         if picture.exists():
             picture.replace(self._plan.pictures_folder / f"{self._plan.key(scan)}.png")
-        return target
+        return target, names
 
-    def _row(self, scan: Scan, ending: Ending, target: Path | None) -> None:
+    def _row(self, scan: Scan, ending: Ending, target: Path | None, files: list[str]) -> None:
         row: Row = {
             "name": scan.name,
             "input": str(scan.path),
             "status": "failed" if ending.why else "ok",
             "why": ending.why or None,
             "output": None if target is None else str(target),
+            "files": files,
             "seconds": ending.seconds,
             "peak_mb": ending.peak_mb,
             **ending.values,
@@ -295,24 +313,7 @@ def _checked_options(options: dict[str, Any], recipe: str | os.PathLike[str] | d
         raise BatchError(str(error).splitlines()[0]) from None
     if len(given := [name for name in recipes.COUNTS if options.get(name) is not None]) > 1:
         raise BatchError(f"{' and '.join(given)} each set the number of regions: give one of them")
-    for made in (settings.partition, settings.clean):
-        check_ranges(made)
     return settings
-
-
-def check_ranges(options: PartitionOptions | CleanOptions) -> None:
-    """Check the ranges of options once, before the engine would raise the same error for each scan."""
-    values = options.as_dict()
-    for option in options.fields():
-        value, name = values[option["name"]], option["name"].replace("_", "-")
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            continue
-        low, high = option.get("least"), option.get("most")
-        fits = abs(value) < float("inf")
-        fits = fits and (low is None or (value > low if option.get("above_least") else value >= low))
-        fits = fits and (high is None or (value < high if option.get("below_most") else value <= high))
-        if not fits:
-            raise BatchError(f"--{name} must be {option.get('range', 'a finite number')}, got {value:g}")
 
 
 def _check_place(inputs: Any, output: Path) -> None:

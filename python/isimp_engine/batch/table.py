@@ -5,7 +5,7 @@ import os
 import re
 import socket
 from collections.abc import Callable
-from pathlib import Path
+from pathlib import Path, PurePath
 from types import TracebackType
 from typing import IO, Any
 
@@ -58,6 +58,11 @@ def _is_text(value: Any) -> bool:
         return False
 
 
+def _is_names(value: Any) -> bool:
+    """Return whether a value is a list of names of files. Old results are removed by name."""
+    return isinstance(value, list) and all(_is_text(each) and PurePath(each).name == each for each in value)
+
+
 def _is_number(value: Any) -> bool:
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
     return is_number and abs(value) < _LARGEST
@@ -76,12 +81,13 @@ _COUNTS = ("faces", "repaired", "regions", "polygons", "vertices", "corners", "c
 _LENGTHS = ("error", "planarity_max", "planarity_mean", "diagonal", "scan_distance", "scan_distance_allowed")
 _KINDS: dict[str, Callable[[Any], bool]] = {  # checks of the values of the keys that are used here
     "key": _is_key,
+    "files": _is_names,
     "warnings": lambda value: isinstance(value, list) and all(map(_is_text, value)),
     **dict.fromkeys((*_COUNTS, "intersecting", "seconds"), _is_number),
     **dict.fromkeys((*_LENGTHS, "peak_mb"), _or_none(_is_number)),
     **dict.fromkeys(("input", "why", "output", "isimp", "ended"), _or_none(_is_text)),
 }
-_MISSING: Row = {"why": None, "output": None, "seconds": 0.0, "peak_mb": None, "key": ""}
+_MISSING: Row = {"why": None, "output": None, "seconds": 0.0, "peak_mb": None, "key": "", "files": []}
 
 
 class Table:

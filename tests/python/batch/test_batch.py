@@ -46,6 +46,46 @@ def test_results_equal_simplify_in_the_folders_of_the_scans(scans, tmp_path):
     assert 5 < row["peak_mb"] < 5000
 
 
+def test_other_options_leave_no_files_of_the_old_ones(scans, tmp_path):
+    out = tmp_path / "out"
+    assert not batch.run(scans, out, format="ply", options={"proxies": 6}, labels=True, reports=True).failed
+    own = out / "sub" / "c.txt"
+    own.write_text("precious")
+    again = batch.run(scans, out, options={"proxies": 6})
+    assert not again.failed
+    names = {str(path.relative_to(out)) for path in out.rglob("*") if path.is_file()}
+    made = {"a.obj", "b.obj", "sub/c.obj", "results.jsonl", "results.html", "sub/c.txt"}
+    assert {name for name in names if not name.startswith(".isimp-batch/")} == made
+    assert [row["files"] for row in again.rows] == [["a.obj"], ["b.obj"], ["c.obj"]]
+
+
+def test_a_read_only_result_is_not_replaced(scans, tmp_path):
+    out = tmp_path / "out"
+    assert not batch.run(scans, out, options={"proxies": 6}).failed
+    (out / "a.obj").write_text("precious")
+    (out / "a.obj").chmod(0o444)
+    (failed,) = batch.run(scans, out, format="ply", options={"proxies": 7}).failed
+    assert (failed["name"], failed["files"]) == ("a.ply", ["a.obj"])
+    assert "a.obj: is read-only" in failed["why"]
+    assert (out / "a.obj").read_text() == "precious"
+    assert (out / "b.ply").exists()
+
+
+def test_a_row_names_no_other_files(scans, tmp_path):
+    out = tmp_path / "out"
+    assert not batch.run(scans, out, options={"proxies": 6}).failed
+    table_file = out / table.NAME
+    rows = [json.loads(line) for line in table_file.read_text().splitlines()]
+    for row, files in zip(rows, (["b.txt", "../a.txt"], ["..", 5], ["/"]), strict=True):
+        row["files"] = files
+    table_file.write_text("".join(json.dumps(row) + "\n" for row in rows))
+    for place in (out / "b.txt", tmp_path / "a.txt"):
+        place.write_text("precious")
+    assert not batch.run(scans, out, options={"proxies": 7}).failed
+    assert (out / "b.txt").exists()
+    assert (tmp_path / "a.txt").exists()
+
+
 def test_a_second_run_does_only_missing_scans(scans, tmp_path, log):
     out = tmp_path / "out"
 

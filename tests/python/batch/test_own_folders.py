@@ -130,6 +130,7 @@ ODD_VALUES = [None, True, "<b>", "\ud800", [1], {}, -1, 10**400, 1e308, float("n
 @pytest.mark.parametrize("status", ["ok", "failed"])
 def test_rows_may_hold_anything(tmp_path, status):
     names = [*GOOD, "why", "output", "regions", "warnings", "planarity_mean", "diagonal", "scan_distance", "manifold"]
+    names.append("files")
     rows = [GOOD | {"status": status, "name": f"{name}{k}"} for name in names for k in range(len(ODD_VALUES))]
     for k, name in enumerate(names):
         for n, value in enumerate(ODD_VALUES):
