@@ -46,6 +46,7 @@ class Within:
     )  #: the largest distance of a vertex of the scan from the polygons, scene units; None: no bound
     allowed: float | None  #: its limit: SLACK times the bound
     tries: int
+    most: int | None = None  #: the number of triangles that was asked for
 
     @property
     def report(self) -> dict[str, Any]:
@@ -53,6 +54,17 @@ class Within:
         if self.distance is None:
             return self.polygons.report
         return self.polygons.report | {"scan_distance": self.distance, "scan_distance_allowed": self.allowed}
+
+    @property
+    def warnings(self) -> list[str]:
+        """The warnings of the partition, and one if there are too many triangles."""
+        found, part = list(self.partition.report["warnings"]), self.partition
+        if self.most is not None and (made := triangles_of(self.polygons)) > self.most:
+            text = f"{made:,} triangles, {self.most:,} were asked for"
+            if part.region_count > part.proxies_asked:
+                text += f"; the scan needs at least {part.proxies_needed:,} regions"
+            found.append(text)
+        return found
 
 
 @dataclass(frozen=True)
@@ -189,7 +201,7 @@ def _within_triangles(mesh: Mesh, part: Partition, meshing: MeshingOptions, made
         if (proxies := search.next()) is None:
             break
     assert best is not None  # the first try always sets it
-    return Within(*best, None, None, search.tries)
+    return Within(*best, None, None, search.tries, search.most)
 
 
 def partition_within(

@@ -256,7 +256,7 @@ def _make(
         "regions": part.region_count,
         "error": part.error,
         "history": part.history.tolist(),
-        "partition": part.report,
+        "partition": part.report | {"warnings": model.found.warnings},
         "curved": part.report["curved"],
         "expected": model.expected,
         "output": {"path": str(task.output)} | model.found.report,
@@ -333,7 +333,8 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
         yield f"  {words.found(report['partition'])}"
     if report["nearer"] is not None:
         yield f"  {words.nearer(report['nearer'])}"
-    yield from words.more_proxies(part.region_count, part.proxies_asked)
+    if report["options"]["triangles"] is None:  # else the search asked
+        yield from words.more_proxies(part.region_count, part.proxies_asked)
     wanted, plane = report["options"]["symmetry"], report["partition"]["symmetry"]
     yield from words.symmetry(wanted, plane, part.region_count, out)
     if report["options"]["curved"]:

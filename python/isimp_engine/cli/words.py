@@ -187,7 +187,8 @@ def polygons(out: dict[str, Any], regions: int) -> str:
 
 
 def flat(out: dict[str, Any], diagonal: float, seconds: float) -> str:
-    mean, worst = (f"{out[key] / diagonal:.3%}" for key in ("planarity_mean", "planarity_max"))
+    size = diagonal or 1.0  # of a scan that is one point, which is flat
+    mean, worst = (f"{out[key] / size:.3%}" for key in ("planarity_mean", "planarity_max"))
     return f"  flat to {mean} of the diagonal, at worst {worst}; {seconds:.1f} s"
 
 

@@ -74,6 +74,9 @@ def _whole(place: Path, put: Callable[[Path], object]) -> None:
     with reader(place, "can't be written"):
         try:
             with whole(place) as draft:
-                put(draft)
+                try:
+                    put(draft)
+                except FileError as error:
+                    raise FileError(str(error).replace(str(draft), str(place))) from None
         except OSError as error:
             raise FileError(f"{place}: can't be written: {error.strerror or error}") from None

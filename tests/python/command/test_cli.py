@@ -273,6 +273,28 @@ def test_numbers_that_are_not_finite_are_refused_before_the_work(tmp_path, text)
         check_line(done, 2, f"{flag} must be ", f"got {text}")
 
 
+def test_a_scan_that_is_one_point_has_a_summary(tmp_path):
+    path = tmp_path / "point.obj"
+    path.write_text("v 0 0 0\n" * 4 + "f 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n")
+    done = isimp("simplify", path, tmp_path / "o.ply")
+    assert done.returncode == 0, done.stderr
+    assert "flat to 0.000% of the diagonal" in done.stdout
+
+
+def test_a_budget_of_triangles_that_the_scan_exceeds_is_a_warning(tmp_path):
+    path, report = tmp_path / "balls.ply", tmp_path / "r.json"
+    vertices, triangles = shapes.joined(shapes.cube(), (shapes.cube()[0] + 5, shapes.cube()[1]))
+    meshfiles.ply_binary(path, vertices, triangles.tolist())
+    done = isimp("simplify", path, tmp_path / "o.ply", "--triangles", 2, "--report", report)
+    assert done.returncode == 0, done.stderr
+    said = json.loads(report.read_text())
+    made = said["output"]["corners"] - 2 * said["output"]["polygons"]
+    (warning,) = said["partition"]["warnings"]
+    assert warning == f"{made} triangles, 2 were asked for; the scan needs at least 8 regions"
+    assert f"  warning: {warning}" in done.stdout
+    assert "proxies" not in done.stdout
+
+
 def test_a_full_disk_is_3_and_leaves_nothing(scan, tmp_path):
     if not Path("/dev/full").exists():
         pytest.skip("no /dev/full here")

@@ -358,3 +358,12 @@ def test_a_circle_of_points() -> None:
     assert abs(normal @ Z) == pytest.approx(1)
     assert radius == pytest.approx(3)
     assert circle_of(np.outer(np.arange(5.0), X)) is None
+
+
+def test_polygons_without_an_area_are_no_shape(tmp_path: Path, read: Any) -> None:
+    mesh = engine.Mesh([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]], [[0, 1, 2], [1, 3, 2]])
+    poly = engine.polygonize(mesh, engine.partition(mesh))
+    assert len(poly.loop_start)
+    with pytest.raises(engine.FileError, match=r"a\.step: no polygon has an area"):
+        engine.write(tmp_path / "a.step", poly)
+    assert not list(tmp_path.iterdir())

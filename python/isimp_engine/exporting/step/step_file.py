@@ -40,6 +40,8 @@ def write(
     if not len(poly.loop_start):
         raise FileError(f"{path}: there are no polygons, and a STEP file needs some")
     made = make(poly, partition, mesh, job)
+    if not made.faces:
+        raise FileError(f"{path}: no polygon has an area, and a STEP file needs one")
     poll(job)  # OpenCASCADE is not interrupted below
     shape = made.shape if place is None else _moved(made.shape, place)
     writer = STEPControl_Writer()  # before the settings, which it resets
