@@ -20,6 +20,7 @@ import numpy as np
 from tests.shared.outlines import Outlines, edges_of, twins
 
 THIN = 1e-6  # share of the diagonal: a polygon thinner than this has no area
+SLIVER = 1e18  # cost of a triangle that is too thin, in squares of the bound
 FACING = 0.2  # cosine from which a polygon faces the way of the adjacent faces
 
 
@@ -172,8 +173,11 @@ def crosses_itself(p):
     return bool(((signs_2d(back, p, q) == 0) & (((p - back) * (q - p)).sum(1) < 0)).any())
 
 
-def least_surface(points, p):
-    """Triangles (local corners) of the least area that do not fold over in the plane; None if there are none."""
+def least_surface(points, p, thin=0.0):
+    """Triangles (local corners) of the least area that do not fold over in the plane; None if there are none.
+
+    Triangles that are thinner than `thin` are used only if there is no other way.
+    """
     n = len(p)
     if n == 3:
         return [(0, 1, 2)]
@@ -198,6 +202,9 @@ def least_surface(points, p):
             k = np.arange(s + 1, t)
             begin, end = (np.broadcast_to(p[x], (len(k), 2)) for x in (s, t))
             size = np.linalg.norm(np.cross(points[k] - points[s], points[t] - points[k]), axis=1)
+            sides = (points[k] - points[s], points[t] - points[k], np.broadcast_to(points[t] - points[s], (len(k), 3)))
+            longest = np.max([np.linalg.norm(side, axis=1) for side in sides], axis=0)
+            size = size + np.where(size <= thin * longest, SLIVER * thin * thin, 0)
             sums = cost[s, k] + cost[k, t] + np.where(signs_2d(begin, p[k], end) > 0, size, np.inf)
             via[s, t] = s + 1 + int(np.argmin(sums))
             cost[s, t] = sums.min()
