@@ -9,7 +9,8 @@
 #include "labelled.h"
 #include "shapes.h"
 
-/// A share of bench/monkeys/engine_monkey.cpp: every edit at some faces of partitions of every kind.
+/// Every edit at some faces of partitions of every kind. Unlike bench/monkeys/monkey.py it sees the sums of regions, and
+/// runs in every build of the C++ tests, with sanitizers too.
 namespace isimp {
 namespace {
 
