@@ -10,11 +10,14 @@
 
 #include "closest_faces.h"
 #include "density/noise.h"
+#include "isimp/core/balanced.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/threads.h"
 
 namespace isimp {
 namespace {
+
+constexpr double kDamping = 1e-9;  ///< share of the diagonal: a plane that fits equally well wherever it is stays
 
 constexpr std::int32_t kFew = 200, kSome = 800, kMany = 6000;  // samples: of all candidates, the best, the last
 constexpr std::size_t kDirections = 150;                       // on half a sphere: 12 degrees apart
@@ -208,8 +211,8 @@ class Finder {
       a += weight * grows * grows.transpose();
       b -= weight * miss * grows;
     }
-    a.diagonal() += Vec3::Constant(1e-9 * a.trace() + 1e-300);
-    const Vec3 by = a.ldlt().solve(b);
+    for (int k = 0; k < 3; ++k) a(k, k) = a(k, k) > 0 ? (1 + kDamping) * a(k, k) : 1.0;
+    const Vec3 by = solve_balanced(a, b);
     if (!by.allFinite()) return false;
     const double shift = m.normal.dot(centre_);
     const double turn = std::hypot(by[0], by[1]), most = 0.2;

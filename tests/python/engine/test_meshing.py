@@ -1,5 +1,6 @@
 """polygonize: polygons of regions, used like a caller."""
 
+import copy
 import gc
 import itertools
 
@@ -313,3 +314,18 @@ def test_rims_within_a_length_below_rounding_follow_the_border(reach):
     assert np.isfinite(poly.vertices).all()
     assert np.array_equal(poly.vertices, plain.vertices)
     assert np.array_equal(poly.loops, plain.loops)
+
+
+def test_a_mesh_of_the_same_arrays_has_the_same_polygons() -> None:
+    vertices, triangles = shapes.bumpy(24)
+    rng = np.random.default_rng(3)
+    for face in triangles[rng.choice(len(triangles), 60, replace=False)]:
+        vertices[face[0]] = (vertices[face[1]] + vertices[face[2]]) / 2
+    mesh = engine.clean(vertices, triangles)
+    assert mesh.report["turned_edges"] > 20
+    one, other = (
+        engine.polygonize(each, engine.partition(each, engine.PartitionOptions(proxies=60)))
+        for each in (mesh, copy.deepcopy(mesh))
+    )
+    assert np.array_equal(one.loops, other.loops)
+    assert np.array_equal(one.vertices, other.vertices)

@@ -92,7 +92,8 @@ def test_results_do_not_depend_on_the_unit(shape, power: int) -> None:
     scaled = engine.clean(mesh.vertices * 2.0**power, mesh.triangles)
     made = []
     for each, unit in ((mesh, 1.0), (scaled, 2.0**power)):
-        for options in ({"proxies": 40}, {"proxies": 40, "curved": True}, {"curved": True}):
+        symmetric = {"proxies": 40, "symmetry": "found"}
+        for options in ({"proxies": 40}, {"proxies": 40, "curved": True}, {"curved": True}, symmetric):
             part = engine.partition(each, engine.PartitionOptions(**options))
             snapped = engine.regularise(each, part)
             for some in (part, snapped):

@@ -154,14 +154,17 @@ class EdgeFlipper {
     if (beyond != kNone) t_.opposite[beyond] = h;
   }
 
-  /// Sets the half-edge from which a walk meets all faces of a vertex, given one that leaves it.
+  /// Sets the half-edge that find_topology would set, given one that leaves the vertex: the one on the border, else the
+  /// last.
   void keep_leaving(std::int32_t v, std::int32_t h) {
     const std::int32_t start = h;
+    std::int32_t last = h;
     for (std::int32_t back = t_.opposite[h]; back != kNone; back = t_.opposite[h]) {
       h = Mesh::next(back);
       if (h == start) break;
+      last = std::max(last, h);
     }
-    t_.vertex_halfedge[v] = h;
+    t_.vertex_halfedge[v] = t_.opposite[h] == kNone ? h : last;
   }
 
   MeshArrays& p_;
