@@ -1,4 +1,4 @@
-"""What a case of the monkey is made of, drawn at random: scans, damage, options, edits.
+"""Draws the parts of a case of the monkey at random: scans, damage, options, edits.
 
 Options come from the engine's tables of options, and edits from its stubs: every public function of a mesh and a
 partition that returns a partition. So a new option or edit is tried without a change here, except that an argument with
@@ -207,7 +207,7 @@ def _rounded(v, t, rng):
 
 
 def _doubled(v, t, rng):
-    """The same again beside it, or at the same place."""
+    """The scan twice, side by side or at one place."""
     return shapes.joined((v, t), (v + rng.choice([0, 0.3, 2]) * size_of(v) * rng.normal(size=3), t))
 
 
@@ -334,7 +334,7 @@ def functions() -> dict[str, dict[str, str]]:
 
 
 class Place:
-    """A face of a partition, and what is near it."""
+    """A face of a partition, and its surroundings."""
 
     def __init__(self, mesh: engine.Mesh, part: engine.Partition, rng) -> None:
         self.mesh, self.part, self.rng = mesh, part, rng

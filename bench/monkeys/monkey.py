@@ -4,7 +4,7 @@ r"""Tries the Python module at random and judges each result: scans, damage, opt
     python -m bench.monkeys.monkey --seed 3 --case 239        repeats one case
 
 A case is a scan (a file of $ISIMP_DATA, else of ../shared/data, or a made shape), cleaned, partitioned, changed by up
-to eight edits and meshed. draws.py draws all that, judging.py says what must hold after each step. Then the case is
+to eight edits and meshed. draws.py draws all that, judging.py judges each step. Then the case is
 done once more in one of several ways, which must give the same: on 2 and 8 threads, 2^k times as large, cancelled at a
 random moment, pickled, or through a file.
 
@@ -12,7 +12,7 @@ Each case runs in a process of its own with limits on time and memory, so that a
 A finding is one line, with the command that repeats it. The exit status is 1 if there are any. The same seed and case
 draw the same.
 
-With the sanitizers, in a build of them (GCC; leaks are those of Python itself):
+With the sanitizers, in a build of them (GCC; Python itself leaks):
 
     cmake -S . -B build-asan-python -G Ninja -DISIMP_SANITIZE=ON -DISIMP_ASSERTIONS=ON -DISIMP_PYTHON=ON
     cmake --build build-asan-python --target isimp_python
@@ -44,7 +44,7 @@ import isimp_engine as engine
 from bench.monkeys import draws, judging
 from bench.monkeys.draws import Edit
 
-SECONDS = 60  #: of the processor that a case may take
+SECONDS = 60  #: time of the processor that a case may take
 WALL = 20  #: times as long it may take on a busy machine, or while it waits
 MEMORY = 4 << 30  #: bytes that a case may add
 MOST_FACES = 3000
@@ -57,7 +57,7 @@ Say = Callable[[str], None]
 
 @dataclass
 class Case:
-    """What was drawn. The edits are drawn as the case goes, since each names faces of the regions before it."""
+    """The drawn values. Edits are drawn one after another, since each names faces of the regions before it."""
 
     name: str
     vertices: np.ndarray
@@ -84,7 +84,7 @@ class Case:
 
 @dataclass
 class Result:
-    """What came of a case."""
+    """The result of a case."""
 
     mesh: engine.Mesh
     stages: list[tuple[str, engine.Partition]]
@@ -93,7 +93,7 @@ class Result:
 
 
 def bits(result: Result, factor: float = 1.0) -> Iterator[tuple[str, bytes]]:
-    """What two runs of a case must share: names and bytes. factor: how many times as large the case was."""
+    """The names and bytes that two runs of a case must share. factor: the scale of the case."""
     yield "mesh", np.asarray(result.mesh.triangles).tobytes()
     yield "mesh places", (np.asarray(result.mesh.vertices) / factor).tobytes()
     yield "refused", json.dumps([text.split(",")[0] if factor == 1 else "" for text in result.refused]).encode()
@@ -121,7 +121,7 @@ def difference(one: Result, other: Result, factor: float = 1.0) -> str:
 
 
 class Monkey:
-    """One case: plays it, and finds what does not hold."""
+    """One case: plays it, and finds its faults."""
 
     def __init__(self, seed: int, number: int, most: int, with_files: bool, say: Say) -> None:
         self.rng = np.random.default_rng([seed, number])
@@ -299,7 +299,7 @@ class Monkey:
                 self.find(f"{name} differ after a cancelled call")
 
     def file(self, first: Result) -> None:
-        """What is written is read back, and a cancelled call writes nothing."""
+        """Written files are read back, and a cancelled call writes nothing."""
         if first.polygons is None:
             return
         with tempfile.TemporaryDirectory() as folder:
@@ -328,7 +328,7 @@ class Monkey:
 
 
 def play(seed: int, number: int, most: int, with_files: bool, pipe: Any, limits: tuple[float, int]) -> None:
-    """The work of a process: sends ("at", step) as it goes, and at the end ("done", findings, counts, text)."""
+    """The work of a process: sends ("at", step) at each step, and at the end ("done", findings, counts, text)."""
     seconds, memory = limits
     resource.setrlimit(resource.RLIMIT_CPU, (int(seconds) + 1, int(seconds) + 5))
     if memory:
@@ -358,7 +358,7 @@ class Running:
     ended: tuple[list[str], Counter[str], str] | None = None
 
     def look(self, seconds: float) -> bool:
-        """Read what it has sent; returns whether it has ended. seconds: of wall clock that it may take."""
+        """Read its messages; returns whether it has ended. seconds: of wall clock that it may take."""
         try:
             while self.pipe.poll():
                 kind, *sent = self.pipe.recv()
@@ -393,10 +393,10 @@ def run(
     slower: float = 1.0,
     tell: Callable[[int, list[str], str], None] = lambda number, findings, text: None,
 ) -> tuple[list[tuple[int, str]], Counter[str]]:
-    """Run cases, each in a process; returns (case, finding) and how often what was done.
+    """Run cases, each in a process; returns (case, finding) and the count of each action.
 
     until: value of time.monotonic() after which no case begins. slower: how many times as slow the build is.
-    tell: called after each case with its number, its findings and what was drawn.
+    tell: called after each case with its number, its findings and the drawn values.
     """
     context = multiprocessing.get_context("fork")  # the engine is loaded once
     limits = SECONDS * slower, 0 if slower > 1 else MEMORY + resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024

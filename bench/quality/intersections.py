@@ -4,7 +4,7 @@
 
 A bent polygon is a surface only once it is triangulated, so pairs are counted by triangulation: `least` has the least
 surface, as the engine's judge, and `ears` is that of files and textures. A row a run: polygons, pairs that the report
-lists (`said`, excused ones included), and by triangulation all pairs found and those of them that the report lacks.
+lists (`said`, excused ones included), and by triangulation all pairs found and the pairs that the report lacks.
 `own`: polygons whose own triangles meet. The last row is the sum. Pairs with polygons that the report calls crossing
 do not count, nor do lacking pairs with a polygon of more than 64 corners, since the judge cuts ears off these, nor
 those of reports with 1,000 pairs, as no more are listed. The exit code is 1 if a pair of `least` is lacking.

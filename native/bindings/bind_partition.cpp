@@ -195,9 +195,10 @@ void bind_result(py::module_& m) {
           "noise",
           [](const Partition& part) { return given_or_none(part.tolerance > 0 || is_bounded(part), part.noise); },
           "Deviation of the noise with which it was found, given or estimated, scene units; None as above.")
-      .def_property_readonly("region_offset", viewer<Partition>(&Partition::region_offset),
-                             "(R,) float64 with a bound, or where regularised: each region's plane is where "
-                             "region_normal @ x is this; else empty.")
+      .def_property_readonly(
+          "region_offset", viewer<Partition>(&Partition::region_offset),
+          "(R,) float64 with a bound, or where planes are or were held: each region's plane is where "
+          "region_normal @ x is this, x in the caller's coordinates; else empty.")
       .def_property_readonly(
           "region_held", viewer<Partition>(&Partition::region_held),
           "(R,) uint8: 1 where regularise snapped the plane, 2 where align_planes set it; polygons keep to it. "

@@ -85,6 +85,8 @@ def close_openings(
     job: Job | None = None,
     *,
     keep: NDArray[np.floating] | None = None,
+    asked: int = 1,
+    leave_out: float = 0.0,
 ) -> Mesh: ...
 
 class PartitionOptions:

@@ -214,7 +214,7 @@ void for_each_corner(const Mesh& mesh, const Partition& part, Function fn) {
       for (const std::int32_t v : mesh.triangles()[f]) fn(r, mesh.vertices()[v]);
 }
 
-/// Gives regions whose planes leave the bound, and free ones, the partition's own planes, which keep it.
+/// Returns planes that leave the bound, and free planes, to the partition's own planes, which keep it.
 void keep_bound(const Mesh& mesh, const Partition& partition, std::vector<Region>& regions) {
   std::vector<double> off(partition.region_seed.size(), 0);
   for_each_corner(mesh, partition, [&](std::int32_t r, const Vec3& p) {

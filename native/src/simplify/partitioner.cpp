@@ -348,7 +348,7 @@ void hold_as(Partition& part, const Partition& before, bool all_stay) {
 /// On the components that are kept, as a mesh of their own.
 Partition Partitioner::on_kept(const Components& components, const PartitionOptions& options,
                                const Constraints& constraints, Job& job) const {
-  constexpr double kCutting = 0.1;  // of the time
+  constexpr double kCutting = 0.1;  // share of the time
   std::vector<std::int32_t> kept;
   for (std::int32_t f = 0; f < mesh_->face_count(); ++f)
     if (components.all[mesh_->component()[f]].kept) kept.push_back(f);

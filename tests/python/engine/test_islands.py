@@ -49,9 +49,7 @@ def test_a_box_that_does_not_touch_the_wall_stays() -> None:
     large, triangles = shapes.cube(10)
     small, faces = shapes.cube(4)
     small = small * [0.5, 0.5, 0.1] + [12, 4, 2.9]
-    mesh = engine.clean(
-        np.concatenate([large * [10, 10, 3], small]), np.concatenate([triangles, faces + len(large)])
-    )
+    mesh = engine.clean(np.concatenate([large * [10, 10, 3], small]), np.concatenate([triangles, faces + len(large)]))
     part = engine.partition(mesh, engine.PartitionOptions(proxies=12, leave_out=0))
     found = engine.regularise(mesh, part, engine.RegulariseOptions(merge_islands=0.2))
     assert found.report["islands_merged"] == 0

@@ -58,7 +58,8 @@ def compare(all_faces, some_faces, options: dict, leave_out: float) -> None:
     ]
     parts = [engine.partition(mesh, each) for mesh, each in ways]
     left = parts[0].face_region < 0
-    assert left.any() and not (parts[1].face_region < 0).any()
+    assert left.any()
+    assert not (parts[1].face_region < 0).any()
     assert np.array_equal(parts[0].face_region[~left], parts[1].face_region)
     for name in ("region_normal", "region_offset", "history"):
         assert np.array_equal(getattr(parts[0], name), getattr(parts[1], name)), name
@@ -66,20 +67,23 @@ def compare(all_faces, some_faces, options: dict, leave_out: float) -> None:
         assert getattr(parts[0], name) == getattr(parts[1], name), name
     assert [repr(proxy) for proxy in parts[0].curved] == [repr(proxy) for proxy in parts[1].curved]
     for meshing in ({}, {"planar": True}):
-        made = [engine.polygonize(mesh, p, engine.MeshingOptions(**meshing)) for mesh, p in zip((one, other), parts)]
+        made = [
+            engine.polygonize(mesh, p, engine.MeshingOptions(**meshing))
+            for mesh, p in zip((one, other), parts, strict=True)
+        ]
         same_polygons(*made)
     assert engine.expected_polygons(one, parts[0]) == engine.expected_polygons(other, parts[1])
-    regular = [engine.regularise(mesh, part) for mesh, part in zip((one, other), parts)]
+    regular = [engine.regularise(mesh, part) for mesh, part in zip((one, other), parts, strict=True)]
     assert np.array_equal(regular[0].region_normal, regular[1].region_normal)
-    same_polygons(*[engine.polygonize(mesh, part) for mesh, part in zip((one, other), regular)])
+    same_polygons(*[engine.polygonize(mesh, part) for mesh, part in zip((one, other), regular, strict=True)])
     if "bound" not in options:
         lengths = [openings.lengths_for(mesh, each, None, lambda: parts[1].region_count) for mesh, each in ways]
         for name in ("holes", "flat_holes", "handles"):
             assert getattr(lengths[0], name) == getattr(lengths[1], name), name
-        closed = [length.closed(mesh) for length, (mesh, _) in zip(lengths, ways)]
+        closed = [length.closed(mesh) for length, (mesh, _) in zip(lengths, ways, strict=True)]
         assert len(closed[0].openings) == len(closed[1].openings)
-        again = [engine.partition(mesh, each) for mesh, (_, each) in zip(closed, ways)]
-        same_polygons(*[engine.polygonize(mesh, part) for mesh, part in zip(closed, again)])
+        again = [engine.partition(mesh, each) for mesh, (_, each) in zip(closed, ways, strict=True)]
+        same_polygons(*[engine.polygonize(mesh, part) for mesh, part in zip(closed, again, strict=True)])
 
 
 @pytest.mark.parametrize("offset", OFFSETS.values(), ids=OFFSETS)

@@ -47,7 +47,7 @@ class Partitioner {
   /// are left out, smallest first, while all of them together stay below ten times it, or below twenty times it where
   /// each has less than a tenth of the mean area of `proxies` regions. The largest is always kept, and none is left out
   /// where the rest would have fewer than `proxies` faces. The rest is partitioned as a mesh of its own, so that the
-  /// result does not depend on what is left out.
+  /// result does not depend on other components.
   /// The same mesh, options and constraints give the same partition bit for bit: nothing depends on hashing, on the
   /// order of threads or on a library's random numbers. May be called from several threads at once.
   ///

@@ -24,7 +24,7 @@ struct Cleaning {
   MeshArrays arrays;
   Topology topology;
   RepairLog log;
-  MeshArrays aside = {};  ///< of components that stay as they are
+  MeshArrays aside = {};  ///< arrays of components that stay as they are
 
   /// Closes the openings that the options name, and makes the mesh.
   Cleaned finish(const CleanOptions& options, const std::vector<Vec3>& keep, const Threads& threads, Job& job) &&;
@@ -205,7 +205,7 @@ MeshArrays take_aside(MeshArrays& arrays, std::span<const std::uint8_t> marked) 
   return aside;
 }
 
-/// Adds arrays after those of other components.
+/// Adds the arrays of other components at the end.
 void append(const MeshArrays& more, MeshArrays& arrays, Topology& topology, const Threads& threads, Job& job) {
   const auto vertices = static_cast<std::int32_t>(arrays.vertices.size());
   const auto halfedges = static_cast<std::int32_t>(3 * arrays.triangles.size());

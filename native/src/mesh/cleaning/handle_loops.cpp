@@ -121,9 +121,9 @@ class HandleLoops {
 
  private:
   static constexpr double kFar = std::numeric_limits<double>::infinity();
-  static constexpr std::size_t kAhead = 8;        // vertices ahead of the current one whose neighbours are prefetched
-  static constexpr std::size_t kSample = 16;      // faces from one edge that is measured to the next
-  static constexpr std::size_t kMostLoops = 4;    // of one start: others of its loops are the shortest of other starts
+  static constexpr std::size_t kAhead = 8;      // vertices ahead of the current one whose neighbours are prefetched
+  static constexpr std::size_t kSample = 16;    // faces from one edge that is measured to the next
+  static constexpr std::size_t kMostLoops = 4;  // loops of one start: its other loops are the shortest of other starts
   static constexpr std::size_t kMostReached = 4;  // edges reached by starts that are halved together, of all and starts
   static constexpr std::size_t kMostBuckets = 1U << 16;  // the last one has all that is farther
 
