@@ -88,7 +88,7 @@ class Borders {
     for (int k = 0; k < 3; ++k)
       if (!give_rest_away(job)) break;
     absorb_fragments(
-        f_, label_, [](std::int32_t) { return kFragment; }, nullptr, job);
+        f_, label_, [](std::int32_t) { return kFragment; }, nullptr, nullptr, job);
     for (std::int32_t i = 0; i < f_.size(); ++i)
       if (!is_open(i)) label_[i] = kNone;
     return std::move(label_);
@@ -236,7 +236,7 @@ LabelParts parts_of_labels(const Faces& faces, const Some& labels, Job& job) {
 }
 
 void absorb_fragments(const Faces& faces, Some& labels, const std::function<double(std::int32_t)>& small,
-                      const Misfit& misfit, Job& job) {
+                      const Misfit& misfit, const std::function<bool(std::int32_t)>& takes, Job& job) {
   const FaceGraph& graph = faces.graph();
   for (int round = 0; round < 4; ++round) {
     const LabelParts parts = parts_of_labels(faces, labels, job);
@@ -255,7 +255,8 @@ void absorb_fragments(const Faces& faces, Some& labels, const std::function<doub
     for (std::int32_t i = 0; i < faces.size(); ++i) {
       if (!is_bad[parts.part[i]]) continue;
       for (const std::int32_t j : graph.neighbours[i])
-        if (j != graph.size() && parts.part[j] != parts.part[i] && !is_bad[parts.part[j]])
+        if (j != graph.size() && parts.part[j] != parts.part[i] && !is_bad[parts.part[j]] &&
+            (takes == nullptr || takes(labels[j])))
           ++beside[{parts.part[i], labels[j]}];
     }
     std::map<std::int32_t, std::map<std::int32_t, double>> worth;  // by part and label of a neighbour

@@ -23,8 +23,9 @@ using Misfit = std::function<double(std::int32_t face, std::int32_t label)>;
 /// \param labels  (n) by graph index, at least kNone
 /// \param small   the area below which a part of a label is small, as a share of the whole surface's
 /// \param misfit  of a face to a neighbour's label; null: the longest border counts
+/// \param takes   whether a label may get faces of others; null: each may
 void absorb_fragments(const Faces& faces, Some& labels, const std::function<double(std::int32_t)>& small,
-                      const Misfit& misfit, Job& job);
+                      const Misfit& misfit, const std::function<bool(std::int32_t)>& takes, Job& job);
 
 /// The parts of equal label: their numbers by graph index, from 0 on by first face.
 struct LabelParts {

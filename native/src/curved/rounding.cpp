@@ -18,7 +18,7 @@ constexpr double kOfCell = 0.25;   ///< share of a cell's area: a smaller part, 
 constexpr double kOfRegion = 0.3;  ///< share of a region's area: if patches leave less of it, the rest joins neighbours
 constexpr std::int32_t kFewest = 3;  ///< segments of one that is no full turn
 constexpr double kNarrow = 1;        ///< radians, the least span of one
-constexpr double kFar = 1e300;       ///< misfit of a face to no region
+constexpr double kFar = 1e300;       ///< misfit of a face to a cell without a plane
 constexpr double kOfMean = 0.02;     ///< share of a mean region: a smaller part of a cut region joins a neighbour
 
 /// Puts cells in the place of regions.
@@ -171,7 +171,12 @@ class Rounding {
     give_rests_away(job);
     absorb_fragments(
         f_, label_, [&](std::int32_t label) { return label < count_ ? 0.0 : kOfCell * ideal_[label - count_]; },
-        nullptr, job);
+        nullptr, [&](std::int32_t label) { return takes(label); }, job);
+  }
+
+  /// Whether a label may get faces of others: locked regions stay as they are, and no face leaves the regions.
+  [[nodiscard]] bool takes(std::int32_t label) const {
+    return label >= count_ || (label != kNone && (part_.region_locked.empty() || part_.region_locked[label] == 0));
   }
 
   /// Adds small rests of regions to the neighbours that they fit, which are regions or whole patches. Then the faces of
@@ -199,13 +204,13 @@ class Rounding {
         },
         [&](std::int32_t i, std::int32_t label) {
           const std::int32_t cell = label >= count_ ? cell_at(label - count_, i) : kNone;
-          if (label == kNone || (label >= count_ && cell == kNone)) return kFar;
+          if (label >= count_ && cell == kNone) return kFar;
           const Vec3 x = f_.centre(i);
           const double away =
               cell == kNone ? part_.region_normal[label].dot(x - middle_[label]) : normal_[cell].dot(x) - offset_[cell];
           return f_.area(i) * away * away;
         },
-        job);
+        [&](std::int32_t label) { return takes(label); }, job);
     // A rest that joined one cell as a whole could cut its neighbours off from the rim.
     for (std::int32_t i = 0; i < f_.size(); ++i) {
       const std::int32_t patch = label_[i] - count_;

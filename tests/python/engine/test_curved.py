@@ -302,6 +302,25 @@ def test_regions_are_made_round(mesh):
         engine.make_round(mesh, plain, np.zeros(0, np.int32))
 
 
+@pytest.mark.parametrize(("kind", "seed"), [("cone", 0), ("extrusion", 0), ("cylinder", 1)])
+@pytest.mark.parametrize("edit", ["lock_regions", "leave_out_regions"])
+def test_round_parts_give_no_faces_to_locked_regions(kind, seed, edit):
+    """Small pieces of cells and small rests of regions join neighbours."""
+    ring = engine.Mesh(*shapes.torus(14, 10))
+    part = engine.partition(ring, engine.PartitionOptions(proxies=6))
+    chosen = np.random.default_rng(seed).choice(part.region_count, 2, replace=False)
+    others = np.setdiff1d(np.arange(part.region_count), chosen)
+    kept = getattr(engine, edit)(ring, part, part.region_seed[others])
+    round_part = engine.make_round(ring, kept, part.region_seed[chosen], kind)
+    face = int(round_part.region_seed[round_part.curved[0].regions[0]])
+    most = 256 if kind != "extrusion" else 120
+    for after in (round_part, *(engine.with_segments(ring, round_part, face, n) for n in (8, 16, most))):
+        now = [np.unique(after.face_region[part.face_region == region]) for region in others]
+        assert all(len(each) == 1 for each in now)
+        for region, (own,) in zip(others, now, strict=True):
+            assert np.array_equal(after.face_region == own, part.face_region == region)
+
+
 @pytest.mark.parametrize("other", [{"bound": 0.1}, {"symmetry": "x"}])
 def test_what_can_not_be_had_together_is_refused(mesh, other):
     with pytest.raises(engine.InvalidInput, match="round parts can't be had with"):
