@@ -21,6 +21,7 @@ constexpr double kCapWeight = 1.5;   ///< weight of the distance of a cap, which
 constexpr double kStraight = 1e-6;   ///< radians: the turn of a strip of an extrusion
 constexpr double kFine = 1.1;        ///< times the mean square distance from the surface: no more strips
 constexpr double kLeastEdges = 2;    ///< edges of faces in the width of a segment: narrower ones have ragged borders
+constexpr double kShort = 1e-9;      ///< share of its distance from 0 along the profile: a shorter range is one place
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 using Row = std::array<double, kBins + 1>;
@@ -68,9 +69,11 @@ class Profile {
       for (int j = 0; j <= kBins; ++j) set(i, j);
   }
 
-  /// The best rings for a number of segments.
+  /// The best rings for a number of segments. Faces at one place along the profile, such as four of an octahedron on a
+  /// sphere, are one ring: others would have no length, and no plane.
   /// \param caps  whether ends at the axis are caps, which count as one cell
   [[nodiscard]] Grid best(std::int32_t segments, std::int32_t rings, bool caps) {
+    if (!(high_ - low_ > kShort * std::max(std::abs(low_), std::abs(high_)))) rings = 1;
     const bool may = caps && rings > 2, low = may && may_cap_[0], high = may && may_cap_[1];
     const Table& table = table_of(segments, low, rings);
     const Row& before = table.least[rings - 1];

@@ -321,6 +321,20 @@ def test_round_parts_give_no_faces_to_locked_regions(kind, seed, edit):
             assert np.array_equal(after.face_region == own, part.face_region == region)
 
 
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_faces_at_one_height_of_a_sphere_are_one_ring(count):
+    """Rings without a length had planes that were not numbers."""
+    corners = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
+    upper = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
+    octahedron = engine.Mesh(np.array(corners, float), np.array(upper + [[b, a, 5] for a, b, _ in upper], np.int32))
+    part = engine.partition(octahedron, engine.PartitionOptions(proxies=8, noise=0))
+    round_part = engine.make_round(octahedron, part, np.arange(count, dtype=np.int32), "sphere")
+    for after in (round_part, engine.with_segments(octahedron, round_part, 0, 2, 3)):
+        assert after.curved[0].rings == 1
+        assert np.allclose(np.linalg.norm(after.region_normal, axis=1), 1)
+        assert np.isfinite(after.region_offset).all()
+
+
 @pytest.mark.parametrize("other", [{"bound": 0.1}, {"symmetry": "x"}])
 def test_what_can_not_be_had_together_is_refused(mesh, other):
     with pytest.raises(engine.InvalidInput, match="round parts can't be had with"):

@@ -16,7 +16,8 @@ namespace isimp {
 std::int32_t patch_of(const Mesh& mesh, const Partition& part, std::int32_t face);
 
 /// Cuts a patch into another number of segments and rings.
-/// \param rings  0: chosen for about as many cells as there are for each segment now; cylinders, cones and extrusions have 1
+/// \param rings  0: chosen for about as many cells as there are for each segment now. Cylinders, cones and extrusions
+///               have 1, and so have patches with all faces at one place along the profile.
 /// \throws InvalidInput  the face is in no patch, a cell of it is locked, segments or rings out of range
 /// Cost: O(F).
 Partition with_segments(const Mesh& mesh, const Partition& part, std::int32_t face, std::int32_t segments,
