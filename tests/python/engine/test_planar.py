@@ -194,6 +194,24 @@ def test_snapped_planes_add_no_defect(name: str) -> None:
     assert off(after) < 0.85 * off(before)
 
 
+@pytest.mark.parametrize("seed", [4, 6])
+def test_corners_of_released_planes_move_no_further_than_others(seed: int) -> None:
+    house = houses.make(0.003, seed)
+    mesh = engine.Mesh(house.vertices, house.triangles)
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=40))
+    snapped = engine.regularise(mesh, part, engine.RegulariseOptions(length=0.02 * mesh.report["diagonal"]))
+    options = engine.MeshingOptions(planar=True, reach=0.002)
+    poly = engine.polygonize(mesh, snapped, options)
+    kept = np.setdiff1d(np.flatnonzero(snapped.region_held), poly.planes_let_go)
+    corners = np.diff([*poly.loop_start, len(poly.loops)])
+    at_kept = poly.loops[np.repeat(np.isin(poly.polygon_region, kept), corners)]
+    others = np.setdiff1d(poly.loops, at_kept)
+    assert len(others) > 10
+    moved = np.linalg.norm(poly.vertices - mesh.vertices[poly.source_vertex], axis=1) / mesh.report["diagonal"]
+    assert moved[others].max() <= options.reach + 1.5 * options.planar_reach + 1e-9
+    assert moved[at_kept].max() <= options.reach + 6 * options.planar_reach + 1e-9
+
+
 def test_snapped_planes_survive_pickling_and_edits_elsewhere() -> None:
     mesh, part = made(houses.make(0.001, 2))
     snapped = engine.regularise(mesh, part)

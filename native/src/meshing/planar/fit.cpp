@@ -45,7 +45,7 @@ class Solver {
     double area = 0;
     for (std::size_t u = 0; u < units.size(); ++u) {
       area += units[u].scan.area;
-      if (!units[u].held && units[u].binds()) unknown_[u] = count_++;
+      if (!units[u].is_fixed() && units[u].binds()) unknown_[u] = count_++;
     }
     std::vector<bool> counts(places.start.size(), false);  // by corner: whether one of its planes changes
     for (std::size_t u = 0; u < units.size(); ++u)
@@ -199,7 +199,7 @@ void weigh(std::vector<Unit>& units, double base) {
 void weigh_again(std::vector<Unit>& units) {
   const double most = kTooFar * std::max(usual_noise(units), 1e-300);
   for (Unit& u : units) {
-    if (u.held || u.free) continue;
+    if (u.is_fixed() || u.free) continue;
     const double beyond = u.offset - u.normal.dot(u.scan.centre);
     const double moved = u.normal.dot(u.scan.spread * u.normal) + beyond * beyond - u.noise * u.noise;
     u.trust *= std::clamp(moved / (most * most), 1.0, kDearer);

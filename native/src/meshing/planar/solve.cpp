@@ -20,11 +20,11 @@ class Pinned {
   template <class Function>
   Pinned(std::vector<Unit>& units, Function stays) : units_(units) {
     for (std::size_t u = 0; u < units.size(); ++u)
-      if (!units[u].held && stays(u)) pinned_.push_back(u);
-    for (const std::size_t u : pinned_) units_[u].held = true;
+      if (!units[u].is_fixed() && stays(u)) pinned_.push_back(u);
+    for (const std::size_t u : pinned_) units_[u].pinned = true;
   }
   ~Pinned() {
-    for (const std::size_t u : pinned_) units_[u].held = false;
+    for (const std::size_t u : pinned_) units_[u].pinned = false;
   }
   Pinned(const Pinned&) = delete;
   Pinned& operator=(const Pinned&) = delete;
@@ -65,7 +65,7 @@ std::vector<std::int32_t> release(std::vector<Unit>& units, const Around& around
 
 }  // namespace
 
-void solve(std::vector<Unit>& units, const Around& around, const Places& places, const std::vector<bool>& is_new,
+void solve(std::vector<Unit>& units, const Around& around, Places& places, const std::vector<bool>& is_new,
            const Threads& threads, const Job& job) {
   const Pinned known(units, [&](std::size_t u) { return !is_new[u]; });
   std::vector<bool> concerns(places.start.size(), false);
@@ -76,6 +76,7 @@ void solve(std::vector<Unit>& units, const Around& around, const Places& places,
   }
   std::vector<Vec3> at;
   const auto fit_those = [&](const Schedule& schedule) {
+    places.limit(units);  // planes may have been released
     for (std::size_t u = 0; u < units.size(); ++u)
       for (std::size_t i = 0; i < kept[u].size(); ++i) kept[u][i] = kept[u][i] && concerns[units[u].loop[i]];
     fit(units, places, kept, schedule, job);

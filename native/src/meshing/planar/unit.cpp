@@ -98,6 +98,15 @@ void find_plane(Unit& unit, std::span<const Vec3> at, double least_area) {
 
 bool Places::allows(std::int32_t corner, const Vec3& x) const { return (x - start[corner]).norm() <= reach[corner]; }
 
+void Places::limit(std::span<const Unit> units) {
+  std::vector<double> to_held(start.size(), 0);  // sum of the distances of a corner from its given planes
+  for (const Unit& u : units)
+    if (u.held)
+      for (const std::int32_t c : u.loop) to_held[c] += std::abs(u.normal.dot(start[c]) - u.offset);
+  for (std::size_t c = 0; c < reach.size(); ++c)
+    reach[c] = std::min(reach[c], std::max(kMost * base, std::min(to_held[c] + kOfEdge * base, kMostToHeld * base)));
+}
+
 double distance_to(const Vec3& p, const std::array<Vec3, 3>& t) {
   const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
   bool inside = n.squaredNorm() > 0;
@@ -160,14 +169,8 @@ Places places_of(const State& state, const std::vector<Unit>& units, double base
       p.reach[a] = std::min(p.reach[a], length);
       p.reach[b] = std::min(p.reach[b], length);
     }
-  std::vector<double> to_held(p.start.size(), 0);  // sum of the distances of a corner from its given planes
-  for (const Unit& u : units)
-    if (u.held)
-      for (const std::int32_t c : u.loop) to_held[c] += std::abs(u.normal.dot(p.start[c]) - u.offset);
-  for (std::size_t c = 0; c < p.reach.size(); ++c) {
-    const double most = std::max(kMost * base, std::min(to_held[c] + kOfEdge * base, kMostToHeld * base));
-    p.reach[c] = std::clamp(kOfEdge * p.reach[c], kLeast * base, most);
-  }
+  for (double& reach : p.reach) reach = std::max(kOfEdge * reach, kLeast * base);
+  p.limit(units);
   return p;
 }
 

@@ -26,6 +26,7 @@ struct Decision {
   double offset = 0;
   double trust = 1;           ///< factor on the cost of moves off its scan, relative to other units of the same area
   bool held = false;          ///< its plane is given and does not change
+  bool pinned = false;        ///< its plane does not change for now
   bool missed = false;        ///< some corner was not on its plane when planes were fitted last
   bool free = false;          ///< given up: it is triangulated, and its plane counts for nothing
   bool plain = false;         ///< its triangulation has the least surface, whichever way triangles face
@@ -44,7 +45,8 @@ struct Unit : Decision {
   bool left = false;               ///< it keeps its old shape, planar or not
 
   /// Whether its plane restricts its corners. A triangle has a plane wherever its corners are.
-  [[nodiscard]] bool binds() const { return !free && (held || loop.size() > 3); }
+  [[nodiscard]] bool binds() const { return !free && (is_fixed() || loop.size() > 3); }
+  [[nodiscard]] bool is_fixed() const { return held || pinned; }
 };
 
 /// The corners, with the largest move of each.
@@ -56,6 +58,8 @@ struct Places {
 
   /// Whether a corner may be at x.
   [[nodiscard]] bool allows(std::int32_t corner, const Vec3& x) const;
+  /// Lowers the largest moves of corners to what their held planes need.
+  void limit(std::span<const Unit> units);
 };
 
 /// The distance of a point from a triangle.
