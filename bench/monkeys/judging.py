@@ -15,6 +15,8 @@ from tests.shared import polygon_judge
 from tests.shared.polygon_judge import THIN, Scan, groups, polygons_of, topology
 
 NEAR = 1e-9  # share of the diagonal: rounding
+#: largest move of a corner by `planar`, in `planar_reach`: at planes that were given and kept, and at others
+OF_GIVEN, OF_ANY = 6.0, 1.5
 LONGEST = 200  # corners of polygons that are searched for crossings
 NOT_FINITE = "is not finite"
 
@@ -359,8 +361,10 @@ def reach_findings(
         moved[loops[start[len(start) - 6 * report["boxes"]] :]] = 0.0
     if abs(moved.max() - report["distance_max"]) > surface.rounding + 1e-6 * moved.max():
         yield f"polygons: distance_max {report['distance_max']:.6g}, in truth {moved.max():.6g}"
-    allowed = options.reach + (1.5 * options.planar_reach if options.planar else 0.0)
-    limit = np.full(len(source), allowed * surface.diagonal)
+    limit = np.full(len(source), options.reach * surface.diagonal)
+    if options.planar and not report["left_off"]:
+        at_given = _corners_of(poly, np.isin(poly.polygon_region, _regions_that_keep(surface, part, poly)))
+        limit += np.where(at_given, OF_GIVEN, OF_ANY) * options.planar_reach * surface.diagonal
     limit += report["rims"]["reach"]
     if part.curved:  # corners among cells are where planes meet, by up to half an edge before the move
         limit += _shortest_edges(poly)
@@ -368,6 +372,27 @@ def reach_findings(
     if len(far):
         share = moved[far[0]] / surface.diagonal
         yield f"polygons: {len(far)} corners out of reach, corner {far[0]} by {share:.6g} of the diagonal"
+
+
+def _regions_that_keep(surface: Surface, part: engine.Partition, poly: engine.PolygonMesh) -> np.ndarray:
+    """The regions with given planes that were not let go, or by some of their polygons only."""
+    held, region = np.asarray(part.region_held) > 0, np.asarray(poly.polygon_region)
+    released = np.zeros(len(held), bool)
+    released[poly.planes_let_go] = True
+    keeps = held & ~released
+    for polygon in np.flatnonzero(released[region]):
+        own, corners = region[polygon], np.asarray(poly.vertices)[polygons_of(poly)[polygon]]
+        away = np.abs(corners @ part.region_normal[own] - part.region_offset[own]).max()
+        keeps[own] |= away <= 1e-6 * surface.diagonal + surface.rounding
+    return np.flatnonzero(keeps)
+
+
+def _corners_of(poly: engine.PolygonMesh, some: np.ndarray) -> np.ndarray:
+    """(W,) whether a vertex is a corner of one of some polygons."""
+    sizes = np.diff(np.append(poly.loop_start, len(poly.loops)))
+    found = np.zeros(len(poly.vertices), bool)
+    found[np.asarray(poly.loops)[np.repeat(some, sizes)]] = True
+    return found
 
 
 def _shortest_edges(poly: engine.PolygonMesh) -> np.ndarray:
