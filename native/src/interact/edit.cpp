@@ -203,11 +203,11 @@ Partition Edit::finish() {
     const std::int32_t seed = result.region_seed[r];
     if (seed == kNone || result.face_region[seed] != r) lost.push_back(r);
   }
-  place_free_planes(surface.mesh(), result);
   result.error = error() * graph.area;
   result.history.assign(1, result.error);
   result.bound = result.distance_max = 0.0;  // an edit uses the error and keeps no bound
   for (const std::int32_t r : lost) reseed(r);
+  place_free_planes(surface.mesh(), result);
   return std::move(result);
 }
 
