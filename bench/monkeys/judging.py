@@ -1,6 +1,6 @@
-"""What must hold of the results of a case of the monkey: evaluated from the arrays alone, by numpy.
+"""Judges the results of a case of the monkey from the arrays alone, by numpy.
 
-Each function yields texts about what does not hold.
+Each function yields texts about the conditions that do not hold.
 """
 
 from collections.abc import Callable, Iterator
@@ -72,7 +72,7 @@ def mesh_findings(surface: Surface) -> Findings:
 
 
 def partition_findings(surface: Surface, part: engine.Partition) -> Findings:
-    """What must hold of any partition."""
+    """Conditions of any partition."""
     label, count = np.asarray(part.face_region), part.region_count
     seed, normal = np.asarray(part.region_seed), np.asarray(part.region_normal)
     if label.shape != (len(surface.triangles),) or label.min() < -1 or label.max() >= count:
@@ -143,7 +143,7 @@ def distance_findings(surface: Surface, part: engine.Partition, label: np.ndarra
 def first_findings(
     surface: Surface, part: engine.Partition, options: engine.PartitionOptions, guided: bool
 ) -> Findings:
-    """What must hold of a partition that no edit has changed."""
+    """Conditions of a partition that no edit has changed."""
     label = np.asarray(part.face_region)
     component = np.asarray(surface.mesh.component)
     kept = np.unique(component[label >= 0])
@@ -190,7 +190,7 @@ def forbidden(before: np.ndarray, after: np.ndarray, region: int, may: May) -> s
 
 
 def edit_findings(edit: Edit, before: engine.Partition, after: engine.Partition) -> Findings:
-    """What must hold of this kind of edit, and that locked regions stay."""
+    """Conditions of this kind of edit, and of locked regions, which stay."""
     old, new = np.asarray(before.face_region), np.asarray(after.face_region)
     face = edit.arguments.get("face", -1)
     at = SimpleNamespace(
@@ -246,7 +246,7 @@ _SPLIT = [
     only(lambda at, old, new: (old == at.region) & (new == at.fresh)),
 ]
 _SAME_LABELS = [("labels changed", lambda at: not np.array_equal(at.old, at.new))]
-#: what each edit keeps to: texts, and functions that tell what is wrong, or nothing
+#: conditions of each edit: texts, and functions that return the fault, or nothing
 PROMISES: dict[str, list[tuple[str, Callable[[Any], Any]]]] = {
     "add_proxy": [
         added(1),
@@ -282,7 +282,7 @@ PROMISES: dict[str, list[tuple[str, Callable[[Any], Any]]]] = {
     "align_planes": _SAME_LABELS,
     "explode_round": _SAME_LABELS,
 }
-CHANGE_LOCKED = {"unlock_regions", "paint_faces"}  # what is painted onto a locked region becomes part of it
+CHANGE_LOCKED = {"unlock_regions", "paint_faces"}  # painted faces become part of a locked region
 
 
 # Polygons
@@ -366,7 +366,7 @@ def reach_findings(
         at_given = _corners_of(poly, np.isin(poly.polygon_region, _regions_that_keep(surface, part, poly)))
         limit += np.where(at_given, OF_GIVEN, OF_ANY) * options.planar_reach * surface.diagonal
     limit += report["rims"]["reach"]
-    if part.curved:  # corners among cells are where planes meet, by up to half an edge as it was before the move
+    if part.curved:  # corners among cells are where planes meet, by up to half an edge before the move
         limit += _shortest_edges(poly)
     far = np.flatnonzero(moved > limit * (1 + 1e-6) + surface.rounding)
     if len(far):
