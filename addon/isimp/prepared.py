@@ -23,20 +23,19 @@ class Closing:
     holes: float = 0.0  #: holes up to this length are filled, scene units
     flat_holes: float = 0.0  #: holes in flat walls up to this length are filled, scene units
     kept: tuple = ()  #: places of openings that stay open
-    asked: int = 1  #: components that a partition into so many regions
-    leave_out: float = 0.0  #: leaves out with this setting stay as they are
+    left_out: int = 0  #: number of components that stay as they are, since the partition leaves them out
     stitch: float | None = None  #: largest distance of borders to stitch; None: the engine finds it
     grid: float | None = None  #: cell of the grid whose steps are smoothed; None: the engine finds it
 
     def up_to(self, lengths, kept: tuple) -> Closing:
         """Return the repair with openings closed up to these lengths, except openings at the kept places."""
         holes, flat, handles = lengths.holes, lengths.flat_holes, lengths.handles
-        return replace(self, handles=handles, holes=holes, flat_holes=flat, kept=kept, **lengths.kept())
+        return replace(self, handles=handles, holes=holes, flat_holes=flat, kept=kept, left_out=lengths.left_out)
 
     @property
     def opened(self) -> Closing:
         """The same repair without closing openings."""
-        return replace(self, handles=0.0, holes=0.0, flat_holes=0.0, kept=(), asked=1, leave_out=0.0)
+        return replace(self, handles=0.0, holes=0.0, flat_holes=0.0, kept=(), left_out=0)
 
 
 NONE_CLOSED = Closing()

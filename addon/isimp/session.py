@@ -308,8 +308,7 @@ def _prepare(scan: Scan, plain, closing: Closing, watch: Watch, begin: float, en
         args = (engine.clean, scan.vertices, scan.triangles, options)
     else:
         keep = np.array(closing.kept, np.float64).reshape(-1, 3)
-        among = {"asked": closing.asked, "leave_out": closing.leave_out}
-        args = (partial(engine.close_openings, keep=keep, **among), plain, options)
+        args = (partial(engine.close_openings, keep=keep, left_out=closing.left_out), plain, options)
     mesh = engine_call(watch, begin, middle, "reading the mesh", *args)
     with watch.part("reading the mesh", middle, end):
         return replace(prepared_of(scan, mesh), closing=closing)

@@ -63,10 +63,10 @@ std::shared_ptr<KeptMesh> clean_mesh(const py::object& vertices, const py::objec
 }
 
 std::shared_ptr<KeptMesh> close_mesh(const KeptMesh& mesh, const CleanOptions& options, Job* job,
-                                     const py::object& keep, std::int32_t asked, double leave_out) {
+                                     const py::object& keep, std::int32_t left_out) {
   const std::vector<Vec3> places = keep.is_none() ? std::vector<Vec3>() : read_points(keep, "keep", "(K, 3)");
   return call(job, [&, options](Job& j) {
-    const auto aside = left_out_faces(mesh, {.proxies = asked, .leave_out = leave_out}, j);
+    const auto aside = smallest_components(mesh, left_out, j);
     Cleaned cleaned = close_openings(mesh, options, places, j, aside);
     return std::make_shared<KeptMesh>(std::move(cleaned.mesh), std::move(cleaned.openings));
   });
@@ -167,14 +167,13 @@ lies within a quarter of its length of its center.
 Raises InvalidInput (another shape, no faces, an index out of range, a negative length, no face is left) or
 Cancelled. Cost: O(V + F); closing holes or handles adds O((V + F) log F).)");
   m.def("close_openings", &close_mesh, "mesh"_a, "options"_a, "job"_a = py::none(), py::kw_only(),
-        "keep"_a = py::none(), "asked"_a = 1, "leave_out"_a = 0.0,
+        "keep"_a = py::none(), "left_out"_a = 0,
         R"(Close openings of a mesh that is repaired already.
 
 The result is that of `clean` with these options for the arrays that the mesh was made from; its report covers both. The
 other repairs are not repeated. `fill_holes`, `fill_flat_holes`, `cut_handles` and `threads` of the options count;
-`opening_lengths` gives lengths. keep: see `clean`. asked, leave_out: components that a partition with proxies=asked and
-this leave_out leaves out stay as they are and come last, and the others do not depend on them. asked is 1 where the
-number of regions is not known.
+`opening_lengths` gives lengths. keep: see `clean`. left_out: so many components, the smallest ones, stay as they are and
+come last, and the others do not depend on them; see `openings.Lengths`.
 Raises InvalidInput (a negative length, a place that is not finite) or Cancelled. Cost: O((V + F) log F).)");
 }
 

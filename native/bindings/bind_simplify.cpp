@@ -111,7 +111,7 @@ has the length of holes in walls too.)");
       [](const KeptMesh& mesh, std::int32_t regions, const PartitionOptions& options, Job* job) {
         const OpeningLengths lengths =
             call_here(job, [&](Job& j) { return opening_lengths(mesh, regions, j, options); });
-        return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles, asked_regions(mesh, options)};
+        return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles};
       },
       "mesh"_a, "regions"_a, "options"_a, "job"_a = py::none(), "See openings.lengths.");
   m.def(
@@ -119,10 +119,15 @@ has the length of holes in walls too.)");
       [](const KeptMesh& mesh, const PartitionOptions& options, Job* job) {
         const GuessedLengths found = call_here(job, [&](Job& j) { return guess_opening_lengths(mesh, options, j); });
         const OpeningLengths& lengths = found.lengths;
-        return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles,
-                          found.most,    found.likely,       asked_regions(mesh, options)};
+        return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles, found.most, found.likely};
       },
       "mesh"_a, "options"_a, "job"_a = py::none(), "See openings.lengths_for.");
+  m.def(
+      "_left_out_count",
+      [](const KeptMesh& mesh, const PartitionOptions& options, Job* job) {
+        return call_here(job, [&](Job& j) { return left_out_count(mesh, options, j); });
+      },
+      "mesh"_a, "options"_a, "job"_a = py::none(), "See openings.Lengths.");
 }
 
 void bind_constraints(py::module_& m) {

@@ -85,8 +85,7 @@ def close_openings(
     job: Job | None = None,
     *,
     keep: NDArray[np.floating] | None = None,
-    asked: int = 1,
-    leave_out: float = 0.0,
+    left_out: int = 0,
 ) -> Mesh: ...
 
 class PartitionOptions:
@@ -395,8 +394,9 @@ _inner_edges: Callable[[Mesh], tuple[NDArray[np.int32], NDArray[np.int32], NDArr
 _sharp_edges: Callable[[Mesh, float], NDArray[np.int32]]
 _marked_edges: Callable[[Mesh, NDArray[Any]], NDArray[np.int32]]
 _shared_edges: Callable[[NDArray[Any]], tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]]
-_all_opening_lengths: Callable[[Mesh, int, PartitionOptions, Job | None], tuple[float, float, float, int]]
-_guess_opening_lengths: Callable[[Mesh, PartitionOptions, Job | None], tuple[float, float, float, int, bool, int]]
+_all_opening_lengths: Callable[[Mesh, int, PartitionOptions, Job | None], tuple[float, float, float]]
+_guess_opening_lengths: Callable[[Mesh, PartitionOptions, Job | None], tuple[float, float, float, int, bool]]
+_left_out_count: Callable[[Mesh, PartitionOptions, Job | None], int]
 _partition: Callable[..., Partition]
 _read_columns: Callable[..., tuple[Any, Any, Any, dict[str, Any], dict[str, Any], Any, list[str], list[Any], list[str]]]
 _open_faces: Callable[[Mesh, NDArray[Any] | None, Partition | None, int, float], NDArray[np.int32] | None]

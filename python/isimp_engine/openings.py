@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from ._core import (
     CleanOptions,
@@ -11,6 +10,7 @@ from ._core import (
     PartitionOptions,
     _all_opening_lengths,
     _guess_opening_lengths,
+    _left_out_count,
     close_openings,
 )
 
@@ -23,8 +23,7 @@ class Lengths:
     flat_holes: float = 0.0
     handles: float = 0.0
     most: int | None = None  #: largest number of regions with these lengths; None: the number is known
-    asked: int = 1  #: openings of components that a partition into so many regions
-    leave_out: float = 0.0  #: leaves out with this setting stay: see `close_openings`
+    left_out: int = 0  #: number of components that the partition leaves out, whose openings stay
 
     def __bool__(self) -> bool:
         return self.handles > 0
@@ -37,15 +36,11 @@ class Lengths:
         """The repaired scan without these openings; the mesh itself if the lengths are 0. See `close_openings`."""
         if not self:
             return mesh
-        return close_openings(mesh, CleanOptions(**self.options(), threads=threads), job, **self.kept())
+        return close_openings(mesh, CleanOptions(**self.options(), threads=threads), job, left_out=self.left_out)
 
     def options(self) -> dict[str, float]:
         """Return the lengths as keywords of CleanOptions."""
         return {"fill_holes": self.holes, "fill_flat_holes": self.flat_holes, "cut_handles": self.handles}
-
-    def kept(self) -> dict[str, Any]:
-        """Return the keywords of `close_openings` that say which components are kept."""
-        return {"asked": self.asked, "leave_out": self.leave_out}
 
 
 def lengths(mesh: Mesh, regions: int, job: Job | None = None, options: PartitionOptions | None = None) -> Lengths:
@@ -57,8 +52,8 @@ def lengths(mesh: Mesh, regions: int, job: Job | None = None, options: Partition
     `opening_lengths`. Raises InvalidInput (regions below 1) or Cancelled. Cost: O(V + F).
     """
     options = options or PartitionOptions(proxies=max(regions, 1))
-    holes, flat, handles, asked = _all_opening_lengths(mesh, regions, options, job)
-    return Lengths(holes, flat, handles, None, asked, options.leave_out)
+    holes, flat, handles = _all_opening_lengths(mesh, regions, options, job)
+    return Lengths(holes, flat, handles, None, _left_out_count(mesh, options, job))
 
 
 def closed_for(mesh: Mesh, regions: int, job: Job | None = None, threads: int = 0) -> Mesh:
@@ -79,8 +74,8 @@ def lengths_for(
     this again with that number. Cost: O(V + F), and that of `count`.
     """
     if regions is None:
-        holes, flat, handles, most, likely, asked = _guess_opening_lengths(mesh, options, job)
+        holes, flat, handles, most, likely = _guess_opening_lengths(mesh, options, job)
         if likely:
-            return Lengths(holes, flat, handles, most, asked, options.leave_out)
+            return Lengths(holes, flat, handles, most, _left_out_count(mesh, options, job))
         regions = count()
     return lengths(mesh, regions, job, options)

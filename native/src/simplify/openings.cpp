@@ -8,6 +8,7 @@
 #include "density/noise.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/forest.h"
+#include "isimp/core/sorted.h"
 #include "isimp/mesh/part_of.h"
 #include "isimp/simplify/partitioner.h"
 
@@ -36,8 +37,8 @@ OpeningLengths lengths_of(double area, double edge, std::int32_t regions) {
 /// Calls fn(mesh) with the components that a partition keeps.
 template <class Function>
 auto on_kept(const Mesh& mesh, const PartitionOptions& options, Job& job, Function fn) {
-  const std::vector<std::uint8_t> left_out =
-      has_openings(mesh) ? left_out_faces(mesh, options, job) : std::vector<std::uint8_t>();
+  const std::int32_t count = has_openings(mesh) ? left_out_count(mesh, options, job) : 0;
+  const std::vector<std::uint8_t> left_out = smallest_components(mesh, count, job);
   if (left_out.empty()) return fn(mesh);
   std::vector<std::int32_t> kept;
   for (std::size_t f = 0; f < left_out.size(); ++f)
@@ -52,17 +53,23 @@ bool is_open_scan(const Mesh& mesh, Job& job) {
 
 }  // namespace
 
-std::int32_t asked_regions(const Mesh& mesh, const PartitionOptions& options) {
-  return options.triangles ? proxies_for(*options.triangles, mesh.face_count()) : options.proxies.value_or(1);
+std::int32_t left_out_count(const Mesh& mesh, const PartitionOptions& options, Job& job) {
+  if (mesh.component_count() == 1 || options.leave_out <= 0) return 0;
+  const std::int32_t proxies =
+      options.triangles ? proxies_for(*options.triangles, mesh.face_count()) : options.proxies.value_or(1);
+  return find_components(mesh, proxies, options.leave_out, job).left_out;
 }
 
-std::vector<std::uint8_t> left_out_faces(const Mesh& mesh, const PartitionOptions& options, Job& job) {
-  if (mesh.component_count() == 1 || options.leave_out <= 0) return {};
-  const Components components = find_components(mesh, asked_regions(mesh, options), options.leave_out, job);
-  if (components.left_out == 0) return {};
-  std::vector<std::uint8_t> marked;
+std::vector<std::uint8_t> smallest_components(const Mesh& mesh, std::int32_t count, Job& job) {
+  if (count <= 0) return {};
+  const std::vector<Component> all = find_components(mesh, 1, 0.0, job).all;
+  std::vector<std::int32_t> order = numbers_below(static_cast<std::int32_t>(all.size()));
+  std::ranges::stable_sort(order, {}, [&](std::int32_t c) { return all[c].area; });
+  std::vector<std::uint8_t> is_small(all.size(), 0), marked;
+  for (const std::int32_t c : std::span(order).first(std::min(order.size() - 1, static_cast<std::size_t>(count))))
+    is_small[c] = 1;
   marked.reserve(mesh.component().size());
-  for (const std::int32_t c : mesh.component()) marked.push_back(components.all[c].kept ? 0 : 1);
+  for (const std::int32_t c : mesh.component()) marked.push_back(is_small[c]);
   return marked;
 }
 

@@ -66,7 +66,7 @@ def close_mesh(
     lengths: how `options` were found.
     """
     places = np.array(keep, np.float64).reshape(-1, 3)
-    return _told(source, close_openings(cleaned[0], options, job, keep=places, **lengths.kept()))
+    return _told(source, close_openings(cleaned[0], options, job, keep=places, left_out=lengths.left_out))
 
 
 def _told(source: Input, mesh: Mesh) -> Cleaned:

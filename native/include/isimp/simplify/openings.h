@@ -12,12 +12,13 @@
 
 namespace isimp {
 
-/// The number of regions that decides which components a partition leaves out: the one that the options give, else 1.
-std::int32_t asked_regions(const Mesh& mesh, const PartitionOptions& options);
-
-/// (F) 1 for faces of the components that a partition with these options leaves out; empty: none.
+/// The number of components that a partition with these options leaves out, which are the smallest ones.
 /// Cost: O(F); nothing for a mesh of one component.
-std::vector<std::uint8_t> left_out_faces(const Mesh& mesh, const PartitionOptions& options, Job& job);
+std::int32_t left_out_count(const Mesh& mesh, const PartitionOptions& options, Job& job);
+
+/// (F) 1 for faces of so many components, the smallest ones; empty: none.
+/// Cost: O(F + C log C).
+std::vector<std::uint8_t> smallest_components(const Mesh& mesh, std::int32_t count, Job& job);
 
 /// Whether a mesh has a hole or a handle.
 bool has_openings(const Mesh& mesh);

@@ -121,9 +121,8 @@ class HandleLoops {
 
  private:
   static constexpr double kFar = std::numeric_limits<double>::infinity();
-  static constexpr std::size_t kAhead = 8;      // vertices ahead of the current one whose neighbours are prefetched
-  static constexpr std::size_t kSample = 16;    // faces from one edge that is measured to the next
-  static constexpr std::size_t kMostLoops = 4;  // loops of one start: its other loops are the shortest of other starts
+  static constexpr std::size_t kAhead = 8;        // vertices ahead of the current one whose neighbours are prefetched
+  static constexpr std::size_t kSample = 16;      // faces from one edge that is measured to the next
   static constexpr std::size_t kMostReached = 4;  // edges reached by starts that are halved together, of all and starts
   static constexpr std::size_t kMostBuckets = 1U << 16;  // the last one has all that is farther
 
@@ -339,15 +338,11 @@ class HandleLoops {
       if (!in_tree(h.dual.edges[i])) edges.push_back(edge_of(i, h.dual));
     sort_longest_first(edges);
     const std::size_t joins = h.forest.joins();
-    std::vector<Loop> found;
     for (const Edge& e : edges) {
       if (h.join(e.i)) continue;
-      if (Loop loop = loop_of(e.h); loop.length <= h.longest) found.push_back(std::move(loop));
+      if (Loop loop = loop_of(e.h); loop.length <= h.longest) loops.push_back(std::move(loop));
     }
     h.forest.undo(joins);
-    std::ranges::stable_sort(found, {}, &Loop::length);
-    found.resize(std::min(found.size(), kMostLoops));
-    std::ranges::move(found, std::back_inserter(loops));
   }
 
   /// An edge of the dual and the length of its loop, as far as the place where its paths to the start meet.
