@@ -139,11 +139,10 @@ PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const Meshi
   check_moments(mesh, moments);
   if (const std::optional<KeptPart> part = kept_part(mesh, partition, job)) {
     std::vector<SurfaceMoments> of_part;
-    for (const std::int32_t f : part->face)
-      if (!moments.empty()) {
-        of_part.push_back(moments[f]);
-        of_part.back().centre += mesh.origin() - part->mesh.origin();
-      }
+    for (std::size_t k = 0; k < part->face.size() && !moments.empty(); ++k) {
+      of_part.push_back(moments[part->face[k]]);
+      of_part.back().centre += mesh.origin() - part->mesh.origin();
+    }
     PolygonMesh result = polygonize(part->mesh, part->partition, options, job, of_part);
     to_whole(result, *part);
     add_enclosing_boxes(mesh, partition, result);

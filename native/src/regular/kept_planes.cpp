@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <optional>
-#include <utility>
-#include <vector>
 
+#include "isimp/partition/keep_regions.h"
 #include "kept_part.h"
 
 namespace isimp::regular {
@@ -16,10 +15,7 @@ Partition on_kept_planes(const Mesh& mesh, const Partition& partition, const OnP
   if (has_all) return operation(mesh, partition);
   const std::optional<meshing::KeptPart> part = meshing::kept_part(mesh, partition, job);
   Partition out = operation(part->mesh, part->partition);
-  std::vector<std::int32_t> labels(partition.face_region.size(), kNone);
-  for (std::size_t k = 0; k < part->face.size(); ++k) labels[part->face[k]] = out.face_region[k];
-  out.face_region = std::move(labels);
-  for (std::int32_t& seed : out.region_seed) seed = part->face[seed];
+  to_whole_faces(out, part->face, partition.face_region.size());
   out.guided = partition.guided;
   if (out.region_count() == partition.region_count()) return out;
   out.error = 0;  // the sums are shares of the whole mesh

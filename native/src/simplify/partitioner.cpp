@@ -17,6 +17,7 @@
 #include "isimp/core/errors.h"
 #include "isimp/curved/round.h"
 #include "isimp/mesh/part_of.h"
+#include "isimp/partition/keep_regions.h"
 #include "isimp/partition/regions.h"
 #include "isimp/partition/soundness.h"
 #include "isimp/simplify/edges.h"
@@ -356,8 +357,7 @@ Partition Partitioner::on_kept(const Components& components, const PartitionOpti
     const Job::Stage stage(job, "cutting off a part", 0.0, kCutting);
     return submesh(kept, job);
   }();
-  Guides guides = constraints.guides;
-  Constraints inner{.guides = guides_of_part(guides, own->mesh, kept, job),
+  Constraints inner{.guides = guides_of_part(constraints.guides, own->mesh, kept, job),
                     .cuts = marked_edges(own->mesh, constraints.cuts, job)};
   if (options.proxies) {
     std::vector<std::int32_t> source;  // the part's own names faces of the mesh
@@ -373,16 +373,13 @@ Partition Partitioner::on_kept(const Components& components, const PartitionOpti
     return own->partitioner.with_all_components(all, inner, job);
   }();
 
+  Guides guides = constraints.with_cuts();
   if (!inner.guides.weights.empty()) {
     guides.weights.resize(static_cast<std::size_t>(mesh_->face_count()), 1.0);
     for (std::size_t k = 0; k < kept.size(); ++k) guides.weights[kept[k]] = inner.guides.weights[k];
   }
-  guides.barriers.insert(guides.barriers.end(), constraints.cuts.begin(), constraints.cuts.end());
   const Surface surface = prepare(std::move(guides), options.adaptivity, job).surface;
-  std::vector<std::int32_t> labels(static_cast<std::size_t>(mesh_->face_count()), kNone);
-  for (std::size_t k = 0; k < kept.size(); ++k) labels[kept[k]] = result.face_region[k];
-  result.face_region = std::move(labels);
-  for (std::int32_t& seed : result.region_seed) seed = kept[seed];
+  to_whole_faces(result, kept, static_cast<std::size_t>(mesh_->face_count()));
   result.region_sum = sums_of(surface.graph(), result, job);
   result.guided = surface.guided();
   result.parts_left_out = components.left_out;

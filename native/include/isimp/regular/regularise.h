@@ -63,9 +63,10 @@ constexpr auto fields(const RegulariseOptions*) {
 /// regions lead; then the planes of a group are fitted to all of its regions by least squares. Each snap is made only
 /// if the scan stays within `length` of the plane. On request distances of parallel planes are made equal, and islands
 /// that are coplanar with the wall around them become part of it; only then labels change. A bound of the partition
-/// holds for the new planes too: planes that would leave it are released. Axes of round parts are snapped like planes, within the same limits: parallel ones that are nearly one line
-/// become one, and nearly equal radii equal; the cells follow. `polygonize` uses the planes. Planes that `align_planes`
-/// has set do not change, and others are snapped to them first.
+/// holds for the new planes too: planes that would leave it are released. Axes of round parts are snapped like planes,
+/// within the same limits: parallel ones that are nearly one line become one, and nearly equal radii equal; the cells
+/// follow. `polygonize` uses the planes. Planes that `align_planes` has set do not change, and others are snapped to
+/// them first.
 ///
 /// \param up_direction  the upward direction, in place of options.up
 /// \return the partition with region_normal, region_offset, region_held and regularity set

@@ -12,7 +12,7 @@
 namespace isimp {
 
 /// Ambient occlusion: for each texel, the share of the light from all directions that reaches its place on the scan,
-/// from 0 to 255. 255: no face of the scan is in the way. Faces of which no polygons are made are in no one's way.
+/// from 0 to 255. 255: no face of the scan is in the way. Faces without polygons stop no ray.
 ///
 /// Rays start at the scan's surface, cosine-weighted about its smoothed normal, and are stopped by any face of the scan
 /// within `occlusion_distance`. Each texel sends a ninth of `occlusion_rays`; three by three texels together send all of
