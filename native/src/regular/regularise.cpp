@@ -231,6 +231,7 @@ void keep_bound(const Mesh& mesh, const Partition& partition, std::vector<Region
 /// The largest distance of a vertex from the plane of its region.
 double largest_distance(const Mesh& mesh, const Partition& part) {
   std::vector<double> offset;
+  offset.reserve(static_cast<std::size_t>(part.region_count()));
   for (std::int32_t r = 0; r < part.region_count(); ++r) offset.push_back(part.offset_from(mesh.origin(), r));
   double most = 0;
   for_each_corner(mesh, part, [&](std::int32_t r, const Vec3& p) {
