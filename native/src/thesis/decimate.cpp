@@ -5,6 +5,7 @@
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "hybrid.h"
@@ -25,11 +26,20 @@ using OmMesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
 
 OpenMesh::VertexHandle handle(std::int32_t vertex) { return OpenMesh::VertexHandle(vertex); }
 
+/// The power of two by which the coordinates come near 1. OpenMesh orders collapses by floats of a squared length, and an
+/// unusual unit would leave the range of these.
+double scale_to_one(std::span<const Vec3> vertices) {
+  double largest = 0;
+  for (const Vec3& v : vertices) largest = std::max(largest, v.cwiseAbs().maxCoeff());
+  return largest > 0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1.0;
+}
+
 OmMesh to_openmesh(const Mesh& mesh, Job& job) {
   OmMesh om;
+  const double scale = scale_to_one(mesh.vertices());
   om.reserve(static_cast<std::size_t>(mesh.vertex_count()), static_cast<std::size_t>(mesh.face_count()) * 3 / 2,
              static_cast<std::size_t>(mesh.face_count()));
-  for (const Vec3& v : mesh.vertices()) om.add_vertex({v.x(), v.y(), v.z()});
+  for (const Vec3& v : mesh.vertices()) om.add_vertex({scale * v.x(), scale * v.y(), scale * v.z()});
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     if ((f & 0xfff) == 0) job.poll();
     const Triangle& t = mesh.triangles()[f];

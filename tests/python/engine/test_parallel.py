@@ -33,6 +33,14 @@ def test_each_method_gives_regions_and_the_same_again_from_kept_data(mesh, metho
     assert first.error == again.error == first.history[-1]
 
 
+@pytest.mark.parametrize("method", THESIS)
+@pytest.mark.parametrize("power", [-30, 30])
+def test_each_method_gives_the_same_in_any_unit(mesh, method, power):
+    other = engine.Mesh(mesh.vertices * 2.0**power, mesh.triangles)
+    one, same = (split(each, method=method, fraction=0.25) for each in (mesh, other))
+    assert np.array_equal(one.face_region, same.face_region)
+
+
 @pytest.mark.parametrize("method", PARALLEL)
 def test_every_back_end_and_thread_count_gives_the_same_labels(mesh, method):
     one = split(mesh, method=method, threads=1)
