@@ -29,7 +29,7 @@ constexpr double kFar = 0.25;          // share of sqrt(area / regions): a face 
 constexpr double kOwnRegion = 0.5;     // share of area / regions: smaller pieces without an image join their neighbours
 constexpr double kWorth = 1.0;         // cost of a join at the plane, as a share of the mean error of a region
 constexpr double kPart = 0.25;         // share of the largest piece of a region: smaller pieces join their neighbours
-constexpr std::int32_t kApart = -3;    // the label of a face without image while the other half is labelled
+constexpr std::int32_t kApart = -3;    // the label of faces whose pieces are sought
 
 class Symmetriser {
  public:
@@ -98,6 +98,12 @@ class Symmetriser {
     is_half_.assign(static_cast<std::size_t>(mesh_.face_count()), 0);
     for (const std::int32_t f : half_) is_half_[f] = 1;
     label_.assign(static_cast<std::size_t>(mesh_.face_count()), kNone);
+    for (const std::int32_t f : half_) label_[f] = kApart;
+    for (const std::int32_t f : half_) {
+      if (label_[f] != kApart) continue;
+      (void)take_out(graph_, labels(), graph_.graph_face[f]);
+      ++half_pieces_;
+    }
   }
 
   /// The faces of the half that are closest to the images of the others.
@@ -133,6 +139,7 @@ class Symmetriser {
       for (const std::int32_t i : patch) sum += graph_.faces[i].area;
       if (sum < least) continue;
       size += sum;
+      ++apart_pieces_;
       for (const std::int32_t i : patch) large.push_back(graph_.mesh_face[i]);
     }
     for (const std::int32_t f : other_) label_[f] = kNone;
@@ -371,7 +378,8 @@ class Symmetriser {
     take_how_found(result, how_);
     if (options_.proxies) result.proxies_asked = *options_.proxies;
     const Components components = find_components(surface_, options_.proxies.value_or(1), options_.leave_out, job_);
-    result.proxies_needed = components.needed;
+    // Each piece that the plane makes of a component needs a region, and so does its image unless both are joined.
+    result.proxies_needed = std::max(components.needed, 2 * half_pieces_ - joined_count() + apart_pieces_);
     result.parts_left_out = components.left_out;
     result.area_left_out = components.area_left_out;
     result.symmetry = mirror_.relative_to(-mesh_.origin());
@@ -391,18 +399,19 @@ class Symmetriser {
   const Threads threads_;
   Job& job_;
 
-  std::vector<std::int32_t> half_, other_;      // faces
-  std::vector<std::uint8_t> is_half_;           // (F)
-  std::vector<std::int32_t> image_;             // a face of the half, for each of `other_`
-  std::vector<std::int32_t> label_;             // (F)
-  std::vector<std::int32_t> apart_;             // (F) region of the faces without an image
-  std::int32_t regions_ = 0, apart_count_ = 0;  // number of regions of the half, and of regions without an image
-  double area_ = 0;                             // area of both halves, as a share
-  Partition how_;                               // partition of the half
-  std::vector<std::optional<double>> cost_;     // cost of joining each region of the half with its image
-  double error_ = 0, price_ = 0;                // error of the half and its image; the same with the cost of joins
-  std::vector<std::uint8_t> joined_;            // by region of the half
-  std::vector<RegionSum> sums_;                 // sums of all regions
+  std::vector<std::int32_t> half_, other_;           // faces
+  std::vector<std::uint8_t> is_half_;                // (F)
+  std::vector<std::int32_t> image_;                  // a face of the half, for each of `other_`
+  std::vector<std::int32_t> label_;                  // (F)
+  std::vector<std::int32_t> apart_;                  // (F) region of the faces without an image
+  std::int32_t regions_ = 0, apart_count_ = 0;       // number of regions of the half, and of regions without an image
+  std::int32_t half_pieces_ = 0, apart_pieces_ = 0;  // connected pieces of both
+  double area_ = 0;                                  // area of both halves, as a share
+  Partition how_;                                    // partition of the half
+  std::vector<std::optional<double>> cost_;          // cost of joining each region of the half with its image
+  double error_ = 0, price_ = 0;                     // error of the half and its image; the same with the cost of joins
+  std::vector<std::uint8_t> joined_;                 // by region of the half
+  std::vector<RegionSum> sums_;                      // sums of all regions
 };
 
 }  // namespace

@@ -69,6 +69,18 @@ def test_a_part_of_one_region_across_the_plane_keeps_its_polygon():
     assert set(polygons.polygon_region) == set(range(part.region_count))
 
 
+def test_the_number_needed_counts_the_pieces_that_the_plane_makes():
+    rows = [(x, 2 * row) for row in range(12) for x in range(-4, 4)]
+    turns = [(3 if row % 2 else -4, 2 * row + 1) for row in range(11)]
+    halves = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]])
+    corners = (np.array(rows + turns)[:, None, None] + halves).reshape(-1, 2)
+    mesh = engine.Mesh(
+        *shapes.welded(np.pad(corners, ((0, 0), (0, 1))).astype(float), np.arange(len(corners)).reshape(-1, 3))
+    )
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=2, symmetry="x"))
+    assert part.proxies_needed == part.region_count >= 6
+
+
 def test_the_plane_is_kept_by_copies_and_edits(mesh, part):
     for same in (pickle.loads(pickle.dumps(part)), copy.deepcopy(part)):  # noqa: S301
         assert same.symmetry == part.symmetry
