@@ -6,6 +6,7 @@ belong to one scan, and the engine reads no file with marks such as seams; a rec
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ from ._core import (
 )
 from .recipe import COUNTS, RecipeError
 
-__all__ = ["COUNTS", "Recipe", "RecipeError", "parsed", "read"]
+__all__ = ["COUNTS", "Recipe", "RecipeError", "parsed", "read", "recipe_of"]
 
 #: settings of a partition that refer to data of an object in Blender
 _OF_BLENDER = ("weights", "borders", *rcp.MARKS)
@@ -82,6 +83,13 @@ _EDITS: dict[type[rcp.Step], Callable[[Any, Mesh, Partition, Job | None], Partit
     rcp.EvenBorders: lambda step, mesh, part, job: even_borders(mesh, part, step.strength, job),
     rcp.Regularise: _regularised,
 }
+
+
+def recipe_of(given: Recipe | str | PathLike[str] | dict[str, Any]) -> Recipe:
+    """The recipe of a caller: in a file, or as a JSON value. Raises RecipeError or OSError."""
+    if isinstance(given, Recipe):
+        return given
+    return read(Path(given)) if isinstance(given, (str, PathLike)) else parsed(given)
 
 
 def read(path: Path) -> Recipe:

@@ -1,6 +1,5 @@
 """Run of a batch, from scans to rows. Scans that are done are skipped. A result is on disk before its row."""
 
-import argparse
 import datetime
 import glob
 import os
@@ -18,10 +17,10 @@ from ..children.nursery import SIMPLIFY, Ending
 from ..children.runner import Assignment, Children, Workers, clear, endings
 from ..cli.errors import UsageError
 from ..cli.files import check
-from ..cli.options import settings_of, simplify_options
-from ..cli.settings import Settings
+from ..cli.options import settings_of
 from ..cli.simplify import output_kinds
 from ..folders import WORK, discard
+from ..settings import Settings, option_names
 from . import page
 from .scans import Scan, estimated_faces, find_scans, fixed_part, needed_mb
 from .table import MADE, PICTURE, Lock, Row, Table, sync_folder
@@ -298,22 +297,14 @@ def _suffix(kind: str, settings: Settings) -> str:
 
 def _checked_options(options: dict[str, Any], recipe: str | os.PathLike[str] | dict[str, Any] | None) -> Settings:
     """Return options and recipe in the form for the steps. Raises BatchError if they are wrong for all scans."""
-    known = vars(simplify_options().parse_args([]))
-    del known["recipe"]
+    known = option_names()
     for name in options:
         if name not in known:
             raise BatchError(f"there is no option '{name}'; there are {', '.join(sorted(known))}")
     try:
-        if isinstance(recipe, (str, os.PathLike)):
-            steps: recipes.Recipe | None = recipes.read(Path(recipe))
-        else:
-            steps = None if recipe is None else recipes.parsed(recipe)
-        settings = settings_of(argparse.Namespace(**known | options), steps)
+        return settings_of(options, None if recipe is None else recipes.recipe_of(recipe))
     except (UsageError, recipes.RecipeError, ValueError, TypeError) as error:
         raise BatchError(str(error).splitlines()[0]) from None
-    if len(given := [name for name in recipes.COUNTS if options.get(name) is not None]) > 1:
-        raise BatchError(f"{' and '.join(given)} each set the number of regions: give one of them")
-    return settings
 
 
 def _check_place(inputs: Any, output: Path) -> None:

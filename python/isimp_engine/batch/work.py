@@ -1,18 +1,16 @@
 """The work of a child on one scan: the same as `isimp simplify`, in a folder of its own."""
 
-import argparse
 from pathlib import Path
 from typing import Any
 
 from .. import recipes
 from ..cli import simplify as command
 from ..cli.command import EXPECTED, problem
-from ..cli.options import settings_of, simplify_options
-from ..cli.settings import Simplification
+from ..cli.options import settings_of
+from ..cli.task import Simplification
 from . import picture
 from .table import MADE, PICTURE
 
-_DEFAULTS = vars(simplify_options().parse_args([]))
 _FIGURES = ("polygons", "vertices", "corners", "closed", "manifold", "planarity_max", "planarity_mean")
 _MORE = ("scan_distance", "scan_distance_allowed", "crossing", "flipped", "bent", "intersecting")
 
@@ -27,14 +25,14 @@ def simplify(task: dict[str, Any], folder: Path) -> dict[str, Any]:
         one = Simplification(
             source,
             output,
-            settings_of(argparse.Namespace(**_DEFAULTS | task["options"]), recipe),
+            settings_of(task["options"], recipe),
             labels=output.with_suffix(".labels.npy") if task["labels"] else None,
             report=output.with_suffix(".report.json") if task["reports"] else None,
             quiet=True,
         )
         done = command.run(one)
         if task["picture"]:
-            polygons, scan = done.polygons, (done.source.vertices, done.source.triangles)
+            polygons, scan = done.model.polygons, (done.model.source.vertices, done.model.source.triangles)
             model = (polygons.vertices, polygons.loops, polygons.loop_start, polygons.polygon_region)
             (folder / PICTURE).write_bytes(picture.beside(scan, model))
     except MemoryError:

@@ -1,22 +1,12 @@
-"""Close openings that scanning left: holes and tunnels that are smaller than the regions can show."""
+"""What the command reads and prints about openings: holes and tunnels that are smaller than the regions can show."""
 
 import math
 from collections.abc import Iterator
 from typing import Any
 
-from .. import CleanOptions, Job, Mesh, PartitionOptions, partition
-from ..openings import Lengths, lengths_for
-from .settings import Place, Settings
+from ..settings import Place
 
 _NEAR = 0.5  #: share of an opening's length: a place that is further from all openings selects none
-
-
-def is_wanted(settings: Settings) -> bool:
-    """False if the user has chosen openings, and with a bound: a bound is a promise for each vertex of the scan."""
-    kept = settings.keep_openings or (settings.recipe is not None and not settings.recipe.close_openings)
-    clean = settings.clean
-    given = max(clean.fill_holes, clean.fill_flat_holes, clean.cut_handles) > 0
-    return not (kept or given or settings.partition.bound)
 
 
 def place(text: str) -> Place:
@@ -28,13 +18,6 @@ def place(text: str) -> Place:
 
 
 place.__name__ = "place X,Y,Z"  # in argparse's message
-
-
-def told(mesh: Mesh) -> list[dict[str, Any]]:
-    """The openings of a repaired mesh for the report, the longest first."""
-    names = ("kind", "kept", "center", "length")
-    found = [{name: opening[name] for name in names} for opening in mesh.openings]
-    return sorted(found, key=lambda opening: -opening["length"])
 
 
 def lines(openings: list[dict[str, Any]], places: list[Place], below: float | None) -> Iterator[str]:
@@ -54,13 +37,3 @@ def lines(openings: list[dict[str, Any]], places: list[Place], below: float | No
 
 def _at(place: Place) -> str:
     return ",".join(f"{number:.9g}" for number in place)
-
-
-def lengths_of(mesh: Mesh, options: PartitionOptions, regions: int | None, job: Job) -> Lengths:
-    """The lengths up to which openings are closed. regions: their number; None or 0: the partition finds it."""
-    return lengths_for(mesh, options, regions or None, lambda: partition(mesh, options, job).region_count, job)
-
-
-def closing_options(clean: CleanOptions, lengths: Lengths) -> CleanOptions:
-    """How to repair the scan so that openings up to these lengths are closed."""
-    return CleanOptions(**clean.as_dict() | lengths.options())

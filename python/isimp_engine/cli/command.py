@@ -12,9 +12,10 @@ from contextlib import nullcontext, suppress
 from pathlib import Path
 
 from .. import FileError, InvalidInput, __version__, _process
+from ..settings import OptionError
 from . import batch, flat, guiding, info, lods, report, simplify, tiles
 from .ending import Terminated, terminable
-from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, USAGE, UsageError
+from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, USAGE, UsageError, flag
 from .files import place, show
 from .options import simplify_options
 
@@ -111,6 +112,8 @@ def problem(error: Exception, path: Path) -> tuple[str, int]:
     """Returns the error message for an input, and the exit status; `error` is one of EXPECTED."""
     if isinstance(error, UsageError):
         return str(error), USAGE
+    if isinstance(error, OptionError):
+        return f"{path}: {error.shown(flag)}", USAGE
     if isinstance(error, FileError):  # names the file itself
         return str(error), BAD_INPUT
     if isinstance(error, OSError):

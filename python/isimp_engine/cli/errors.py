@@ -9,6 +9,11 @@ class UsageError(Exception):
     """The arguments don't go together, or not with this input; the message is shown as it is."""
 
 
+def flag(option: str) -> str:
+    """The flag of an option."""
+    return "--keep-materials" if option == "materials" else "--" + option.replace("_", "-")
+
+
 #: exit statuses
 OK, USAGE, BAD_INPUT, SOME_FAILED = 0, 2, 3, 4
 INTERRUPTED, TERMINATED = _process.INTERRUPTED, 128 + signal.SIGTERM

@@ -9,12 +9,12 @@ from typing import Any
 
 from .. import PolygonMesh, __version__, exporting, merge_flat
 from ..drafts import save_array
+from ..source import Source, clean_mesh, facts, labels, load
 from . import simplify, words
 from .errors import UsageError
 from .files import STDOUT, Outputs, show
-from .loading import Input, clean_mesh, facts, labels, load
 from .progress import Steps, wanted
-from .settings import Simplification
+from .task import Simplification
 
 ANGLE = 0.01  #: degrees; the engine's default
 
@@ -102,7 +102,7 @@ def _merge(task: Simplification, angle: float) -> None:
         show("\n".join(_summary(source, poly, report)), beside=task.report == STDOUT)
 
 
-def _summary(source: Input, poly: PolygonMesh, report: dict[str, Any]) -> Iterator[str]:
+def _summary(source: Source, poly: PolygonMesh, report: dict[str, Any]) -> Iterator[str]:
     yield f"{source.path}: {words.count(source.faces, 'face')}, {words.shape(report['mesh'])}"
     for line in words.repairs(report["repair"], report["repaired_at"]):
         yield f"  repaired: {line}"

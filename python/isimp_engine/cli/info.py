@@ -3,20 +3,22 @@
 import argparse
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from .. import Job
-from . import closing, simplify, words
-from .errors import UsageError
+from ..pipeline import make_model, make_regions, openings_of
+from ..settings import OptionError, Settings
+from ..source import Cleaned, Source, clean_mesh, facts, load
+from . import words
+from .errors import flag
 from .files import show
-from .loading import Cleaned, Input, clean_mesh, facts, load
 from .options import recipe_of, settings_of
 from .progress import Steps
-from .settings import Settings
 
 
 def run(arguments: argparse.Namespace) -> None:
-    settings = settings_of(arguments, recipe_of(arguments))
+    settings = settings_of(vars(arguments), recipe_of(arguments))
     source = load(arguments.input, Job(), settings.clean.threads)
     cleaned = mesh, repaired, repaired_at = clean_mesh(source, settings.clean, Job(), settings.kept_places)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
@@ -31,18 +33,17 @@ def run(arguments: argparse.Namespace) -> None:
     show(json.dumps(report, indent=2, allow_nan=False) if arguments.json else "\n".join(lines(report)))
 
 
-def result(settings: Settings, source: Input, cleaned: Cleaned, estimate: bool) -> dict[str, Any]:
+def result(settings: Settings, source: Source, cleaned: Cleaned, estimate: bool) -> dict[str, Any]:
     """How many polygons `isimp simplify` would make, and why; or why it would refuse. estimate: without meshing."""
     steps = Steps(show=False)
     try:
-        if estimate:
-            regions = simplify.make_regions(settings, source, steps, cleaned)
-            out: dict[str, Any] = regions.expected
-        else:
-            regions = model = simplify.make_model(settings, source, steps, cleaned)
+        regions = make_regions(source, replace(settings, texture=None), steps, cleaned)
+        out: dict[str, Any] = regions.expected
+        if not estimate:
+            regions = model = make_model(regions, steps)
             out = model.found.report
-    except UsageError as error:
-        return {"refused": str(error).removeprefix(f"{source.path}: ")}
+    except OptionError as error:
+        return {"refused": error.shown(flag)}
     counts = {key: value for key, value in out.items() if key in ("regions", "polygons") or key.startswith("split_for")}
     return counts | {
         "expected": regions.expected,
@@ -50,7 +51,7 @@ def result(settings: Settings, source: Input, cleaned: Cleaned, estimate: bool) 
         "closed_below": regions.closed.fill_holes if regions.closed else None,
         "filled_holes": regions.repaired["filled_holes"],
         "cut_handles": regions.repaired["cut_handles"],
-        "openings": closing.told(regions.mesh),
+        "openings": openings_of(regions.mesh),
         "partition": regions.partition.report,
         "nearer": regions.nearer and regions.nearer.as_dict(),
     }

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from .. import TextureOptions, exporting
 from ..recipes import COUNTS
-from . import texturing
+from ..settings import LIKE_THE_SCAN
 from .errors import UsageError
 from .files import STDOUT
-from .settings import Simplification
+from .task import Simplification
 
 
 def counts(text: str) -> list[int]:
@@ -66,6 +66,6 @@ def with_halved_texture(level: Simplification, size: int, times: int) -> Simplif
     """The level with an image whose side is halved `times` times. size: side of the first level's image."""
     assert level.settings.texture is not None
     least = next(field["least"] for field in TextureOptions.fields() if field["name"] == "size")
-    side = size if size == texturing.LIKE_THE_SCAN else max(int(least), size >> times)
+    side = size if size == LIKE_THE_SCAN else max(int(least), size >> times)
     texture = replace(level.settings.texture, size=side)
     return replace(level, settings=replace(level.settings, texture=texture))

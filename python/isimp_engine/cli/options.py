@@ -1,37 +1,21 @@
 """The options of `isimp simplify`, which batches take too: flags made from the engine's table, and their values."""
 
 import argparse
-import copy
-import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .. import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions, RegulariseOptions, recipes
+from .. import CleanOptions, MeshingOptions, PartitionOptions, RegulariseOptions, recipes, settings
 from ..exporting import UNITS
+from ..settings import ANY_DISTANCE, CLUTTER, LIKE_THE_SCAN, Kind, OptionError, Settings, names, snapping
 from . import closing, guiding, texturing
-from .errors import UsageError
-from .settings import GuideFiles, Settings, Texturing
+from .errors import UsageError, flag
 
-Options = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions] | type[RegulariseOptions]
 _COUNTS = tuple(recipes.COUNTS)  # at most one of them
 # Flags whose length may be left out, and the value of the flag alone.
 _BARE: dict[str, float | None] = {"sharp_edges": 0.0, "stitch": None, "straight_rims": None}
 _SHARED = ("threads",)  # one flag for all steps
-_OF_RECIPE = ("angle", "texture", "ao", "height", "tiles", "materials")  # taken from the recipe where not given
-_NEEDS = {
-    "ao": ("--ao", "texture", "it is an image of the texture's material"),
-    "height": ("--height", "texture", "it has the places of the texture"),
-    "tiles": ("--tiles", "texture", "it sets the number of images of the texture"),
-    "materials": ("--keep-materials", "texture", "it sets the number of images of the texture"),
-}
-#: options of an engine's class whose flag has another name
-_FLAGS: dict[tuple[Options, str], str] = {(RegulariseOptions, "angle"): "regularise"}
-
-
-KEEP_CLUTTER, LEAVE_OUT_CLUTTER, BOX_CLUTTER = CLUTTER = ("keep", "leave-out", "box")
-_CHOICES = {"clutter": CLUTTER, "unit": tuple(UNITS)}
 
 
 def simplify_options() -> argparse.ArgumentParser:
@@ -64,12 +48,12 @@ def simplify_options() -> argparse.ArgumentParser:
     turned = "snap planes: level, upright, parallel, coplanar; each turns by at most ANGLE degrees. Default: %(const)s"
     angle = RegulariseOptions().angle
     command.add_argument("--regularise", type=float, nargs="?", const=angle, metavar="ANGLE", help=turned)
-    add_fields(command, RegulariseOptions, _snapping())
+    add_fields(command, RegulariseOptions, snapping())
     command.add_argument(
         "--texture",
         type=partial(texturing.whole, "size"),
         nargs="?",
-        const=texturing.LIKE_THE_SCAN,
+        const=LIKE_THE_SCAN,
         metavar="SIZE",
         help="keep the scan's texture in an image of SIZE x SIZE pixels; without SIZE: as dense as the scan's images. "
         "OUTPUT.obj has the files OUTPUT.mtl, OUTPUT.png and OUTPUT_normal.png; OUTPUT.glb contains all",
@@ -78,7 +62,7 @@ def simplify_options() -> argparse.ArgumentParser:
         "--ao",
         type=texturing.distance,
         nargs="?",
-        const=texturing.ANY_DISTANCE,
+        const=ANY_DISTANCE,
         metavar="DISTANCE",
         help="with --texture: an image of ambient occlusion by the scan's faces up to DISTANCE away, in scene units; "
         "without DISTANCE: by all",
@@ -115,31 +99,26 @@ def simplify_options() -> argparse.ArgumentParser:
     return command
 
 
-def names(options: Options, besides: Sequence[str] = ()) -> list[str]:
-    """The fields of a class of options, in order."""
-    return [field["name"] for field in options.fields() if field["name"] not in besides]
-
-
-def add_fields(command: Any, options: Options, wanted: Sequence[str]) -> None:
+def add_fields(command: Any, options: Kind, wanted: Sequence[str]) -> None:
     """A flag for each of these fields, made from the engine's table of them."""
     for field in options.fields():
         name, kind, default = field["name"], field["type"].removesuffix(" | None"), field["default"]
         if name not in wanted:
             continue
         about = getattr(options, name).__doc__.replace("%", "%%")
-        flag = name.replace("_", "-")
+        word = name.replace("_", "-")
         if kind == "bool":
             if default:
-                flag, about = "no-" + flag, f"Turns off: {about}"
+                word, about = "no-" + word, f"Turns off: {about}"
             action = "store_false" if default else "store_true"
-            command.add_argument("--" + flag, dest=name, action=action, default=None, help=about)
+            command.add_argument("--" + word, dest=name, action=action, default=None, help=about)
             continue
         about += "" if default is None else f" Default: {default}."
         metavar = "L" if field.get("unit") == "length" else {"int": "N", "float": "X", "str": "NAME"}[kind]
         parse = _grid if name == "grid" else {"int": int, "float": float, "str": str}[kind]
         metavar = "auto|off|L" if name == "grid" else metavar
         bare = {"nargs": "?", "const": _BARE[name]} if name in _BARE else {}
-        command.add_argument("--" + flag, dest=name, type=parse, metavar=metavar, help=about, **bare)
+        command.add_argument("--" + word, dest=name, type=parse, metavar=metavar, help=about, **bare)
 
 
 def _grid(text: str) -> float | None:
@@ -148,52 +127,6 @@ def _grid(text: str) -> float | None:
 
 
 _grid.__name__ = "grid: auto, off or a length"  # in argparse's message
-
-
-def _snapping() -> list[str]:
-    """The options of `--regularise` that have flags of their own."""
-    return names(RegulariseOptions, besides=("angle", "length", "up"))
-
-
-def options_of(arguments: argparse.Namespace, recipe: recipes.Recipe | None, kind: Options) -> Any:
-    """The engine's options of this kind as the command line has them; else the recipe's, else its defaults."""
-    values = {name: getattr(arguments, _FLAGS.get((kind, name), name), None) for name in names(kind)}
-    given = {name: value for name, value in values.items() if value is not None}
-    options = kind(**_of_recipe(recipe, kind, given))
-    for name, value in given.items():
-        try:
-            setattr(options, name, value)
-        except InvalidInput as error:
-            flag = "--" + _FLAGS.get((kind, name), name).replace("_", "-")
-            raise UsageError(str(error).replace(f"{kind.__name__}.{name}", flag)) from None
-    check_ranges(options)
-    return options
-
-
-def check_ranges(options: Any) -> None:
-    """Check the numbers of an engine's options before the work. All must be finite: reports are JSON."""
-    values = options.as_dict()
-    for field in options.fields():
-        name, value = field["name"], values[field["name"]]
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            continue
-        low, high = field.get("least"), field.get("most")
-        fits = math.isfinite(value)
-        fits = fits and (low is None or (value > low if field.get("above_least") else value >= low))
-        fits = fits and (high is None or (value < high if field.get("below_most") else value <= high))
-        if not fits:
-            flag = "--" + _FLAGS.get((type(options), name), name).replace("_", "-")
-            wanted = field.get("range", "a finite number").replace("a length", "a finite length")
-            raise UsageError(f"{flag} must be {wanted}, got {value:g}")
-
-
-def _of_recipe(recipe: recipes.Recipe | None, kind: Options, given: dict[str, Any]) -> dict[str, Any]:
-    """The recipe's options of this kind, without the given ones, and without its count if a count is given."""
-    if recipe is None or kind is RegulariseOptions:  # with --regularise the recipe's planes are not snapped
-        return {}
-    own = {CleanOptions: recipe.repair, MeshingOptions: recipe.meshing, PartitionOptions: recipe.partition}[kind]
-    counted = any(name in given for name in _COUNTS)
-    return {name: value for name, value in own.items() if name not in given and not (counted and name in _COUNTS)}
 
 
 def recipe_of(arguments: argparse.Namespace) -> recipes.Recipe | None:
@@ -206,41 +139,9 @@ def recipe_of(arguments: argparse.Namespace) -> recipes.Recipe | None:
         raise UsageError(str(error)) from None
 
 
-def settings_of(arguments: argparse.Namespace, recipe: recipes.Recipe | None) -> Settings:
+def settings_of(options: Mapping[str, Any], recipe: recipes.Recipe | None) -> Settings:
     """The settings of a command line and its recipe. Nothing else reads the arguments of `simplify_options`."""
-    given = copy.copy(arguments)
-    for name in _OF_RECIPE if recipe is not None else ():
-        if getattr(given, name) is None:
-            setattr(given, name, getattr(recipe, name))
-    snapping = {name: ("--" + name.replace("_", "-"), "regularise", "it is about its planes") for name in _snapping()}
-    for name, (flag, needed, reason) in (_NEEDS | snapping).items():
-        value = getattr(given, name)
-        if value is not None and value is not False and getattr(given, needed) is None:  # 0 is a value
-            raise UsageError(f"{flag} needs --{needed}: {reason}")
-    for name, choices in _CHOICES.items():  # a batch from Python does not pass them through argparse
-        if (value := getattr(given, name)) not in choices:
-            raise UsageError(f"--{name} must be one of {', '.join(choices)}, got {value!r}")
-    if given.angle is not None and not 0 <= given.angle <= 180:
-        raise UsageError(f"--angle must be in [0, 180], got {given.angle:g}")
-    of_recipe = [(x, y, z) for x, y, z in recipe.keep_openings] if recipe is not None else []
-    texture = None
-    if given.texture is not None:
-        texture = Texturing(given.texture, given.tiles, bool(given.materials), bool(given.height), given.ao)
-    return Settings(
-        clean=options_of(given, recipe, CleanOptions),
-        partition=options_of(given, recipe, PartitionOptions),
-        meshing=options_of(given, recipe, MeshingOptions),
-        regularise=None if given.regularise is None else options_of(given, recipe, RegulariseOptions),
-        recipe=recipe,
-        keep_openings=given.keep_openings,
-        kept_places=(given.keep_opening or []) + of_recipe,
-        clutter=given.clutter,
-        angle=given.angle,
-        texture=texture,
-        crs=given.crs,
-        unit=given.unit,
-    )
-
-
-def guide_files(arguments: argparse.Namespace) -> GuideFiles:
-    return GuideFiles(**{name: getattr(arguments, name) for name in guiding.FILES})
+    try:
+        return settings.settings_of(options, recipe)
+    except OptionError as error:
+        raise UsageError(error.shown(flag)) from None

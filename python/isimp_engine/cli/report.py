@@ -1,13 +1,15 @@
 """Write a report of a scan's model: tables of planes and round parts (CSV, GeoJSON), a page with pictures (HTML)."""
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 from .. import reports
-from . import simplify, words
+from ..pipeline import make_model, make_regions
+from ..source import load
+from . import words
 from .errors import UsageError
 from .files import Outputs, check_all, show
-from .loading import load
 from .options import recipe_of, settings_of
 from .progress import Steps, wanted
 
@@ -40,12 +42,12 @@ def run(arguments: argparse.Namespace) -> None:
         raise UsageError(f"{arguments.output}: is a file; OUTPUT_FOLDER must be a folder")
     if arguments.output.exists():
         check_all([arguments.output / name for name in reports.NAMES], [arguments.input])
-    settings = settings_of(arguments, recipe_of(arguments))
+    settings = settings_of(vars(arguments), recipe_of(arguments))
     steps = Steps(wanted(arguments.quiet))
     with steps("read") as job:
         source = load(arguments.input, job, settings.partition.threads)
-    model = simplify.make_model(settings, source, steps)
-    poly = model.found.polygons
+    model = make_model(make_regions(source, replace(settings, texture=None), steps), steps)
+    poly = model.polygons
     with steps("measure") as job:
         table = reports.plane_table(model.mesh, model.partition, poly, job)
     angles = None
@@ -54,7 +56,7 @@ def run(arguments: argparse.Namespace) -> None:
         if missing := [number for number in arguments.angles if number not in known]:
             raise UsageError(f"--angles: there is no region {missing[0]}; they are numbered from 0 to {max(known)}")
         angles = reports.angle_rows(table, arguments.angles)
-    texts = reports.texts_of(source.path.name, model.mesh, model.partition, poly, table, settings.crs)
+    texts = reports.texts_of(arguments.input.name, model.mesh, model.partition, poly, table, settings.crs)
     if angles is not None:
         texts[reports.ANGLES] = reports.write_csv(angles, ("region", "other", "angle"))
     arguments.output.mkdir(parents=True, exist_ok=True)

@@ -6,16 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from .. import InvalidInput, Job, Mesh, Partition, PolygonMesh, Texture, TextureOptions, texture
+from .. import TextureOptions
+from ..source import Source
 from ..texturing.writing import companions, refusal
 from . import words
 from .errors import UsageError
 from .files import check, is_same
-from .loading import Input
-from .settings import Simplification, Texturing
-
-LIKE_THE_SCAN = 0
-ANY_DISTANCE = 0.0
+from .task import Simplification
 
 
 def whole(name: str, text: str) -> int:
@@ -57,38 +54,13 @@ def check_output(task: Simplification) -> list[Path]:
     return beside
 
 
-def check_source(source: Input, beside: list[Path]) -> None:
-    """Refuse, before the work, a scan without a texture, and to overwrite the files of its texture."""
+def check_source(source: Source, beside: list[Path]) -> None:
+    """Refuse, before the work, to overwrite the files of the scan's texture."""
     if source.soup is None:
         return
     for path in beside:
         if any(is_same(path, file) for file in source.soup.files):
             raise UsageError(f"{path}: belongs to the scan and would be overwritten; choose another OUTPUT")
-    if not source.soup.has_texture:
-        raise InvalidInput(
-            "has neither an image nor colours, so there is no texture to keep; leave out --texture, or the "
-            "recipe's texture step"
-        )
-
-
-def make(
-    wanted: Texturing, source: Input, mesh: Mesh, part: Partition, poly: PolygonMesh, threads: int, job: Job
-) -> Texture:
-    """The texture of the polygons."""
-    assert source.soup is not None  # read, since a texture is requested
-    options = TextureOptions(
-        size=wanted.size or None,
-        tiles=wanted.tiles,
-        materials=wanted.materials,
-        height=wanted.height,
-        occlusion=wanted.occlusion is not None,
-        occlusion_distance=wanted.occlusion or None,
-        threads=threads,
-    )
-    try:
-        return texture(mesh, part, poly, source.soup, options, job)
-    except InvalidInput as error:  # too many charts for the size
-        raise UsageError(f"{source.path}: {error}") from None
 
 
 def summary(report: dict[str, Any]) -> Iterator[str]:

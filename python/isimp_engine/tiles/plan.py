@@ -12,10 +12,10 @@ from typing import Any
 from .. import FileError, InvalidInput, PartitionOptions, __version__, exporting
 from ..batch.scans import READABLE, find_scans
 from ..children.errors import BatchError
-from ..cli.errors import UsageError
+from ..cli.errors import flag
 from ..cli.files import is_same
-from ..cli.options import check_ranges
 from ..reading import kind_of
+from ..settings import OptionError, check_ranges
 from .errors import TileFailed, TilesError
 from .tileset import Leaf, leaves, tileset_of
 
@@ -104,7 +104,9 @@ def _plan_of_tileset(tileset: Path, place: Path, folder: Path, options: dict[str
 def _check(options: dict[str, Any]) -> None:
     try:
         check_ranges(PartitionOptions(**{name: options[name] for name in PARTITION if name in options}))
-    except (UsageError, InvalidInput) as error:
+    except OptionError as error:
+        raise TilesError(error.shown(flag)) from None
+    except InvalidInput as error:
         raise TilesError(str(error)) from None
     if len(given := [name for name in ("proxies", "detail", "tolerance") if name in options]) > 1:
         raise TilesError(f"--{given[0]} and --{given[1]} contradict each other; give one of them")

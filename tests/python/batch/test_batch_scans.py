@@ -125,7 +125,7 @@ def test_what_is_wrong_with_the_whole_is_2_and_changes_nothing(scans, tmp_path):
         batch.run(scans, out, options={"proxies": "many"})
     with pytest.raises(batch.BatchError, match=r"--clutter must be one of keep, leave-out, box, got 'drop'"):
         batch.run(scans, out, options={"clutter": "drop"})
-    with pytest.raises(batch.BatchError, match=r"detail and proxies each set the number"):
+    with pytest.raises(batch.BatchError, match=r"--detail and --proxies each set the number"):
         batch.run(scans, out, options={"proxies": 3, "detail": 0.1})
 
 

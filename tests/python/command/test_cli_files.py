@@ -146,7 +146,9 @@ def test_cuts_at_vertices_that_are_not_there_name_the_row(scan, tmp_path, row, v
     edges[row, 1] = vertex
     np.save(tmp_path / "e.npy", edges)
     done = simplify(scan, tmp_path / "o.ply", "--cuts", tmp_path / "e.npy")
-    check_line(done, 2, f"e.npy: row {row} (the first is 0) names vertex {vertex}; the vertices of INPUT are 0 to 440")
+    check_line(
+        done, 2, f"e.npy: row {row} (the first is 0) names vertex {vertex}; the vertices of the scan are 0 to 440"
+    )
 
 
 def test_marked_edges_far_out_of_range_match_no_edge():

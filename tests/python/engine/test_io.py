@@ -9,7 +9,7 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
-from isimp_engine.cli.loading import load
+from isimp_engine.source import load
 
 HOUSE = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [1, 3, 0], [0, 2, 0], [3, 0, 0], [3, 2, 0]]  # a gable, and a lean-to
 WALLS = [[0, 1, 2, 3, 4], [1, 5, 6, 2], [2, 6, 3]]

@@ -1,4 +1,4 @@
-"""From a file to a clean mesh, and back to the file's own faces."""
+"""A scan as triangles and as a clean mesh, and back to its own faces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,43 +8,39 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import (
-    CleanOptions,
-    Job,
-    Mesh,
-    TexturedSoup,
-    clean,
-    close_openings,
-    read_polygons,
-    read_textured,
-)
-from ..file_faces import cut, largest_shares
-from ..openings import Lengths
+from ._core import CleanOptions, Job, Mesh, clean, close_openings
+from .file_faces import cut, largest_shares
+from .openings import Lengths
+from .reading import read_polygons
+from .texturing import TexturedSoup, read_textured
 
 GLTF = (".glb", ".gltf")
 
 
-@dataclass(frozen=True)
-class Input:
-    """A file's faces cut into triangles: triangle t is part of the file's face `polygon[t]`."""
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A scan's faces cut into triangles: triangle t is part of the face `polygon[t]`."""
 
-    path: Path
     vertices: NDArray[np.float64]
     triangles: NDArray[np.int32]
     polygon: NDArray[np.int32]
     faces: int
+    path: Path | None = None  #: its file
     soup: TexturedSoup | None = None  #: faces with their texture, if the caller requested it
 
 
-def load(path: Path, job: Job, threads: int = 0, textured: bool = False) -> Input:
+def load(path: Path, job: Job | None, threads: int = 0, textured: bool = False) -> Source:
     if path.suffix.lower() in GLTF:
-        soup = read_textured(path, job)
-        polygon = soup.polygon if soup.polygon is not None else np.arange(len(soup.triangles), dtype=np.int32)
-        return Input(path, soup.vertices, soup.triangles, polygon, int(polygon.max(initial=-1)) + 1, soup)
+        return _of_soup(read_textured(path, job), path)
     vertices, loops, loop_start = read_polygons(path, job, threads=threads)
     triangles, polygon = cut(vertices, loops, loop_start)
     shown = read_textured(path, job, threads=threads) if textured else None
-    return Input(path, vertices, triangles, polygon, len(loop_start), shown)
+    return Source(vertices, triangles, polygon, len(loop_start), path, shown)
+
+
+def _of_soup(soup: TexturedSoup, path: Path | None) -> Source:
+    polygon = soup.polygon if soup.polygon is not None else np.arange(len(soup.triangles), dtype=np.int32)
+    return Source(soup.vertices, soup.triangles, polygon, int(polygon.max(initial=-1)) + 1, path, soup)
 
 
 Places = Sequence[tuple[float, float, float]]
@@ -52,14 +48,14 @@ Places = Sequence[tuple[float, float, float]]
 Cleaned = tuple[Mesh, dict[str, int], dict[str, list[int]]]
 
 
-def clean_mesh(source: Input, options: CleanOptions, job: Job, keep: Places = ()) -> Cleaned:
-    """The mesh, how often each repair was made, and where first: faces are the file's. keep: see `clean`."""
+def clean_mesh(source: Source, options: CleanOptions, job: Job, keep: Places = ()) -> Cleaned:
+    """The mesh, how often each repair was made, and where first: faces are the scan's. keep: see `clean`."""
     places = np.array(keep, np.float64).reshape(-1, 3)
     return _told(source, clean(source.vertices, source.triangles, options, job, keep=places))
 
 
 def close_mesh(
-    source: Input, cleaned: Cleaned, options: CleanOptions, lengths: Lengths, job: Job, keep: Places = ()
+    source: Source, cleaned: Cleaned, options: CleanOptions, lengths: Lengths, job: Job, keep: Places = ()
 ) -> Cleaned:
     """Returns the cleaned mesh with its openings closed.
 
@@ -69,7 +65,7 @@ def close_mesh(
     return _told(source, close_openings(cleaned[0], options, job, keep=places, left_out=lengths.left_out))
 
 
-def _told(source: Input, mesh: Mesh) -> Cleaned:
+def _told(source: Source, mesh: Mesh) -> Cleaned:
     report = mesh.report
     where = {
         key: places if key.endswith("vertices") else [int(p) for p in dict.fromkeys(source.polygon[places])]
@@ -86,8 +82,8 @@ def facts(mesh: Mesh) -> dict[str, Any]:
     }
 
 
-def labels(source: Input, mesh: Mesh, regions: NDArray[np.int32]) -> NDArray[np.int32]:
-    """The region of each face of the file: the region with the largest share of its area; -1: no region has any."""
+def labels(source: Source, mesh: Mesh, regions: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The region of each face of the scan: the region with the largest share of its area; -1: no region has any."""
     kept = np.flatnonzero((regions >= 0) & (mesh.source_face >= 0))  # a face that covers a hole is in no file
     face, region = source.polygon[mesh.source_face[kept]], regions[kept]
     result = np.full(source.faces, -1, dtype=np.int32)

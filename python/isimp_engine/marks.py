@@ -1,0 +1,74 @@
+"""Arrays of single faces and edges of one scan that guide its partition."""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import guides
+from ._core import Job, Mesh, partition_from
+from .guided import Guides
+from .settings import OptionError
+from .source import Source
+
+
+@dataclass(frozen=True, eq=False)
+class Marks:
+    """Arrays of single faces and edges, by the faces and vertices of the scan as it was given."""
+
+    weights: NDArray[Any] | None = None  #: (faces,) at least 0; regions grow dense like the root of it
+    borders: NDArray[Any] | None = None  #: (faces,) no region has faces of two values
+    cuts: NDArray[Any] | None = None  #: (K, 2) edges that no region crosses, and that split a region they end in
+    part: NDArray[Any] | None = None  #: (K,) only these faces are split; the others stay as `base` has them
+    base: NDArray[Any] | None = None  #: (faces,) the region of each face, -1 for none
+
+
+MARKS = frozenset(each.name for each in fields(Marks))
+
+
+def marks_of(source: Source, given: dict[str, Any]) -> Marks:
+    """The arrays of a scan by their names, checked. Raises OptionError, which begins with the name."""
+    arrays = {name: np.asarray(values) for name, values in given.items() if values is not None}
+    for name, values in arrays.items():
+        _check(name, values, {"cuts": (None, 2), "part": (None,)}.get(name, (source.faces,)))
+    if "cuts" in arrays:
+        edges, count = arrays["cuts"], len(source.vertices)
+        if (bad := np.argwhere((edges < 0) | (edges >= count))).size:
+            row, end = bad[0]
+            text = f"{{}}: row {row} (the first is 0) names vertex {edges[row, end]}; "
+            raise OptionError(f"{text}the vertices of the scan are 0 to {count - 1}", "cuts")
+    chosen = arrays.get("part", np.zeros(0, int))
+    if len(chosen) and not 0 <= chosen.min() <= chosen.max() < source.faces:
+        raise OptionError(f"{{}}: faces must be in [0, {source.faces})", "part")
+    return Marks(**arrays)
+
+
+def _check(name: str, values: NDArray[Any], shape: tuple[int | None, ...]) -> None:
+    """Refuse an array of another shape (None: any length), and one without numbers."""
+    fits = values.ndim == len(shape) and all(n in (None, m) for n, m in zip(shape, values.shape, strict=True))
+    whole = name in ("weights", "borders") or values.dtype.kind in "iu"
+    if not fits or not whole or values.dtype.kind not in "iufb":
+        wanted = ", ".join("K" if n is None else str(n) for n in shape)
+        kind = "numbers" if name in ("weights", "borders") else "integers"
+        raise OptionError(f"{{}}: must be ({wanted}) {kind}, is {values.shape} {values.dtype}", name)
+
+
+def guides_of(marks: Marks, angle: float | None, source: Source, mesh: Mesh, job: Job) -> Guides:
+    """The guides of a partition, by faces and vertices of the mesh. angle: see `Settings`."""
+    face = np.where(mesh.source_face >= 0, source.polygon[mesh.source_face], -1)
+    barriers = []
+    if angle is not None:
+        barriers.append(guides.sharp_edges(mesh, np.radians(angle)))
+    if marks.borders is not None:
+        barriers.append(guides.attribute_borders(mesh, marks.borders[face], among=face >= 0))
+    before = None
+    if marks.base is not None:
+        before = partition_from(mesh, np.where(face >= 0, marks.base[face], -1), job)
+    return Guides(
+        weights=None if marks.weights is None else np.where(face >= 0, marks.weights[face], 1.0),
+        barriers=np.concatenate(barriers) if barriers else None,
+        cuts=None if marks.cuts is None else guides.marked_edges(mesh, marks.cuts),
+        faces=None if marks.part is None else np.flatnonzero(np.isin(face, marks.part)),
+        before=before,
+    )

@@ -1,0 +1,181 @@
+"""The settings of a simplification as typed values, made once from the options and the recipe of a caller."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ._core import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions, RegulariseOptions
+from .exporting import UNITS
+from .recipe import COUNTS
+from .recipes import Recipe
+
+Place = tuple[float, float, float]
+Kind = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions] | type[RegulariseOptions]
+
+LIKE_THE_SCAN = 0  #: size of a texture
+ANY_DISTANCE = 0.0  #: of faces that occlude light
+KEEP_CLUTTER, LEAVE_OUT_CLUTTER, BOX_CLUTTER = CLUTTER = ("keep", "leave-out", "box")
+CHOICES = {"clutter": CLUTTER, "unit": UNITS}
+#: options of an engine's class that have another name here, as another class has the name too
+RENAMED: dict[tuple[Kind, str], str] = {(RegulariseOptions, "angle"): "regularise"}
+OF_RECIPE = ("angle", "texture", "ao", "height", "tiles", "materials")  #: taken from the recipe where not given
+_NEEDS = {
+    "ao": ("texture", "it is an image of the texture's material"),
+    "height": ("texture", "it has the places of the texture"),
+    "tiles": ("texture", "it sets the number of images of the texture"),
+    "materials": ("texture", "it sets the number of images of the texture"),
+    "base": ("part", "it gives the regions of the faces outside the part"),
+}
+
+
+class OptionError(InvalidInput):
+    """Options that are wrong, contradict each other or can't be used for this scan.
+
+    names: those of options in the message, for {} in the text, so that the command can show its flags.
+    """
+
+    def __init__(self, text: str, *names: str) -> None:
+        super().__init__(text.format(*names) if names else text)
+        self._text, self._names = text, names
+
+    def shown(self, flag: Callable[[str], str]) -> str:
+        """The message with other names of the options."""
+        return self._text.format(*map(flag, self._names)) if self._names else self._text
+
+
+@dataclass(frozen=True)
+class Texturing:
+    """The texture of a result."""
+
+    size: int  #: size of an image, pixels; LIKE_THE_SCAN: as dense as the scan's images
+    tiles: int | None = None  #: number of images; None: as many as the density of the scan needs
+    materials: bool = False  #: images of their own for each of the scan's materials
+    height: bool = False  #: a height map
+    occlusion: float | None = None  #: largest distance of the faces that keep light off; ANY_DISTANCE; None: no image
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How scans are simplified: by options that hold for any scan."""
+
+    clean: CleanOptions
+    partition: PartitionOptions
+    meshing: MeshingOptions
+    regularise: RegulariseOptions | None  #: None: planes are snapped only as the recipe has it
+    recipe: Recipe | None
+    keep_openings: bool
+    kept_places: list[Place]  #: places of openings that stay open
+    clutter: str  #: one of CLUTTER: treatment of regions with many polygons
+    angle: float | None  #: degrees; no region crosses an edge that bends by more
+    texture: Texturing | None
+    crs: int | None  #: EPSG number
+    unit: str
+
+
+def names(kind: Kind, besides: tuple[str, ...] = ()) -> list[str]:
+    """The fields of a class of options, in order."""
+    return [field["name"] for field in kind.fields() if field["name"] not in besides]
+
+
+def snapping() -> list[str]:
+    """The options of `regularise` besides its angle."""
+    return names(RegulariseOptions, besides=("angle", "length", "up"))
+
+
+def option_names() -> frozenset[str]:
+    """The names of all options of `settings_of`."""
+    own = {"regularise", "keep_openings", "keep_opening", "clutter", "angle", "texture", "ao", "height", "tiles"}
+    engine = {name for kind in (PartitionOptions, CleanOptions, MeshingOptions) for name in names(kind)}
+    return frozenset({"materials", "crs", "unit"} | own | engine | set(snapping()))
+
+
+def settings_of(options: Mapping[str, Any], recipe: Recipe | None) -> Settings:
+    """The settings of options by their names, and a recipe. None: not given. Raises OptionError."""
+    given = {name: value for name, value in options.items() if value is not None}
+    for name in OF_RECIPE if recipe is not None else ():
+        if name not in given and (value := getattr(recipe, name)) is not None:
+            given[name] = value
+    snaps = dict.fromkeys(snapping(), ("regularise", "it is about its planes"))
+    for name, (needed, reason) in (_NEEDS | snaps).items():
+        if given.get(name, False) is not False and needed not in given:  # 0 is a value
+            raise OptionError(f"{{}} needs {{}}: {reason}", name, needed)
+    for name, choices in CHOICES.items():
+        if name in given and given[name] not in choices:
+            raise OptionError(_literal(f" must be one of {', '.join(choices)}, got {given[name]!r}"), name)
+    if len(counts := [name for name in COUNTS if name in given]) > 1:
+        marks = " and ".join(["{}"] * len(counts))
+        raise OptionError(f"{marks} each set the number of regions: give one of them", *counts)
+    if (angle := given.get("angle")) is not None and not 0 <= angle <= 180:
+        raise OptionError(f"{{}} must be in [0, 180], got {angle:g}", "angle")
+    of_recipe = [(x, y, z) for x, y, z in recipe.keep_openings] if recipe is not None else []
+    texture = None
+    if "texture" in given:
+        materials, height = bool(given.get("materials")), bool(given.get("height"))
+        texture = Texturing(given["texture"], given.get("tiles"), materials, height, given.get("ao"))
+    return Settings(
+        clean=options_of(given, recipe, CleanOptions),
+        partition=options_of(given, recipe, PartitionOptions),
+        meshing=options_of(given, recipe, MeshingOptions),
+        regularise=_snapping_of(given, recipe),
+        recipe=recipe,
+        keep_openings=bool(given.get("keep_openings")),
+        kept_places=[*given.get("keep_opening", ()), *of_recipe],
+        clutter=given.get("clutter", KEEP_CLUTTER),
+        angle=angle,
+        texture=texture,
+        crs=given.get("crs"),
+        unit=given.get("unit", "m"),
+    )
+
+
+def _snapping_of(options: Mapping[str, Any], recipe: Recipe | None) -> RegulariseOptions | None:
+    given = options.get("regularise")
+    if given is None or isinstance(given, RegulariseOptions):
+        return given
+    found: RegulariseOptions = options_of(options, recipe, RegulariseOptions)
+    return found
+
+
+def options_of(options: Mapping[str, Any], recipe: Recipe | None, kind: Kind) -> Any:
+    """The engine's options of this kind as they are given; else the recipe's, else its defaults."""
+    called = {name: RENAMED.get((kind, name), name) for name in names(kind)}
+    given = {name: options[option] for name, option in called.items() if option in options}
+    made = kind(**_of_recipe(recipe, kind, given))
+    for name, value in given.items():
+        try:
+            setattr(made, name, value)
+        except InvalidInput as error:
+            raise OptionError(_literal(str(error).removeprefix(f"{kind.__name__}.{name}")), called[name]) from None
+    check_ranges(made)
+    return made
+
+
+def _literal(text: str) -> str:
+    """A text after the name of an option, for OptionError."""
+    return "{}" + text.replace("{", "{{").replace("}", "}}")
+
+
+def check_ranges(options: Any) -> None:
+    """Check the numbers of an engine's options before the work. All must be finite: reports are JSON."""
+    values = options.as_dict()
+    for field in options.fields():
+        name, value = field["name"], values[field["name"]]
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            continue
+        low, high = field.get("least"), field.get("most")
+        fits = math.isfinite(value)
+        fits = fits and (low is None or (value > low if field.get("above_least") else value >= low))
+        fits = fits and (high is None or (value < high if field.get("below_most") else value <= high))
+        if not fits:
+            wanted = field.get("range", "a finite number").replace("a length", "a finite length")
+            raise OptionError(f"{{}} must be {wanted}, got {value:g}", RENAMED.get((type(options), name), name))
+
+
+def _of_recipe(recipe: Recipe | None, kind: Kind, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The recipe's options of this kind, without the given ones, and without its count if a count is given."""
+    if recipe is None or kind is RegulariseOptions:  # with `regularise` the recipe's planes are not snapped
+        return {}
+    own = {CleanOptions: recipe.repair, MeshingOptions: recipe.meshing, PartitionOptions: recipe.partition}[kind]
+    counted = any(name in given for name in COUNTS)
+    return {name: value for name, value in own.items() if name not in given and not (counted and name in COUNTS)}
