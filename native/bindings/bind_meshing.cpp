@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
+#include "isimp/mesh/io.h"
 #include "isimp/meshing/expected.h"
 #include "isimp/meshing/merge_flat.h"
 #include "isimp/meshing/polygonize.h"
@@ -123,6 +124,27 @@ the last polygons, with the group's lowest region as polygon_region.
 imperfect is a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or
 "excused") and, for the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan
 without area).)")
+      .def(
+          "faces",
+          [](const py::object& self) {
+            const auto& poly = self.cast<const PolygonMesh&>();
+            const py::object loops = self.attr("loops");
+            py::list faces;
+            for (std::int32_t q = 0; q < poly.polygon_count(); ++q) {
+              faces.append(loops[py::slice(poly.loop_start[q], poly.loop_end(q), 1)]);
+            }
+            return faces;
+          },
+          "The corners of each polygon: a list of (K,) int32 indices into `vertices`.")
+      .def(
+          "triangles",
+          [](const PolygonMesh& poly, Job* job) {
+            const PolygonSoup soup{.vertices = poly.vertices,
+                                   .loops = {poly.loops.begin(), poly.loops.end()},
+                                   .loop_start = {poly.loop_start.begin(), poly.loop_start.end()}};
+            return owned(call(job, [&](Job& j) { return triangulate(soup, j); }).triangles);
+          },
+          "job"_a = py::none(), "(T, 3) int32: the polygons cut into triangles, in order; see `triangulate`.")
       .def(py::pickle([](const PolygonMesh& self) { return state_of(self); }, &polygons_from))
       .def("__repr__", [](const PolygonMesh& poly) {
         return py::str("<PolygonMesh: {} polygons, {} vertices, {}>")

@@ -67,6 +67,7 @@ from ._core import (
     with_segments,
 )
 from .exporting import write
+from .pipeline import Result, simplify
 from .reading import read, read_polygons
 from .texturing import (
     Texture,
@@ -92,6 +93,7 @@ __all__ = [
     "PartitionOptions",
     "PolygonMesh",
     "RegulariseOptions",
+    "Result",
     "Texture",
     "TextureLayer",
     "TextureOptions",
@@ -135,6 +137,7 @@ __all__ = [
     "regularise",
     "separated_faces",
     "shrink_region",
+    "simplify",
     "split_along",
     "split_region",
     "texture",

@@ -15,7 +15,7 @@ from .source import Source
 
 @dataclass(frozen=True, eq=False)
 class Marks:
-    """Arrays of single faces and edges, by the faces and vertices of the scan as it was given."""
+    """Arrays of single faces and edges, by the faces and vertices of the caller's scan."""
 
     weights: NDArray[Any] | None = None  #: (faces,) at least 0; regions grow dense like the root of it
     borders: NDArray[Any] | None = None  #: (faces,) no region has faces of two values

@@ -1,5 +1,6 @@
-"""From a scan to its polygons: the one way of the command and of batches."""
+"""From a scan to its polygons: the one way of the command, of batches and of `simplify`."""
 
+import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, fields
@@ -10,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from . import exporting
+from . import exporting, recipes
 from ._core import (
     CleanOptions,
     InvalidInput,
@@ -21,24 +22,29 @@ from ._core import (
     RegulariseOptions,
     TextureOptions,
     __version__,
+    _Stretch,
     expected_polygons,
     partition,
     regularise,
 )
 from .clutter import Clutter, clutter, without_clutter
 from .guided import Guides, partition_guided
-from .marks import Marks, guides_of
+from .marks import MARKS, Marks, guides_of, marks_of
 from .nearer import Nearer, nearer_by_bound
 from .openings import Lengths, lengths_for
 from .settings import (
+    ANY_DISTANCE,
     BOX_CLUTTER,
     KEEP_CLUTTER,
+    LIKE_THE_SCAN,
     OptionError,
     Settings,
     Texturing,
+    option_names,
+    settings_of,
 )
-from .source import Cleaned, Source, clean_mesh, close_mesh, facts, labels
-from .texturing import Texture, texture
+from .source import Cleaned, Source, clean_mesh, close_mesh, facts, labels, source_of
+from .texturing import Texture, texture, write_textured
 from .within import Made, Within, polygonize_within
 
 
@@ -46,6 +52,39 @@ class Steps(Protocol):
     """Makes the job of each step of a run, in a context that lasts as long as the step."""
 
     def __call__(self, name: str, /) -> AbstractContextManager[Job]: ...
+
+
+#: by name of a step: the share of all work that is done after its first call, its second one, and all later ones
+_ENDS = {
+    "read": (0.05,),
+    "clean": (0.15,),
+    "partition": (0.35, 0.4, 0.45),
+    "regularise": (0.45,),
+    "mesh": (0.5, 0.95),
+    "texture": (1.0,),
+}
+
+
+class OneJob:
+    """All steps in the job of a caller."""
+
+    def __init__(self, job: Job | None) -> None:
+        self._job, self._done = job or Job(), 0.0
+        self._begun = dict.fromkeys(_ENDS, 0)
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, name: str) -> Iterator[Job]:
+        begun, ends, number = time.perf_counter(), _ENDS[name], self._begun[name]
+        self._begun[name] += 1
+        begin, self._done = self._done, max(self._done, ends[min(number, len(ends) - 1)])
+        with _Stretch(self._job, begin, self._done):
+            yield self._job
+        self.seconds[name] = round(self.seconds.get(name, 0.0) + time.perf_counter() - begun, 6)
+
+    def end(self) -> None:
+        with _Stretch(self._job, self._done, 1.0):
+            pass
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +234,7 @@ def _partition(
         lengths, closed = Lengths(), None
         with steps("clean") as job:
             cleaned = cleaned or clean_mesh(source, settings.clean, job, keep)
-            if _closes_openings(settings):
+            if _closes_openings(settings, source):
                 with refused():
                     lengths = _lengths(cleaned[0], settings, regions, job)
                 if lengths:
@@ -211,11 +250,12 @@ def _partition(
         del own, found  # their memory is needed
 
 
-def _closes_openings(settings: Settings) -> bool:
+def _closes_openings(settings: Settings, source: Source) -> bool:
     """False if the user has chosen openings, and with a bound: a bound is a promise for each vertex of the scan."""
     kept = settings.keep_openings or (settings.recipe is not None and not settings.recipe.close_openings)
     clean = settings.clean
     given = max(clean.fill_holes, clean.fill_flat_holes, clean.cut_handles) > 0
+    given = given or (source.mesh is not None and bool(source.mesh.openings))
     return not (kept or given or settings.partition.bound)
 
 
@@ -253,3 +293,120 @@ def _textured(wanted: Texturing, source: Source, mesh: Mesh, found: Within, thre
         threads=threads,
     )
     return texture(mesh, found.partition, found.polygons, source.soup, options, job)
+
+
+class Result:
+    """The result of `simplify`."""
+
+    _model: Model
+    _seconds: dict[str, float]
+
+    @classmethod
+    def _of(cls, model: Model, seconds: dict[str, float]) -> "Result":
+        made = cls()
+        made._model, made._seconds = model, seconds
+        return made
+
+    @property
+    def polygons(self) -> PolygonMesh:
+        """The polygons."""
+        return self._model.polygons
+
+    @property
+    def partition(self) -> Partition:
+        """The regions that the polygons were made of, for edits such as `add_proxy`."""
+        return self._model.partition
+
+    @property
+    def mesh(self) -> Mesh:
+        """The repaired scan, with its openings closed, that the regions are of."""
+        return self._model.mesh
+
+    @property
+    def labels(self) -> NDArray[np.int32]:
+        """(faces,) the region of each face of the caller's scan, -1 for none."""
+        return self._model.labels()
+
+    @property
+    def texture(self) -> Texture | None:
+        """The texture of the polygons; None without the option `texture`."""
+        return self._model.texture
+
+    @cached_property
+    def report(self) -> dict[str, Any]:
+        """Inputs, options and numbers of the result, as `isimp simplify --report` writes them."""
+        return self._model.report() | {"seconds": self._seconds}
+
+    def write(self, path: str | PathLike[str], job: Job | None = None) -> None:
+        """Write the polygons, with their texture if there is one, as `write` and `write_textured` do."""
+        if self.texture is None:
+            self._model.write(path, job)
+        else:
+            write_textured(path, self.polygons, self.texture, job)
+
+    def __repr__(self) -> str:
+        return f"<Result: {len(self.polygons.loop_start):,} polygons of {self.partition.region_count:,} regions>"
+
+
+def simplify(
+    scan: Any,
+    *,
+    proxies: int | None = None,
+    triangles: int | None = None,
+    detail: float | None = None,
+    tolerance: float | None = None,
+    bound: float | None = None,
+    planar: bool = False,
+    regularise: float | bool | RegulariseOptions | None = None,
+    curved: bool = False,
+    texture: int | bool | None = None,
+    keep_openings: bool = False,
+    recipe: recipes.Recipe | str | PathLike[str] | dict[str, Any] | None = None,
+    job: Job | None = None,
+    **options: Any,
+) -> Result:
+    """Make polygons of a scan, bit for bit as `isimp simplify` does with the same options.
+
+    scan: a path, `(vertices, faces)`, an object with `vertices` and `faces` or `triangles`, a TexturedSoup, or a Mesh,
+    which is not repaired again. Faces are (F, 3), (F, K), or a list of faces with any number of corners.
+    proxies, triangles, detail, tolerance, bound: at most one; the number of regions as in PartitionOptions.
+    planar, curved: as in MeshingOptions and PartitionOptions.
+    regularise: snap planes by at most this many degrees; True: by the default angle.
+    texture: keep the scan's texture in an image of this size; True: as dense as the scan's.
+    keep_openings: keep all holes and handles; else the ones that the regions can't show are closed in a noisy scan.
+    recipe: steps that the add-on exported: a path, or the value of its JSON. Options given here come before its own.
+    options: all others of the command by their names (`clutter="box"`, `angle=30`, `seed=2`), every field of
+    PartitionOptions, MeshingOptions and CleanOptions, and the arrays weights, borders, cuts, part and base.
+    Raises InvalidInput (the scan, or options that do not fit it), FileError, recipes.RecipeError, Cancelled, or
+    TypeError for an option that does not exist.
+    """
+    if unknown := options.keys() - option_names() - MARKS:
+        raise TypeError(f"simplify has no option {min(unknown)!r}; it has {', '.join(sorted(option_names() | MARKS))}")
+    given = options | {
+        "proxies": proxies,
+        "triangles": triangles,
+        "detail": detail,
+        "tolerance": tolerance,
+        "bound": bound,
+        "planar": planar or None,
+        "curved": curved or None,
+        "regularise": _value(regularise, RegulariseOptions().angle),
+        "texture": _value(texture, LIKE_THE_SCAN),
+        "ao": _value(options.get("ao"), ANY_DISTANCE),
+        "keep_openings": keep_openings,
+    }
+    settings = settings_of(given, None if recipe is None else recipes.recipe_of(recipe))
+    steps = OneJob(job)
+    with steps("read") as own:
+        source = source_of(scan, own, settings.partition.threads, textured=settings.texture is not None)
+        marks = marks_of(source, {name: options[name] for name in MARKS & options.keys()})
+        if settings.texture is not None:
+            require_texture(source)
+    model = make_model(make_regions(source, settings, steps, marks=marks), steps)
+    steps.end()
+    return Result._of(model, steps.seconds)
+
+
+def _value(given: Any, default: Any) -> Any:
+    """A value in the place of True and False."""
+    return default if given is True else None if given is False else given

@@ -14,7 +14,7 @@ Place = tuple[float, float, float]
 Kind = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions] | type[RegulariseOptions]
 
 LIKE_THE_SCAN = 0  #: size of a texture
-ANY_DISTANCE = 0.0  #: of faces that occlude light
+ANY_DISTANCE = 0.0  #: limit of ambient occlusion
 KEEP_CLUTTER, LEAVE_OUT_CLUTTER, BOX_CLUTTER = CLUTTER = ("keep", "leave-out", "box")
 CHOICES = {"clutter": CLUTTER, "unit": UNITS}
 #: options of an engine's class that have another name here, as another class has the name too
@@ -32,7 +32,7 @@ _NEEDS = {
 class OptionError(InvalidInput):
     """Options that are wrong, contradict each other or can't be used for this scan.
 
-    names: those of options in the message, for {} in the text, so that the command can show its flags.
+    names: of the options for each {} in the text, so that the command can show its flags.
     """
 
     def __init__(self, text: str, *names: str) -> None:

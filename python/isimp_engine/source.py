@@ -1,17 +1,19 @@
-"""A scan as triangles and as a clean mesh, and back to its own faces."""
+"""A scan in any form, as triangles and as a clean mesh, and back to the faces that were given."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core import CleanOptions, Job, Mesh, clean, close_openings
+from ._core import CleanOptions, InvalidInput, Job, Mesh, clean, close_openings
 from .file_faces import cut, largest_shares
 from .openings import Lengths
 from .reading import read_polygons
+from .settings import OptionError
 from .texturing import TexturedSoup, read_textured
 
 GLTF = (".glb", ".gltf")
@@ -27,6 +29,39 @@ class Source:
     faces: int
     path: Path | None = None  #: its file
     soup: TexturedSoup | None = None  #: faces with their texture, if the caller requested it
+    mesh: Mesh | None = None  #: the scan itself, if it was given repaired
+
+
+def source_of(scan: Any, job: Job | None = None, threads: int = 0, textured: bool = False) -> Source:
+    """A scan as `simplify` takes it. textured: read its texture too."""
+    if isinstance(scan, (str, PathLike)):
+        return load(Path(scan), job, threads, textured)
+    if isinstance(scan, Mesh):
+        # Its faces are numbered as in the arrays that `clean` took.
+        count = int(scan.source_face.max(initial=-1)) + 1
+        return Source(scan.vertices, scan.triangles, np.arange(count, dtype=np.int32), count, mesh=scan)
+    if isinstance(scan, TexturedSoup):
+        return _of_soup(scan, None)
+    if not isinstance(scan, Sequence):
+        faces = getattr(scan, "faces", None)
+        scan = getattr(scan, "vertices", None), getattr(scan, "triangles", None) if faces is None else faces
+    if len(scan) != 2 or scan[0] is None or scan[1] is None:
+        raise InvalidInput("a scan is a path, a Mesh, (vertices, faces), or an object with `vertices` and `faces`")
+    vertices = np.asarray(scan[0])
+    triangles, polygon = _triangles(vertices, scan[1])
+    return Source(vertices, triangles, polygon, len(scan[1]))
+
+
+def _triangles(vertices: NDArray[Any], faces: Any) -> tuple[NDArray[Any], NDArray[np.int32]]:
+    """The triangles of faces with any number of corners, and the face of each."""
+    try:
+        faces = np.asarray(faces)
+    except ValueError:  # faces with different numbers of corners
+        starts = np.cumsum([0, *(len(face) for face in faces)], dtype=np.int32)[:-1]
+        return cut(vertices, np.concatenate([np.asarray(face) for face in faces]), starts)
+    if faces.ndim != 2 or faces.shape[1] == 3:
+        return faces, np.arange(len(faces), dtype=np.int32)
+    return cut(vertices, faces.ravel(), np.arange(0, faces.size, faces.shape[1], dtype=np.int32))
 
 
 def load(path: Path, job: Job | None, threads: int = 0, textured: bool = False) -> Source:
@@ -51,7 +86,14 @@ Cleaned = tuple[Mesh, dict[str, int], dict[str, list[int]]]
 def clean_mesh(source: Source, options: CleanOptions, job: Job, keep: Places = ()) -> Cleaned:
     """The mesh, how often each repair was made, and where first: faces are the scan's. keep: see `clean`."""
     places = np.array(keep, np.float64).reshape(-1, 3)
-    return _told(source, clean(source.vertices, source.triangles, options, job, keep=places))
+    if source.mesh is None:
+        return _told(source, clean(source.vertices, source.triangles, options, job, keep=places))
+    default = CleanOptions().as_dict()
+    if of_repair := [name for name in ("weld", "stitch", "grid") if options.as_dict()[name] != default[name]]:
+        raise OptionError("{} is of the repair, which a Mesh has had: give the arrays of the scan", of_repair[0])
+    if max(options.fill_holes, options.fill_flat_holes, options.cut_handles) > 0:
+        return _told(source, close_openings(source.mesh, options, job, keep=places))
+    return _told(source, source.mesh)
 
 
 def close_mesh(

@@ -1,4 +1,4 @@
-"""What the command reads and prints about openings: holes and tunnels that are smaller than the regions can show."""
+"""The openings on the command line and in its summary: holes and tunnels that are too small for the regions."""
 
 import math
 from collections.abc import Iterator

@@ -43,8 +43,9 @@ def test_the_python_example_runs(scan, capsys):
     exec(compile(example, "README.md", "exec"), {})  # noqa: S102 (that is the point)
     said = capsys.readouterr().out
     assert said.startswith("6 regions, error ")  # the scan of these tests is a cube
-    corners = re.findall("^f", (scan / "simple.obj").read_text(encoding="utf-8"), re.MULTILINE)
-    assert f"\n{len(corners)} polygons, " in said
+    for name in ("simple.obj", "edited.obj"):
+        corners = re.findall("^f", (scan / name).read_text(encoding="utf-8"), re.MULTILINE)
+        assert f"\n{len(corners)} polygons, " in said
 
 
 @pytest.mark.parametrize("command", commands("isimp"))
