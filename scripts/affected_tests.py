@@ -5,7 +5,7 @@ native/include, native/bindings                     tests/python/engine and proj
 python/isimp_engine/children                        tests/python/batch and tiles
 python/isimp_engine/{batch,tiles}                   tests/python of that name
 python/isimp_engine/{cli,exporting}, recipes.py     tests/python/command
-python/isimp_engine/recipe                          tests/python/addon and command
+python/isimp_engine/{recipe,replay}                 tests/python/addon and command
 python/isimp_engine, other files                    tests/python/engine and command
 addon/isimp, outside blender                        tests/python/addon
 bench, tests/shared                                 the tests that import the file
@@ -27,6 +27,7 @@ ROOMS = {
     "cli": ["command"],
     "exporting": ["command"],
     "recipe": ["addon", "command"],
+    "replay": ["addon", "command", "engine"],
     "recipes": ["command"],
     "reports": ["command"],
 }

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from . import recipe as rcp
-from . import smoothing, view
+from . import view
 from .engine import engine
 from .language import said
 from .outcome import EXACT, Outcome
-from .prepared import Prepared, face_regions, joined_pairs, pair_lengths, triangle_at, triangles_at, with_split_faces
+from .prepared import Prepared
 from .task import Stopped, Watch
 
 ALONG_AN_AXIS = 0.94  #: cosine of the largest angle (20 degrees) between an axis and a normal along it
@@ -37,7 +36,7 @@ def _needs_regions(before: Outcome | None) -> Outcome:
 
 def with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers: dict) -> Outcome:
     """Return the outcome of a partition. kept: (R,) the previous colour of each region, -1 for a new region."""
-    face_region = face_regions(prepared, partition)
+    face_region = prepared.faces.regions(partition)
     border = view.border_pairs(face_region, prepared.face_pairs)
     pairs = view.region_pairs(face_region, prepared.face_pairs[border])
     color = view.assign_colors(partition.region_count, pairs, kept)
@@ -71,21 +70,6 @@ def _round_known(prepared: Prepared, partition) -> dict:
     return {"round": [[part.kind, part.radius, part.segments, part.rings, face] for part, face in told]}
 
 
-def _apply_add(step: rcp.AddProxy, prepared, before, watch, begin, end) -> Outcome:
-    before, triangle = _needs_regions(before), triangle_at(prepared, step.face)
-    args = (prepared.mesh, before.partition, triangle)
-    partition = engine_call(watch, begin, end, "adding a region", engine.add_proxy, *args)
-    return with_regions(prepared, partition, np.append(before.region_color, -1), {})
-
-
-def _apply_delete(step: rcp.DeleteProxy, prepared, before, watch, begin, end) -> Outcome:
-    before, triangle = _needs_regions(before), triangle_at(prepared, step.face)
-    args = (prepared.mesh, before.partition, triangle)
-    partition = engine_call(watch, begin, end, "deleting a region", engine.delete_proxy, *args)
-    gone = int(before.partition.face_region[triangle])  # regions above it move down by one
-    return with_regions(prepared, partition, np.delete(before.region_color, gone), {})
-
-
 def defects(report: dict) -> dict:
     """Return {kind of defect: polygons}, without pairs that intersect in the scan itself."""
     found = {}
@@ -108,142 +92,27 @@ def carried_colors(before: Outcome, partition) -> np.ndarray:
     return kept
 
 
-def _apply_edit(step: rcp.Step, prepared, before, watch, begin, end) -> Outcome:
-    before = _needs_regions(before)
-    stage, function, arguments = _EDITS[type(step)]
-    args = (prepared.mesh, before.partition, *arguments(step, prepared))
-    partition = engine_call(watch, begin, end, stage, getattr(engine, function), *args)
-    return with_regions(prepared, partition, carried_colors(before, partition), {})
+def apply_edit(step: rcp.Step, prepared, before, watch, begin, end) -> Outcome:
+    """Applies a step that changes regions or planes."""
+    before, kind = _needs_regions(before), rcp.KINDS[type(step)]
+    args = (kind, step, prepared.faces, before.partition)
+    partition = engine_call(watch, begin, end, STAGES[kind], engine.replay.edited, *args)
+    merged = isinstance(step, rcp.Regularise) and partition.regularity["islands_merged"]
+    if isinstance(step, (rcp.Regularise, rcp.AlignPlanes)) and not merged:
+        return _with_planes(prepared, before, partition)
+    return with_regions(prepared, partition, _kept_colors(step, prepared, before, partition), {})
 
 
-def _apply_merge(step: rcp.MergeRegions, prepared, before, watch, begin, end) -> Outcome:
-    before, other = _needs_regions(before), triangle_at(prepared, step.other)
-    args = (prepared.mesh, before.partition, triangle_at(prepared, step.face), other)
-    partition = engine_call(watch, begin, end, "merging", engine.merge_regions, *args)
-    gone = int(before.partition.face_region[other])  # regions above it move down by one
-    return with_regions(prepared, partition, np.delete(before.region_color, gone), {})
-
-
-def _apply_paint(step: rcp.PaintFaces, prepared, before, watch, begin, end) -> Outcome:
-    before, faces = _needs_regions(before), triangles_at(prepared, step.faces)
-    onto = None if step.onto < 0 else triangle_at(prepared, step.onto)
-    args = (prepared.mesh, before.partition, faces, onto)
-    partition = engine_call(watch, begin, end, "painting", engine.paint_faces, *args)
-    if step.lock:
-        painted = partition.region_seed[-1] if onto is None else onto
-        partition = engine.lock_regions(prepared.mesh, partition, np.array([painted]))
-    return with_regions(prepared, partition, carried_colors(before, partition), {})
-
-
-def _apply_erase(step: rcp.EraseFaces, prepared, before, watch, begin, end) -> Outcome:
-    """Erases faces, also from a locked region: the user chose them."""
-    before, faces = _needs_regions(before), triangles_at(prepared, step.faces)
-    partition, region = before.partition, int(before.partition.face_region[faces[0]])
-    locked = region >= 0 and bool(partition.region_locked[region])
-    if locked:
-        partition = engine.unlock_regions(prepared.mesh, partition, faces[:1])
-    partition = engine_call(watch, begin, end, "erasing", engine.erase_faces, prepared.mesh, partition, faces)
-    if locked and partition.region_count == before.partition.region_count:  # the region still exists
-        partition = engine.lock_regions(prepared.mesh, partition, np.flatnonzero(partition.face_region == region)[:1])
-    return with_regions(prepared, partition, carried_colors(before, partition), {})
-
-
-def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) -> Outcome:
-    """Smooths borders on the faces of the scan, then paints changed faces onto their new regions, one at a time.
-
-    A stroke that begins in a locked region smooths that region too. Other locked regions stay unchanged.
-    """
-    before, count = _needs_regions(before), prepared.scan.face_count
-    triangles_at(prepared, step.faces)  # raises if a face does not exist
-    inside = np.zeros(count, bool)
-    inside[list(step.faces)] = True
-    inside &= prepared.face_triangle >= 0
-    partition, label = before.partition, before.face_region
-    joined = joined_pairs(prepared, engine.separated_faces(prepared.mesh, partition))
-    pairs = prepared.face_pairs[joined]
-    fixed, first = np.array(partition.region_locked, bool), int(label[step.faces[0]])
-    locked = first >= 0 and bool(fixed[first])
-    if locked:
-        partition = engine.unlock_regions(prepared.mesh, partition, triangles_at(prepared, step.faces[:1]))
-        fixed[first] = False
-    wanted = smoothing.smoothed(label, pairs, inside, fixed, step.rounds, watch.poll)
-    wanted = smoothing.shortened(wanted, pairs, pair_lengths(prepared)[joined], inside, fixed)
-    for region in np.unique(label[wanted != label]):
-        if not (wanted[label == region] == region).any():
-            wanted[label == region] = region  # a brush that covers a whole region must not remove it
-    for region in np.unique(wanted[wanted != label]):
-        stays = int(np.flatnonzero((label == region) & (wanted == region))[0])
-        now = face_regions(prepared, partition)
-        moved = smoothing.reachable((wanted == region) & (now != now[stays]) & inside, now == now[stays], pairs)
-        if moved.any():
-            whole = with_split_faces(prepared, partition, moved, now == now[stays], pairs)
-            faces = triangles_at(prepared, tuple(np.flatnonzero(whole).tolist()))
-            args = (prepared.mesh, partition, faces, triangle_at(prepared, stays))
-            partition = engine_call(watch, begin, end, "smoothing", engine.paint_faces, *args)
-    if locked:
-        stays = int(np.flatnonzero((label == first) & (wanted == first))[0])
-        partition = engine.lock_regions(prepared.mesh, partition, np.array([triangle_at(prepared, stays)]))
-    return with_regions(prepared, partition, carried_colors(before, partition), {})
-
-
-def _apply_lock(step: rcp.LockRegions, prepared, before, watch, begin, end) -> Outcome:
-    before = _needs_regions(before)
-    change = getattr(engine, _LOCKS[type(step)])
-    if isinstance(step, rcp.LeaveOutRegions):
-        change = partial(change, box=step.box)
-    faces = np.array([triangle_at(prepared, face) for face in step.faces])
-    partition = change(prepared.mesh, before.partition, faces)
-    return with_regions(prepared, partition, before.region_color, {})
-
-
-_LOCKS = {
-    rcp.LockRegions: "lock_regions",
-    rcp.UnlockRegions: "unlock_regions",
-    rcp.LeaveOutRegions: "leave_out_regions",
-}
-
-
-def _up(step: rcp.Regularise | rcp.AlignPlanes, prepared, before) -> np.ndarray | None:
-    """Return (3,) the up direction in the scan's space; None if the step has none."""
-    if step.up == "none":
-        return None
-    if step.up == "region":
-        if step.face < 0:
-            raise ValueError(said("no region is chosen for the up direction: select a face and press Regularise"))
-        partition = before.partition
-        region = int(partition.face_region[triangle_at(prepared, step.face)])
-        if region < 0:
-            raise ValueError(said("the region for the up direction was left out: select another face"))
-        return engine.region_fits(prepared.mesh, partition)[0][region]
-    if step.up == "scene":
-        return np.array(step.direction or (0.0, 0.0, 1.0))
-    return np.eye(3)["xyz".index(step.up)]
-
-
-def _apply_regularise(step: rcp.Regularise, prepared, before, watch, begin, end) -> Outcome:
-    before = _needs_regions(before)
-    up = _up(step, prepared, before)
-    own = rcp.engine_options(step, rcp.REGULARISE) | {"up": "none" if up is None else "z"}
-    options = engine.RegulariseOptions(**own)
-    snap = partial(engine.regularise, up_direction=up)
-    args = (prepared.mesh, before.partition, options)
-    partition = engine_call(watch, begin, end, "regularising", snap, *args)
-    if partition.regularity["islands_merged"]:
-        return with_regions(prepared, partition, carried_colors(before, partition), {})
-    return _with_planes(prepared, before, partition)
-
-
-def _apply_align(step: rcp.AlignPlanes, prepared, before, watch, begin, end) -> Outcome:
-    before = _needs_regions(before)
-    up = _up(step, prepared, before)
-    if up is None:
-        if step.to in ("level", "upright"):
-            raise ValueError(said("level and upright need an up direction: choose an axis for Up"))
-        up = np.array([0.0, 0.0, 1.0])
-    faces = np.array([triangle_at(prepared, face) for face in step.faces])
-    align = partial(engine.align_planes, length=step.length or None)
-    args = (prepared.mesh, before.partition, faces, step.to, up)
-    return _with_planes(prepared, before, engine_call(watch, begin, end, "aligning planes", align, *args))
+def _kept_colors(step: rcp.Step, prepared: Prepared, before: Outcome, partition) -> np.ndarray:
+    """Return (R,) the previous colour of each region, -1 for a new region."""
+    if isinstance(step, rcp.LockRegions):
+        return before.region_color
+    if isinstance(step, rcp.AddProxy):
+        return np.append(before.region_color, -1)
+    if isinstance(step, (rcp.DeleteProxy, rcp.MergeRegions)):  # regions above the lost one move down by one
+        face = step.face if isinstance(step, rcp.DeleteProxy) else step.other
+        return np.delete(before.region_color, int(before.partition.face_region[prepared.faces.triangle_at(face)]))
+    return carried_colors(before, partition)
 
 
 def _with_planes(prepared: Prepared, before: Outcome, partition) -> Outcome:
@@ -270,52 +139,33 @@ def planes_known(partition) -> dict:
     return known if known["held"] or found is not None else {}
 
 
-def _apply_texture(step: rcp.Texture, prepared, before, watch, begin, end) -> Outcome:
+def apply_texture(before: Outcome | None) -> Outcome:
     """Checks that there are polygons. `Session.texture` bakes, since images are not in the scan's arrays."""
     if before is None or before.polygons is None:
         raise ValueError(said("there are no polygons: a Mesh step must come right before"))
     return before
 
 
-def _cut_arguments(step: rcp.CutRegion, prepared) -> tuple:
-    direction = np.array(step.direction, float) if step.direction else None
-    return triangle_at(prepared, step.face), np.array(step.line, float), direction
-
-
-def _at_face(step, prepared) -> tuple:
-    return (triangle_at(prepared, step.face),)
-
-
-def _at_face_by_rings(step, prepared) -> tuple:
-    return triangle_at(prepared, step.face), step.rings
-
-
-def _times(step, prepared) -> tuple:
-    return (step.times,)
-
-
-def _round_arguments(step: rcp.RoundRegions, prepared) -> tuple:
-    return triangles_at(prepared, step.faces), step.kind or None
-
-
-def _segments_arguments(step: rcp.RoundSegments, prepared) -> tuple:
-    return triangle_at(prepared, step.face), step.segments, step.rings
-
-
-#: by class of step: name of the stage in the progress line, function of the engine, and its arguments
-_EDITS = {
-    rcp.SplitRegion: ("splitting", "split_region", _at_face),
-    rcp.CutRegion: ("splitting", "split_along", _cut_arguments),
-    rcp.GrowRegion: ("growing", "grow_region", _at_face_by_rings),
-    rcp.ShrinkRegion: ("shrinking", "shrink_region", _at_face_by_rings),
-    rcp.AddWorst: ("adding regions", "add_worst", _times),
-    rcp.DeleteLeast: ("deleting regions", "delete_least", _times),
-    rcp.MergeCheapest: ("merging", "merge_cheapest", _times),
-    rcp.Improve: ("improving", "improve", lambda step, prepared: ()),
-    rcp.EvenBorders: ("evening out", "even_borders", lambda step, prepared: (step.strength,)),
-    rcp.RoundRegions: ("making round", "make_round", _round_arguments),
-    rcp.RoundSegments: ("cutting round parts", "with_segments", _segments_arguments),
-    rcp.ExplodeRound: ("cutting round parts", "explode_round", _at_face),
+#: the stage in the progress line, by name of a step
+STAGES = {
+    **dict.fromkeys(("merge_regions", "merge_cheapest"), "merging"),
+    **dict.fromkeys(("split_region", "cut_region"), "splitting"),
+    **dict.fromkeys(("lock", "unlock", "leave_out"), "locking"),
+    **dict.fromkeys(("segments", "explode"), "cutting round parts"),
+    "add_proxy": "adding a region",
+    "add_worst": "adding regions",
+    "delete_proxy": "deleting a region",
+    "delete_least": "deleting regions",
+    "paint": "painting",
+    "erase": "erasing",
+    "smooth": "smoothing",
+    "grow": "growing",
+    "shrink": "shrinking",
+    "improve": "improving",
+    "even_borders": "evening out",
+    "round": "making round",
+    "regularise": "regularising",
+    "align": "aligning planes",
 }
 
 
@@ -397,17 +247,3 @@ def _of_regions(mesh, partition, away: np.ndarray) -> np.ndarray:
 #: relative times of steps, 1 if not listed, and of the preparation before the first step
 TIMES = {rcp.Partition: 5.0, rcp.Mesh: 14.0}
 PREPARING = 3.0
-
-APPLY = {
-    rcp.AddProxy: _apply_add,
-    rcp.DeleteProxy: _apply_delete,
-    rcp.MergeRegions: _apply_merge,
-    rcp.PaintFaces: _apply_paint,
-    rcp.EraseFaces: _apply_erase,
-    rcp.SmoothFaces: _apply_smooth,
-    **dict.fromkeys(_LOCKS, _apply_lock),
-    rcp.Regularise: _apply_regularise,
-    rcp.AlignPlanes: _apply_align,
-    rcp.Texture: _apply_texture,
-    **dict.fromkeys(_EDITS, _apply_edit),
-}

@@ -158,6 +158,14 @@ _REASONS = (
         "round parts can't be had with symmetry: .*",
         own("round parts can't be had with symmetry: switch one of both off"),
     ),
+    *(
+        (text, text)
+        for text in (
+            own("no region is chosen for the up direction: select a face and press Regularise"),
+            own("the region for the up direction was left out: select another face"),
+            own("level and upright need an up direction: choose an axis for Up"),
+        )
+    ),
     (r"face \d+ is in no round part", own("this region is in no round part")),
     (
         r"a cell of the round part at face \d+ is locked: unlock it first",
@@ -235,6 +243,9 @@ def reason(told: str, length: Callable[[float], str] = plain) -> str:
     if found:
         needed, allowed = (length(float(number)) for number in found.groups())
         return said("this region needs {needed}, allowed {allowed}", needed=needed, allowed=allowed)
+    found = re.search(r"there is no face (\d+): the mesh has (\d+) faces", told)
+    if found:
+        return said("there is no face {face}: the mesh has {count} faces", face=found[1], count=found[2])
     number = r"([\d.e+-]+)"
     found = re.search(f"a tenth of it is more than {number} from its mirror image, and {number} is allowed", told)
     axis = re.search("the surface does not mirror across ([xyz])", told)
@@ -385,6 +396,7 @@ STAGES = (
     own("Halving"),
     own("Improving"),
     own("Joining polygons"),
+    own("Locking"),
     own("Making round"),
     own("Making the texture"),
     own("Measuring"),

@@ -68,11 +68,6 @@ class Scan:
     def face_edges(self) -> tuple[np.ndarray, np.ndarray]:
         """(E, 2) user's faces that share an edge, (E, 2) the vertices of that edge."""
         if "face_edges" not in self._known:
-            pairs, ends = self.edges
-            if not np.array_equal(self.triangle_face, np.arange(len(self.triangles))):
-                faces = self.triangle_face.astype(np.intp)[pairs.T]
-                apart = faces[0] != faces[1]
-                pairs, ends = faces[:, apart].T, ends[apart]
-            self._known["face_edges"] = pairs, ends
+            self._known["face_edges"] = engine.replay.face_edges(self.edges, self.triangle_face)
         found: tuple[np.ndarray, np.ndarray] = self._known["face_edges"]
         return found

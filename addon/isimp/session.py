@@ -9,7 +9,18 @@ from functools import partial
 import numpy as np
 
 from . import recipe as rcp
-from .applying import APPLY, NEARER, PREPARING, TIMES, apply_mesh, carried_colors, defects, engine_call, with_regions
+from .applying import (
+    NEARER,
+    PREPARING,
+    TIMES,
+    apply_edit,
+    apply_mesh,
+    apply_texture,
+    carried_colors,
+    defects,
+    engine_call,
+    with_regions,
+)
 from .cache import Cache
 from .engine import ENGINE_PROBLEM, engine
 from .language import said
@@ -18,11 +29,8 @@ from .prepared import (
     NONE_CLOSED,
     Closing,
     Prepared,
-    in_users_faces,
     prepared_of,
     scan_numbers,
-    triangle_at,
-    triangles_at,
 )
 from .scan import Scan
 from .task import Watch, shares
@@ -81,7 +89,7 @@ class Session:
                 outcome = self._apply(step, prepared, outcome, watch, begin, end)
                 prepared = replace(self._prepared(scan, outcome), layers=scan.layers)
             except engine.InvalidInput as error:
-                raise StepFailed(index, step, in_users_faces(str(error), prepared), outcome) from error
+                raise StepFailed(index, step, prepared.faces.named(str(error)), outcome) from error
             except (ValueError, RuntimeError) as error:  # a device may run out of memory, for example
                 raise StepFailed(index, step, str(error), outcome) from error
             self._outcomes.put(keys[number], outcome, _size(outcome, prepared))
@@ -164,7 +172,7 @@ class Session:
         Raises ValueError if there is no such face, or it is in no region. Cost: linear in the size of the region.
         """
         prepared = self._prepared(scan, outcome)
-        return engine.region_statistics(prepared.mesh, outcome.partition, triangle_at(prepared, face))
+        return engine.region_statistics(prepared.mesh, outcome.partition, prepared.faces.triangle_at(face))
 
     def region_fits(self, scan: Scan, outcome: Outcome) -> tuple:
         """Return `engine.region_fits` of an outcome; cached for the last one."""
@@ -205,8 +213,10 @@ class Session:
             outcome = self._partition(step, prepared, before, watch, begin, end)
         elif isinstance(step, rcp.Mesh):
             outcome = apply_mesh(step, prepared, before, watch, begin, end, self.threads)
+        elif isinstance(step, rcp.Texture):
+            outcome = apply_texture(before)
         else:
-            outcome = APPLY[type(step)](step, prepared, before, watch, begin, end)
+            outcome = apply_edit(step, prepared, before, watch, begin, end)
         seconds = time.perf_counter() - started
         numbers = {"step": rcp.KINDS[type(step)], "seconds": seconds, "scan": prepared.scan.digest}
         numbers |= scan_numbers(self.prepare(prepared.scan)) | {"closed_below": outcome.closing.holes}
@@ -311,7 +321,7 @@ def _prepare(scan: Scan, plain, closing: Closing, watch: Watch, begin: float, en
         args = (partial(engine.close_openings, keep=keep, left_out=closing.left_out), plain, options)
     mesh = engine_call(watch, begin, middle, "reading the mesh", *args)
     with watch.part("reading the mesh", middle, end):
-        return replace(prepared_of(scan, mesh), closing=closing)
+        return prepared_of(scan, mesh, closing)
 
 
 def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:
@@ -351,7 +361,7 @@ def _guides(step: rcp.Partition, prepared: Prepared, before: Outcome | None):
         weights=_weights(step, prepared),
         barriers=np.concatenate(barriers) if barriers else None,
         cuts=np.concatenate(cuts) if cuts else None,
-        faces=triangles_at(prepared, step.faces) if step.faces else None,
+        faces=prepared.faces.triangles_at(step.faces) if step.faces else None,
         before=before.partition if before is not None and (locked or step.faces) else None,
     )
 

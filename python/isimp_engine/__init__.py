@@ -10,6 +10,7 @@ from . import guided as guided
 from . import guides as guides
 from . import nearer as nearer
 from . import openings as openings
+from . import replay as replay
 from . import within as within
 from ._core import (
     Cancelled,

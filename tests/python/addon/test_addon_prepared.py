@@ -7,7 +7,6 @@ import numpy as np
 
 import shapes
 from isimp.cache import Cache
-from isimp.prepared import face_regions
 from isimp.recipe import AddProxy, Mesh, Partition, Recipe
 from isimp.session import Session, engine
 from session_scans import scan_of
@@ -67,8 +66,9 @@ def test_faces_with_several_triangles_take_the_region_with_most_of_their_area():
     triangles, vertices = np.asarray(prepared.mesh.triangles), np.asarray(prepared.mesh.vertices)
     area = np.linalg.norm(np.cross(*(vertices[triangles[:, k]] - vertices[triangles[:, 0]] for k in (1, 2))), axis=1)
     shared = np.flatnonzero(np.bincount(face)[face] > 1)
-    prepared = replace(prepared, mesh_face=face, shared=shared, areas=area[shared])
-    found = face_regions(prepared, SimpleNamespace(face_region=label, region_count=40, region_seed=np.zeros(0, int)))
+    faces = replace(prepared.faces)
+    vars(faces).update(mesh_face=face, shared=shared, areas=area[shared])
+    found = faces.regions(SimpleNamespace(face_region=label, region_count=40, region_seed=np.zeros(0, int)))
     for user_face in range(scan.face_count):
         mine = np.flatnonzero((face == user_face) & (label >= 0))
         sums = np.bincount(label[mine], area[mine], 40)

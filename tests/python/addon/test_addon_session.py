@@ -9,7 +9,6 @@ import pytest
 import shapes
 from isimp import recipe as rcp
 from isimp import view
-from isimp.prepared import face_regions
 from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe
 from isimp.session import Scan, Session, StepFailed, engine
 from isimp.task import Stopped, Watch
@@ -76,7 +75,8 @@ def test_a_face_belongs_to_the_region_with_most_of_its_area():
     prepared = Session().prepare(Scan(vertices, triangles, np.array([0, 1, 1, 2], np.int32), 3))
 
     def regions(*labels, seeds):
-        return face_regions(prepared, SimpleNamespace(face_region=labels, region_count=3, region_seed=seeds)).tolist()
+        part = SimpleNamespace(face_region=labels, region_count=3, region_seed=seeds)
+        return prepared.faces.regions(part).tolist()
 
     assert regions(0, 1, 2, 2, seeds=[0, 1, 3]) == [0, 1, 2]
     assert regions(0, 1, 2, 0, seeds=[0, 1, 2]) == [0, 2, 0]  # region 2 would have no face, so it gets its seed's
@@ -121,16 +121,16 @@ def test_mesh_gives_polygons_with_regions(scan):
 
 def test_what_was_computed_before_is_kept(scan, monkeypatch):
     session, calls = Session(), []
-    for of, name in ((engine, "clean"), (engine.guided, "partition"), (engine, "add_proxy")):
+    for of, name in ((engine, "clean"), (engine.guided, "partition"), (engine.replay, "edited")):
         real = getattr(of, name)
         monkeypatch.setattr(of, name, lambda *a, real=real, name=name, **k: (calls.append(name), real(*a, **k))[1])
     recipe = SIDES.then(AddProxy(face=3))
     first = session.replay(scan, recipe)
-    assert calls == ["clean", "partition", "add_proxy"]
+    assert calls == ["clean", "partition", "edited"]
     again = Scan(scan.vertices.copy(), scan.triangles.copy(), scan.triangle_face.copy(), scan.face_count)
     assert session.replay(again, recipe) is first
     session.replay(scan, SIDES.then(AddProxy(face=4)))
-    assert calls == ["clean", "partition", "add_proxy", "add_proxy"]
+    assert calls == ["clean", "partition", "edited", "edited"]
 
 
 def test_edit_and_edit_back_is_equal_to_the_bit(scan):

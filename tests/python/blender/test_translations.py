@@ -39,6 +39,7 @@ BEGINS += (
     "there is nothing to paint: no face",
     "\\bfaces?",
     "face {} was left out by the repair",
+    "there is no face (",
 )
 BEGINS += ("\nvoid main", "\n  if (gl_FragCoord", "\n  if ((gl_FragCoord", "\n  vec3 normal", "void main")
 

@@ -195,7 +195,7 @@ def test_covers_belong_to_the_adjacent_face():
     for cover, face in zip(covers, prepared.mesh_face[covers], strict=True):
         near = np.isin(scan.triangles, mesh.source_vertex[mesh.triangles[cover]]).any(axis=1)
         assert near[face]
-    assert (prepared.face_triangle[prepared.mesh_face[covers]] < covers.min()).all(), "a face stands for itself"
+    assert (prepared.faces.face_triangle[prepared.mesh_face[covers]] < covers.min()).all(), "a face stands for itself"
 
 
 def test_a_plate_of_many_holes_is_exact_in_few_regions():

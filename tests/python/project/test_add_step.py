@@ -21,7 +21,7 @@ from session_scans import scan_of
 ROOT = Path(__file__).resolve().parents[3]
 SOURCES = [path for folder in ("addon/isimp", "python/isimp_engine") for path in (ROOT / folder).rglob("*.py")]
 #: files that may name a step, except operators: its class, its names, its application, its time and its label
-NAMED_IN = r"python/isimp_engine/(recipe/\w+|recipes)|addon/isimp/(applying|messages|session)"
+NAMED_IN = r"python/isimp_engine/(recipe/\w+|recipes|replay/edits)|addon/isimp/(applying|messages|session)"
 IN_BLENDER = r"addon/isimp/blender/(operators/\w+|controls/settings)"
 #: steps with settings in the panel, presets or the view, which name them; and Blender's or the engine's own words
 SETTINGS = {"Partition", "Regularise", "AlignPlanes", "Mesh", "Texture"}
@@ -44,15 +44,13 @@ class Whet(rcp.Step):
 
 @pytest.fixture
 def whet(monkeypatch):
-    def apply(step, prepared, before, watch, begin, end):
-        triangle = applying.triangle_at(prepared, step.face)
-        made = applying.engine_call(watch, begin, end, "whetting", engine.split_region, prepared.mesh,
-                                    before.partition, triangle)  # fmt: skip
-        return applying.with_regions(prepared, made, applying.carried_colors(before, made), {})
+    def edit(step, faces, part, job):
+        return engine.split_region(faces.mesh, part, faces.triangle_at(step.face), job)
 
     monkeypatch.setitem(rcp.KINDS, Whet, "whet")
     monkeypatch.setitem(command_steps.KINDS, Whet, "whet")
-    monkeypatch.setitem(applying.APPLY, Whet, apply)
+    monkeypatch.setitem(applying.STAGES, "whet", "whetting")
+    monkeypatch.setitem(engine.replay.EDITS, "whet", edit)
     return Whet
 
 

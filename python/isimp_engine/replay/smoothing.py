@@ -1,21 +1,25 @@
-"""Smooths region borders, for the Paint tool with Shift. numpy only."""
-
-from __future__ import annotations
+"""Smooths region borders on the faces of a scan. numpy only."""
 
 from collections import deque
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+Bools = NDArray[np.bool_]
+Indices = NDArray[np.integer[Any]]
+Labels = NDArray[np.int32]
 
 
 def smoothed(
-    label: np.ndarray,
-    pairs: np.ndarray,
-    inside: np.ndarray,
-    fixed: np.ndarray,
+    label: Labels,
+    pairs: Indices,
+    inside: Bools,
+    fixed: Bools,
     rounds: int,
     poll: Callable[[], None] = lambda: None,
-) -> np.ndarray:
+) -> Labels:
     """Return labels after diffusion: each face has the region with the largest share in its neighbourhood.
 
     The indicator functions of the regions diffuse over faces that share an edge, by one ring in each round. Then each
@@ -56,7 +60,7 @@ def smoothed(
     return made
 
 
-def shortened(label: np.ndarray, pairs: np.ndarray, length: np.ndarray, inside: np.ndarray, fixed: np.ndarray):
+def shortened(label: Labels, pairs: Indices, length: NDArray[np.float64], inside: Bools, fixed: Bools) -> Labels:
     """Return labels in which no single face can move to an adjacent region and shorten the borders.
 
     This removes a tooth of one triangle, since two of its sides are longer than the third. length: (E,) of the edge of
@@ -64,7 +68,7 @@ def shortened(label: np.ndarray, pairs: np.ndarray, length: np.ndarray, inside: 
     """
     made = label.copy()
     touched = inside[pairs].any(axis=1)
-    beside: dict = {}
+    beside: dict[int, list[tuple[int, float]]] = {}
     for (here, there), long in zip(pairs[touched].tolist(), length[touched].tolist(), strict=True):
         for face, other in ((here, there), (there, here)):
             if inside[face]:
@@ -73,7 +77,8 @@ def shortened(label: np.ndarray, pairs: np.ndarray, length: np.ndarray, inside: 
     waiting = deque(face for face in np.unique(pairs[at_border]).tolist() if face in beside)
     while waiting:
         face = waiting.popleft()
-        own, along = int(made[face]), {}
+        own = int(made[face])
+        along: dict[int, float] = {}
         for other, long in beside[face]:
             along[int(made[other])] = along.get(int(made[other]), 0.0) + long
         best = min(along, key=lambda region: (-along[region], region))
@@ -84,7 +89,7 @@ def shortened(label: np.ndarray, pairs: np.ndarray, length: np.ndarray, inside: 
     return made
 
 
-def reachable(wanted: np.ndarray, home: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+def reachable(wanted: Bools, home: Bools, pairs: Indices) -> Bools:
     """Return (F,) bool: the wanted faces that are connected to `home` over wanted faces. Both (F,) bool."""
     pairs = pairs[(wanted | home)[pairs].all(axis=1) & wanted[pairs].any(axis=1)]
     reached = home.copy()

@@ -7,8 +7,8 @@ import shapes
 from isimp import recipe as rcp
 from isimp.engine import engine
 from isimp.session import Session
-from isimp.smoothing import reachable, shortened, smoothed
 from isimp.task import Stopped
+from isimp_engine.replay.smoothing import reachable, shortened, smoothed
 from session_scans import scan_of
 
 SIDE = 30
