@@ -133,6 +133,13 @@ def _comes_again(step: rcp.Step, regularises: bool) -> bool:
     return isinstance(step, rcp.Partition) and not step.faces
 
 
+def lost(number: int) -> str:
+    """Return the warning about steps of a recipe that name faces which this scan lacks."""
+    if number == 1:
+        return said("1 step is off: this scan has no face at its place")
+    return said("{number} steps are off: this scan has no face at their places", number=number)
+
+
 def dropped(number: int) -> str:
     edits = count(number, "edit")
     if number == 1:

@@ -57,6 +57,11 @@ class Scan:
         return found
 
     @property
+    def surface(self) -> Any:
+        """The triangles with their faces, as `engine.replay.Surface`."""
+        return engine.replay.Surface(self.vertices, self.triangles, self.triangle_face, self.face_count)
+
+    @property
     def edges(self) -> tuple[np.ndarray, np.ndarray]:
         """(E, 2) triangles that share an edge, (E, 2) the vertices of that edge."""
         if "edges" not in self._known:

@@ -43,6 +43,18 @@ def backends() -> list[str]:
     return engine.backends() if engine else []
 
 
+def with_places(scan: Scan, recipe: rcp.Recipe) -> rcp.Recipe:
+    """Return the recipe with the places of the faces that it names, for other versions of the scan."""
+    found = engine.replay.places_of(recipe, scan.surface)
+    return recipe if found is None else replace(recipe, places=rcp.Places(*found))
+
+
+def placed(scan: Scan, recipe: rcp.Recipe) -> tuple[rcp.Recipe, int]:
+    """Return the recipe with the faces at its places, and how many steps are switched off, as they have none."""
+    found, lost = engine.replay.placed(recipe, scan.surface)
+    return found, len(lost)
+
+
 @dataclass(frozen=True, eq=False)
 class Shown:
     """The texture on the triangles of a scan."""

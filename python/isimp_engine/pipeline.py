@@ -1,9 +1,10 @@
 """From a scan to its polygons: the one way of the command, of batches and of `simplify`."""
 
+import json
 import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from os import PathLike
 from typing import Any, Protocol
@@ -12,12 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import exporting, recipes
+from . import recipe as rcp
 from ._core import (
     CleanOptions,
     InvalidInput,
     Job,
     Mesh,
     Partition,
+    PartitionOptions,
     PolygonMesh,
     RegulariseOptions,
     TextureOptions,
@@ -28,10 +31,12 @@ from ._core import (
     regularise,
 )
 from .clutter import Clutter, clutter, without_clutter
-from .guided import Guides, partition_guided
+from .guided import partition_guided
+from .guides import shared_edges
 from .marks import MARKS, Marks, guides_of, marks_of
 from .nearer import Nearer, nearer_by_bound
 from .openings import Lengths, lengths_for
+from .replay import Faces, edited, face_edges, placed
 from .settings import (
     ANY_DISTANCE,
     BOX_CLUTTER,
@@ -102,6 +107,8 @@ class Regions:
     regular: RegulariseOptions | None
     made: Made | None  #: how the partition was made; None if it was edited since
     nearer: Nearer | None  #: a bound with regions nearer to a drawn model
+    #: how faces that a recipe names were found: by "place" or "number", and the steps that are left out; None: no faces
+    clicks: dict[str, Any] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +162,7 @@ class Model(Regions):
                 "clutter": settings.clutter,
                 "meshing": settings.meshing.as_dict(),
                 "guides": {"angle": settings.angle},
-                "recipe": recipe and recipe.values,
+                "recipe": recipe and json.loads(recipe.to_json()),
                 "regularise": self.regular and self.regular.as_dict(),
             },
             "regions": part.region_count,
@@ -166,6 +173,7 @@ class Model(Regions):
             "expected": self.expected,
             "output": self.found.report,
             "nearer": self.nearer and self.nearer.as_dict(),
+            "clicks": self.clicks,
             "clutter": [each.as_dict() for each in self.clutter],
             "validity": exporting.validity(self.polygons, surfaces=self.surfaces),
             "texture": self.texture and self.texture.report,
@@ -180,23 +188,20 @@ def make_regions(
     cleaned: the repaired scan, if it is known already; a mesh caches data of a partition for the next one.
     """
     recipe, regular = settings.recipe, settings.regularise
-    (mesh, repaired, repaired_at), closed, own, part = _partition(source, settings, marks, steps, cleaned)
-    if recipe:
-        with steps("partition") as job, refused():
-            part = recipe.edited(mesh, part, job, regularised=regular is None)
+    replay = Replay(source, settings, steps, marks or Marks())
+    state = replay.partitioned(cleaned) if recipe is None else replay.replayed(recipe, cleaned)
+    (mesh, repaired, repaired_at), part, made = state.cleaned, state.partition, state.made
     if regular is not None:
         with steps("regularise") as job, refused():
-            part = regularise(mesh, part, regular, job)
-    elif recipe is not None and recipe.regular is not None:
-        regular = recipe.regular
-    # Another partition would lose edits and planes.
-    edited = regular is not None or (recipe is not None and recipe.edits)
-    made = None if edited else Made(settings.partition, own)
+            part, made = regularise(mesh, part, regular, job), None
+    elif recipe is not None:
+        regular = recipes.regularise_options(recipe)
     with steps("partition") as job:
         nearer = nearer_by_bound(mesh, part, made, job) if made else None
     with steps("mesh") as job:
         expected = expected_polygons(mesh, part, settings.meshing, job)
-    return Regions(source, settings, mesh, part, repaired, repaired_at, closed, expected, regular, made, nearer)
+    known = (repaired, repaired_at, state.closed, expected, regular, made, nearer)
+    return Regions(source, settings, mesh, part, *known, replay.clicks)
 
 
 def make_model(regions: Regions, steps: Steps) -> Model:
@@ -225,38 +230,140 @@ def refused() -> Iterator[None]:
         raise OptionError(str(error)) from None
 
 
-def _partition(
-    source: Source, settings: Settings, marks: Marks | None, steps: Steps, cleaned: Cleaned | None
-) -> tuple[Cleaned, CleanOptions | None, Guides, Partition]:
-    """Repair and partition. Openings are closed for a guessed number of regions, and again where it is wrong."""
-    options, keep, regions = settings.partition, settings.kept_places, settings.partition.proxies
-    while True:
-        lengths, closed = Lengths(), None
-        with steps("clean") as job:
-            cleaned = cleaned or clean_mesh(source, settings.clean, job, keep)
-            if _closes_openings(settings, source):
-                with refused():
-                    lengths = _lengths(cleaned[0], settings, regions, job)
-                if lengths:
-                    closed = CleanOptions(**settings.clean.as_dict() | lengths.options())
-                    cleaned = close_mesh(source, cleaned, closed, lengths, job, keep)
-        with steps("partition") as job, refused():
-            own = guides_of(marks or Marks(), settings.angle, source, cleaned[0], job)
-            found = partition_guided(cleaned[0], options, job, own)
-        if lengths.hold_for(found.region_count):
-            return cleaned, closed, own, found
-        regions = found.region_count
-        cleaned = None
-        del own, found  # their memory is needed
+@dataclass(frozen=True, eq=False)
+class State:
+    """A partition on its way through the steps of a recipe."""
+
+    cleaned: Cleaned
+    closed: CleanOptions | None
+    partition: Partition
+    made: Made | None  #: how the partition was made; None after an edit, as another partition would lose it
+
+
+class Replay:
+    """Makes the partition of a scan, and does the steps of a recipe."""
+
+    def __init__(self, source: Source, settings: Settings, steps: Steps, marks: Marks) -> None:
+        self._source, self._settings, self._steps, self._marks = source, settings, steps, marks
+        self.clicks: dict[str, Any] | None = None  #: how faces of a recipe were found; None without any
+
+    def partitioned(self, cleaned: Cleaned | None, settings: Settings | None = None) -> State:
+        """Repair and partition. Openings are closed for a guessed number of regions, and again where it is wrong."""
+        source, steps, settings = self._source, self._steps, settings or self._settings
+        options, keep, regions = settings.partition, settings.kept_places, settings.partition.proxies
+        while True:
+            lengths, closed = Lengths(), None
+            with steps("clean") as job:
+                cleaned = cleaned or clean_mesh(source, settings.clean, job, keep)
+                if _closes_openings(settings, source):
+                    with refused():
+                        lengths = _lengths(cleaned[0], settings, regions, job)
+                    if lengths:
+                        closed = CleanOptions(**settings.clean.as_dict() | lengths.options())
+                        cleaned = close_mesh(source, cleaned, closed, lengths, job, keep)
+            with steps("partition") as job, refused():
+                own = guides_of(self._marks, settings.angle, source, cleaned[0], job)
+                found = partition_guided(cleaned[0], options, job, own)
+            if lengths.hold_for(found.region_count):
+                return State(cleaned, closed, found, Made(options, own))
+            regions = found.region_count
+            cleaned = None
+            del own, found  # their memory is needed
+
+    def replayed(self, recipe: rcp.Recipe, cleaned: Cleaned | None) -> State:
+        """Do the steps of a recipe, with its faces at their places in this scan."""
+        named, by_number = recipe.faces(), recipe.places is None
+        recipe, lost = placed(recipe, self._source.surface)
+        if named:
+            self.clicks = {"by": "number" if by_number else "place", "lost": []}
+        for index in lost:
+            self._lose(index, recipe.steps[index], "no face of this scan is near its place and faces its way")
+        whole, _ = recipe.whole()
+        others: tuple[type[rcp.Step], ...] = (rcp.Mesh, rcp.Texture)
+        if self._settings.regularise is not None:
+            others = (*others, rcp.Regularise)
+        # The last partition of all faces replaces all regions except locked ones.
+        first = 0 if recipe.locks_before(whole) else whole
+        state = None
+        for index, step in recipe.active():
+            if index < first or isinstance(step, others):
+                continue
+            try:
+                state = self._done(step, index == whole, state, cleaned)
+            except OptionError as error:
+                if index == whole:
+                    raise
+                if state is None or not rcp.faces_of(step):
+                    raise OptionError(f"step {index + 1}: {error}") from None
+                self._lose(index, step, str(error))
+        assert state is not None  # there is a partition of all faces
+        return state
+
+    def _lose(self, index: int, step: rcp.Step, why: str) -> None:
+        if self._settings.strict:
+            raise OptionError(f"step {index + 1}: {why}")
+        assert self.clicks is not None  # the step names faces
+        self.clicks["lost"].append({"step": index + 1, "kind": rcp.KINDS[type(step)], "why": why})
+
+    def _done(self, step: rcp.Step, is_last: bool, state: State | None, cleaned: Cleaned | None) -> State:
+        """The state after a step. is_last: of the partition of all faces that the options belong to."""
+        if isinstance(step, rcp.Partition):
+            settings = self._settings if is_last else self._settings_of(step)
+            if state is None or not (step.faces or state.partition.region_locked.any()):
+                return self.partitioned(cleaned if state is None else None, settings)
+            return self._parted(step, settings, state)
+        assert state is not None
+        faces = self._faces(state)
+        with self._steps("partition") as job:
+            try:
+                part = edited(rcp.KINDS[type(step)], step, faces, state.partition, job)
+            except InvalidInput as error:
+                raise OptionError(faces.named(str(error))) from None
+            except ValueError as error:
+                raise OptionError(str(error)) from None
+        return replace(state, partition=part, made=None)
+
+    def _parted(self, step: rcp.Partition, settings: Settings, state: State) -> State:
+        """The state after a partition that keeps some regions, on the same mesh."""
+        mesh, marks = state.cleaned[0], replace(self._marks, part=None, base=None)
+        with self._steps("partition") as job, refused():
+            own = guides_of(marks, settings.angle, self._source, mesh, job)
+            chosen = self._faces(state).triangles_at(step.faces) if step.faces else None
+            own = replace(own, faces=chosen, before=state.partition)
+            part = partition_guided(mesh, settings.partition, job, own)
+        return replace(state, partition=part, made=Made(settings.partition, own))
+
+    def _settings_of(self, step: rcp.Partition) -> Settings:
+        """The settings of a partition that is not the last one of all faces."""
+        known = self._settings.partition
+        own = recipes.partition_options(step) | {"threads": known.threads, "backend": known.backend}
+        clean = self._settings.clean.as_dict() | rcp.engine_options(step, rcp.CLEAN)
+        return replace(
+            self._settings,
+            partition=PartitionOptions(**own),
+            clean=CleanOptions(**clean),
+            keep_openings=not step.close_openings,
+            kept_places=[(x, y, z) for x, y, z in step.keep_openings],
+            angle=step.angle if step.angle < 180 else None,
+        )
+
+    def _faces(self, state: State) -> Faces:
+        surface = self._source.surface
+
+        def edges() -> tuple[NDArray[Any], NDArray[Any]]:
+            pairs, ends = face_edges(shared_edges(surface.triangles), surface.face)
+            known = (pairs >= 0).all(axis=1)
+            return pairs[known], ends[known]
+
+        return Faces(state.cleaned[0], self._source.polygon, surface.count, surface.vertices, edges)
 
 
 def _closes_openings(settings: Settings, source: Source) -> bool:
     """False if the user has chosen openings, and with a bound: a bound is a promise for each vertex of the scan."""
-    kept = settings.keep_openings or (settings.recipe is not None and not settings.recipe.close_openings)
     clean = settings.clean
     given = max(clean.fill_holes, clean.fill_flat_holes, clean.cut_handles) > 0
     given = given or (source.mesh is not None and bool(source.mesh.openings))
-    return not (kept or given or settings.partition.bound)
+    return not (settings.keep_openings or given or settings.partition.bound)
 
 
 def _lengths(mesh: Mesh, settings: Settings, regions: int | None, job: Job) -> Lengths:
@@ -362,6 +469,7 @@ def simplify(
     texture: int | bool | None = None,
     keep_openings: bool = False,
     recipe: recipes.Recipe | str | PathLike[str] | dict[str, Any] | None = None,
+    strict: bool = False,
     job: Job | None = None,
     **options: Any,
 ) -> Result:
@@ -375,6 +483,8 @@ def simplify(
     texture: keep the scan's texture in an image of this size; True: as dense as the scan's.
     keep_openings: keep all holes and handles; else the ones that the regions can't show are closed in a noisy scan.
     recipe: steps that the add-on exported: a path, or the value of its JSON. Options given here come before its own.
+    Clicks act at their places, so they can be done on another version of their scan.
+    strict: raise InvalidInput where a click finds no face; else it is left out, and the report has it (`clicks`).
     options: all others of the command by their names (`clutter="box"`, `angle=30`, `seed=2`), every field of
     PartitionOptions, MeshingOptions and CleanOptions, and the arrays weights, borders, cuts, part and base.
     Raises InvalidInput (the scan, or options that do not fit it), FileError, recipes.RecipeError, Cancelled, or
@@ -394,6 +504,7 @@ def simplify(
         "texture": _value(texture, LIKE_THE_SCAN),
         "ao": _value(options.get("ao"), ANY_DISTANCE),
         "keep_openings": keep_openings,
+        "strict": strict,
     }
     settings = settings_of(given, None if recipe is None else recipes.recipe_of(recipe))
     steps = OneJob(job)

@@ -9,6 +9,7 @@ from ._core import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions,
 from .exporting import UNITS
 from .recipe import COUNTS
 from .recipes import Recipe
+from .recipes import options_of as options_of_recipe
 
 Place = tuple[float, float, float]
 Kind = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions] | type[RegulariseOptions]
@@ -19,7 +20,6 @@ KEEP_CLUTTER, LEAVE_OUT_CLUTTER, BOX_CLUTTER = CLUTTER = ("keep", "leave-out", "
 CHOICES = {"clutter": CLUTTER, "unit": UNITS}
 #: options of an engine's class that have another name here, as another class has the name too
 RENAMED: dict[tuple[Kind, str], str] = {(RegulariseOptions, "angle"): "regularise"}
-OF_RECIPE = ("angle", "texture", "ao", "height", "tiles", "materials")  #: taken from the recipe where not given
 _NEEDS = {
     "ao": ("texture", "it is an image of the texture's material"),
     "height": ("texture", "it has the places of the texture"),
@@ -71,6 +71,7 @@ class Settings:
     texture: Texturing | None
     crs: int | None  #: EPSG number
     unit: str
+    strict: bool = False  #: refuse a scan on which a click of the recipe finds no face
 
 
 def names(kind: Kind, besides: tuple[str, ...] = ()) -> list[str]:
@@ -87,15 +88,15 @@ def option_names() -> frozenset[str]:
     """The names of all options of `settings_of`."""
     own = {"regularise", "keep_openings", "keep_opening", "clutter", "angle", "texture", "ao", "height", "tiles"}
     engine = {name for kind in (PartitionOptions, CleanOptions, MeshingOptions) for name in names(kind)}
-    return frozenset({"materials", "crs", "unit"} | own | engine | set(snapping()))
+    return frozenset({"materials", "crs", "unit", "strict"} | own | engine | set(snapping()))
 
 
 def settings_of(options: Mapping[str, Any], recipe: Recipe | None) -> Settings:
-    """The settings of options by their names, and a recipe. None: not given. Raises OptionError."""
-    given = {name: value for name, value in options.items() if value is not None}
-    for name in OF_RECIPE if recipe is not None else ():
-        if name not in given and (value := getattr(recipe, name)) is not None:
-            given[name] = value
+    """The settings of options by their names, and a recipe, whose options come after them. None: not given.
+
+    Raises OptionError.
+    """
+    given = _with_recipe({name: value for name, value in options.items() if value is not None}, recipe)
     snaps = dict.fromkeys(snapping(), ("regularise", "it is about its planes"))
     for name, (needed, reason) in (_NEEDS | snaps).items():
         if given.get(name, False) is not False and needed not in given:  # 0 is a value
@@ -108,40 +109,40 @@ def settings_of(options: Mapping[str, Any], recipe: Recipe | None) -> Settings:
         raise OptionError(f"{marks} each set the number of regions: give one of them", *counts)
     if (angle := given.get("angle")) is not None and not 0 <= angle <= 180:
         raise OptionError(f"{{}} must be in [0, 180], got {angle:g}", "angle")
-    of_recipe = [(x, y, z) for x, y, z in recipe.keep_openings] if recipe is not None else []
     texture = None
     if "texture" in given:
         materials, height = bool(given.get("materials")), bool(given.get("height"))
         texture = Texturing(given["texture"], given.get("tiles"), materials, height, given.get("ao"))
     return Settings(
-        clean=options_of(given, recipe, CleanOptions),
-        partition=options_of(given, recipe, PartitionOptions),
-        meshing=options_of(given, recipe, MeshingOptions),
-        regularise=_snapping_of(given, recipe),
+        clean=options_of(given, CleanOptions),
+        partition=options_of(given, PartitionOptions),
+        meshing=options_of(given, MeshingOptions),
+        regularise=_snapping_of(given),
         recipe=recipe,
         keep_openings=bool(given.get("keep_openings")),
-        kept_places=[*given.get("keep_opening", ()), *of_recipe],
+        kept_places=[(x, y, z) for x, y, z in given.get("keep_opening", ())],
         clutter=given.get("clutter", KEEP_CLUTTER),
         angle=angle,
         texture=texture,
         crs=given.get("crs"),
         unit=given.get("unit", "m"),
+        strict=bool(given.get("strict")),
     )
 
 
-def _snapping_of(options: Mapping[str, Any], recipe: Recipe | None) -> RegulariseOptions | None:
+def _snapping_of(options: Mapping[str, Any]) -> RegulariseOptions | None:
     given = options.get("regularise")
     if given is None or isinstance(given, RegulariseOptions):
         return given
-    found: RegulariseOptions = options_of(options, recipe, RegulariseOptions)
+    found: RegulariseOptions = options_of(options, RegulariseOptions)
     return found
 
 
-def options_of(options: Mapping[str, Any], recipe: Recipe | None, kind: Kind) -> Any:
-    """The engine's options of this kind as they are given; else the recipe's, else its defaults."""
+def options_of(options: Mapping[str, Any], kind: Kind) -> Any:
+    """The engine's options of this kind, with its defaults where they are not given."""
     called = {name: RENAMED.get((kind, name), name) for name in names(kind)}
     given = {name: options[option] for name, option in called.items() if option in options}
-    made = kind(**_of_recipe(recipe, kind, given))
+    made = kind()
     for name, value in given.items():
         try:
             setattr(made, name, value)
@@ -172,10 +173,13 @@ def check_ranges(options: Any) -> None:
             raise OptionError(f"{{}} must be {wanted}, got {value:g}", RENAMED.get((type(options), name), name))
 
 
-def _of_recipe(recipe: Recipe | None, kind: Kind, given: Mapping[str, Any]) -> dict[str, Any]:
-    """The recipe's options of this kind, without the given ones, and without its count if a count is given."""
-    if recipe is None or kind is RegulariseOptions:  # with `regularise` the recipe's planes are not snapped
-        return {}
-    own = {CleanOptions: recipe.repair, MeshingOptions: recipe.meshing, PartitionOptions: recipe.partition}[kind]
-    counted = any(name in given for name in COUNTS)
-    return {name: value for name, value in own.items() if name not in given and not (counted and name in COUNTS)}
+def _with_recipe(given: dict[str, Any], recipe: Recipe | None) -> dict[str, Any]:
+    """The options with the recipe's in the place of missing ones; a count takes the place of the recipe's."""
+    if recipe is None:
+        return given
+    own = options_of_recipe(recipe)
+    if any(name in given for name in COUNTS):
+        own = {name: value for name, value in own.items() if name not in COUNTS}
+    kept = [*given.get("keep_opening", ()), *own.get("keep_opening", ())]
+    opened = bool(given.get("keep_openings")) or own["keep_openings"]
+    return own | given | {"keep_opening": kept, "keep_openings": opened}

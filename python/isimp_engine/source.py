@@ -13,6 +13,7 @@ from ._core import CleanOptions, InvalidInput, Job, Mesh, clean, close_openings
 from .file_faces import cut, largest_shares
 from .openings import Lengths
 from .reading import read_polygons
+from .replay import Surface
 from .settings import OptionError
 from .texturing import TexturedSoup, read_textured
 
@@ -30,6 +31,12 @@ class Source:
     path: Path | None = None  #: its file
     soup: TexturedSoup | None = None  #: faces with their texture, if the caller requested it
     mesh: Mesh | None = None  #: the scan itself, if it was given repaired
+
+    @property
+    def surface(self) -> Surface:
+        """Its triangles with their faces."""
+        face = self.polygon if self.mesh is None else self.mesh.source_face
+        return Surface(self.vertices, self.triangles, face, self.faces)
 
 
 def source_of(scan: Any, job: Job | None = None, threads: int = 0, textured: bool = False) -> Source:

@@ -130,7 +130,7 @@ def run(
     place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
     given = dict(options or {})
     settings = _checked_options(given, recipe)
-    steps = None if settings.recipe is None else settings.recipe.values
+    steps = None if settings.recipe is None else settings.recipe.to_values()
     plan = Plan(place, _suffix(format, settings), given, steps, labels, reports, pictures)
     _check_place(inputs, place)
     scans = find_scans(inputs, plan.suffix, besides=place)

@@ -96,6 +96,9 @@ def simplify_options() -> argparse.ArgumentParser:
     )
     command.add_argument("--unit", choices=UNITS, default="m", help="unit of the scene in STEP. Default: %(default)s")
     command.add_argument("--recipe", type=Path, metavar="R.json", help="the steps to do, as the add-on exports them")
+    command.add_argument(
+        "--strict", action="store_true", help="refuse a scan on which a click of the recipe finds no face"
+    )
     return command
 
 

@@ -167,6 +167,7 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     yield from closing.lines(report["openings"], report["options"]["keep_openings"], report["closed_below"])
     yield from words.left_out(part.parts_left_out, part.area_left_out)
     yield from (f"  warning: {text}" for text in report["partition"]["warnings"])
+    yield from words.clicks(report["clicks"])
     if report["partition"]["tolerance"] is not None:
         yield f"  {words.found(report['partition'])}"
     if report["nearer"] is not None:

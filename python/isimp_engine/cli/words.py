@@ -33,6 +33,14 @@ def rims(out: dict[str, Any], area: float) -> str:
     return f"{where}: {added:.2g} % of the area added, {lost:.2g} % lost"
 
 
+def clicks(found: dict[str, Any] | None) -> Iterator[str]:
+    """The steps of a recipe that are left out, as the scan has no face at their places."""
+    if found is not None and found["by"] == "number":
+        yield "  warning: the faces of the recipe have no places, so they are right for the scan of the recipe alone"
+    for each in found["lost"] if found is not None else ():
+        yield f"  warning: step {each['step']} of the recipe, {each['kind']}, is left out: {each['why']}"
+
+
 def count(number: int, thing: str) -> str:
     """`1 face`, `1,204 faces`, `2 vertices`, `0 parts`."""
     if number == 1:

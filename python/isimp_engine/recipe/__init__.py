@@ -7,6 +7,7 @@ from .checks import RecipeError
 from .engine_options import CLEAN, MESHING, PARTITION, REGULARISE, TEXTURE
 from .language import count, noun, own, plural, said, speak
 from .options import COUNTS, Option
+from .places import Places, faces_of, moved
 from .plane_steps import ALIGNMENTS, UPS, AlignPlanes, Regularise
 from .recipe import Recipe, numbered_step, parsed
 from .round_steps import ROUND_KINDS, ExplodeRound, RoundRegions, RoundSegments
@@ -74,6 +75,7 @@ __all__ = [
     "Option",
     "PaintFaces",
     "Partition",
+    "Places",
     "Recipe",
     "RecipeError",
     "Regularise",
@@ -87,6 +89,8 @@ __all__ = [
     "UnlockRegions",
     "count",
     "engine_options",
+    "faces_of",
+    "moved",
     "noun",
     "numbered_step",
     "own",

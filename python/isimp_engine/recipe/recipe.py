@@ -8,11 +8,12 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from .checks import RecipeError, check, short
 from .language import own, said
+from .places import Places, faces_of
 from .plane_steps import AlignPlanes, Regularise
 from .round_steps import RoundSegments
 from .step import Step
@@ -26,6 +27,8 @@ class Recipe:
     """An ordered list of steps. All methods return a new recipe."""
 
     steps: tuple[Step, ...] = ()
+    #: places of the faces that the steps name, in a recipe that was written; None: the numbers are of one scan
+    places: Places | None = field(default=None, compare=False)
 
     def then(self, step: Step) -> Recipe:
         """The recipe with one more step, in place of a Mesh step at its end and its texture.
@@ -62,6 +65,10 @@ class Recipe:
                 continue
             last = index
         return last if locked else -1
+
+    def locks_before(self, index: int) -> bool:
+        """Whether regions are locked before a step, so that a partition there keeps them."""
+        return Recipe(self.steps[:index])._last_lock() >= 0
 
     def replaced(self, index: int, step: Step) -> Recipe:
         """The recipe with another step in the place of one."""
@@ -144,8 +151,21 @@ class Recipe:
         return tuple(keys)
 
     def to_json(self, indent: int | None = None) -> str:
+        text = json.dumps(Recipe(self.steps).to_values(), indent=indent)
+        if self.places is None:
+            return text
+        # Each place on a line of its own would be most of the text.
+        before, after = (",\n" + " " * indent, "\n}") if indent else (", ", "}")
+        return f'{text.removesuffix(after)}{before}"places": {json.dumps(self.places.to_dict())}{after}'
+
+    def to_values(self) -> dict[str, Any]:
+        """The value of the JSON text."""
         values = {"isimp_recipe": VERSION, "steps": [step.to_dict() for step in self.steps]}
-        return json.dumps(values, indent=indent)
+        return values if self.places is None else values | {"places": self.places.to_dict()}
+
+    def faces(self) -> tuple[int, ...]:
+        """The faces that its steps name, in rising order."""
+        return tuple(sorted({face for step in self.steps for face in faces_of(step)}))
 
     @staticmethod
     def from_json(text: str) -> Recipe:
@@ -170,7 +190,8 @@ class Recipe:
         )
         steps = values.get("steps")
         check(not isinstance(steps, list), said("not a recipe: 'steps' must be a list"))
-        return Recipe(tuple(numbered_step(number, step) for number, step in enumerate(steps, 1)))
+        places = None if values.get("places") is None else Places.from_values(values["places"])
+        return Recipe(tuple(numbered_step(number, step) for number, step in enumerate(steps, 1)), places)
 
 
 def parsed(text: str, problem: str) -> Any:

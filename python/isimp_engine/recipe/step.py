@@ -36,6 +36,9 @@ class Step:
     #: settings that are not saved where they have their defaults, as steps of earlier versions lack them
     late: ClassVar[frozenset[str]] = frozenset()
 
+    #: whether its faces are an area, such as a stroke of a brush, and not one face of each region
+    is_stroke: ClassVar[bool] = False
+
     @property
     def kind(self) -> str:
         return KINDS[type(self)]

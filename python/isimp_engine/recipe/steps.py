@@ -58,6 +58,7 @@ class Partition(PartitionFields, CleanFields):
     borders: str = ""  #: nor one between different values of this attribute of faces; none if empty
     faces: tuple[int, ...] = ()  #: split only these; empty: all
     late = unlabelled(PARTITION) | {"keep_openings", "curved"}
+    is_stroke = True
 
     def __post_init__(self) -> None:
         self._settle_count()
@@ -194,6 +195,8 @@ class PaintFaces(Step):
     onto: int = -1  #: below 0: a new region
     lock: bool = False  #: lock the painted region
 
+    is_stroke = True
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "faces", indices(self.faces))
 
@@ -208,6 +211,8 @@ class EraseFaces(Step):
 
     faces: tuple[int, ...] = ()
 
+    is_stroke = True
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "faces", indices(self.faces))
 
@@ -221,6 +226,8 @@ class SmoothFaces(Step):
 
     faces: tuple[int, ...] = ()
     rounds: int = 10
+
+    is_stroke = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "faces", indices(self.faces))
@@ -399,6 +406,8 @@ _EARLIER: dict[str, tuple[set[str], dict[str, Any]]] = {
     ),
     "mesh": ({"chord_tolerance", "flatten"}, {"join_junctions": 0.0, "straight_rims": 0.0}),
 }
+#: Settings that a recipe written by a person may lack, with the engine's defaults, where the panel has others
+_ABSENT: dict[str, dict[str, Any]] = {"partition": {"adaptivity": 0.0}}
 _ACCEPTS: dict[str, type | tuple[type, ...]] = {
     "bool": bool,
     "int": int,
@@ -431,7 +440,8 @@ def step_from_dict(values: Any) -> Step:
         wanted = "list" if fields[name].type.startswith("tuple") else fields[name].type.removesuffix(" | None")
         _check_value(said("{name} of {step}", name=name, step=kind), wanted, value, name == "seed")
     names, meant = _EARLIER.get(kind, (set(), {}))
-    return cls(**(meant | values if names <= values.keys() else values))
+    meant = _ABSENT.get(kind, {}) | (meant if names <= values.keys() else {})
+    return cls(**(meant | values))
 
 
 def _check_value(what: str, wanted: str, value: Any, is_seed: bool) -> None:

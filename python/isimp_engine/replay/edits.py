@@ -24,7 +24,7 @@ def edited(kind: str, step: Any, faces: Faces, part: Partition, job: Job | None 
     return EDITS[kind](step, faces, part, job)
 
 
-def upward(step: rcp.Regularise | rcp.AlignPlanes, faces: Faces, part: Partition) -> NDArray[np.float64] | None:
+def _upward(step: rcp.Regularise | rcp.AlignPlanes, faces: Faces, part: Partition) -> NDArray[np.float64] | None:
     """(3,) the up direction of a step; None if it has none."""
     if step.up == "none":
         return None
@@ -41,13 +41,13 @@ def upward(step: rcp.Regularise | rcp.AlignPlanes, faces: Faces, part: Partition
 
 
 def _regularise(step: rcp.Regularise, faces: Faces, part: Partition, job: Job | None) -> Partition:
-    up = upward(step, faces, part)
+    up = _upward(step, faces, part)
     own = rcp.engine_options(step, rcp.REGULARISE) | {"up": "none" if up is None else "z"}
     return _core.regularise(faces.mesh, part, RegulariseOptions(**own), job, up_direction=up)
 
 
 def _align(step: Any, faces: Faces, part: Partition, job: Job | None) -> Partition:
-    up = upward(step, faces, part)
+    up = _upward(step, faces, part)
     if up is None:
         if step.to in ("level", "upright"):
             raise ValueError("level and upright need an up direction: choose an axis for Up")

@@ -65,7 +65,7 @@ def test_a_texture_follows_polygons_and_is_removed_with_them():
 
 def test_json_can_be_written_by_hand():
     text = '{"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 6}, {"step": "mesh", "chord_tolerance": 1}]}'
-    assert Recipe.from_json(text) == Recipe((Partition(proxies=6), Mesh(chord_tolerance=1)))
+    assert Recipe.from_json(text) == Recipe((Partition(proxies=6, adaptivity=0.0), Mesh(chord_tolerance=1)))
 
 
 def test_steps_saved_before_a_setting_existed_keep_their_meaning():
@@ -195,7 +195,7 @@ def test_the_given_count_selects_count_by():
     for name in rcp.COUNTS:
         assert Partition(**{name: 2 if name in ("proxies", "triangles") else 0.5}).count_by == name
     assert Partition(count_by="bound", proxies=3).count_by == "bound"
-    assert rcp.step_from_dict({"step": "partition", "proxies": 6}) == Partition(proxies=6)
+    assert rcp.step_from_dict({"step": "partition", "proxies": 6}) == Partition(proxies=6, adaptivity=0.0)
     with pytest.raises(
         RecipeError, match="tolerance, proxies each set the number of regions: give one of them, or count_by"
     ):

@@ -22,7 +22,7 @@ def test_a_sound_chain_is_read():
     nodes = chain(FIRST, SECOND)
     nodes[2] = (*nodes[2][:2], '{"regions": 9, "error": 0.5}')
     read = stored.read(2, nodes.get)
-    assert (read.recipe, read.problem) == (Recipe((Partition(proxies=8), AddProxy(face=20))), "")
+    assert (read.recipe, read.problem) == (Recipe((Partition(proxies=8, adaptivity=0.0), AddProxy(face=20))), "")
     assert read.numbers == {"regions": 9, "error": 0.5}
     assert stored.read(0, nodes.get) == stored.Stored(Recipe())
 

@@ -1,6 +1,5 @@
 """Recipes of the add-on, applied to files by the command and by batches."""
 
-import dataclasses
 import json
 import subprocess
 import sys
@@ -13,99 +12,93 @@ import isimp_engine as engine
 from bench.generators import houses
 from isimp_engine import batch, recipes
 from isimp_engine.cli import main
+from isimp_engine.settings import settings_of
 
 steps = pytest.importorskip("isimp.recipe.steps")
 rcp = pytest.importorskip("isimp.recipe")
+
+MESH = {"step": "mesh"}
 
 
 def recipe(*given):
     return recipes.parsed(json.loads(rcp.Recipe(given).to_json()))
 
 
+def options(*given):
+    return recipes.options_of(recipe(*given))
+
+
+def read(*values):
+    return recipes.parsed({"isimp_recipe": 1, "steps": list(values)})
+
+
 def test_what_the_add_on_writes_is_read():
     wanted = rcp.Partition(proxies=30, noise=0.01, angle=40.0, smooth=0.25), rcp.Improve(), rcp.AddWorst(times=3)
-    found = recipe(*wanted, rcp.DeleteLeast(times=2, enabled=False), rcp.Mesh(flatten=7))
-    assert found.partition["proxies"] == 30
-    assert found.partition["smooth"] == 0.25
-    assert found.partition["noise"] == 0.01
-    assert not {"detail", "tolerance", "bound"} & found.partition.keys()
-    assert found.angle == 40
-    assert [(step.kind, getattr(step, "times", None)) for step in found.edits] == [("improve", None), ("add_worst", 3)]
-    assert [step.strength for step in recipe(rcp.Partition(), rcp.EvenBorders(strength=0.5)).edits] == [0.5]
-    assert found.meshing["flatten"] == 7
-    assert recipe(rcp.Partition()).partition["noise"] is None, "below 0: estimated"
-    assert recipe(rcp.Partition(proxies=5), rcp.AddWorst(), rcp.Partition(proxies=6)).edits == ()
+    given = (*wanted, rcp.DeleteLeast(times=2, enabled=False), rcp.Mesh(flatten=7))
+    found = options(*given)
+    assert (found["proxies"], found["smooth"], found["noise"], found["angle"]) == (30, 0.25, 0.01, 40)
+    assert not {"detail", "tolerance", "bound"} & found.keys()
+    assert found["flatten"] == 7
+    steps = [step for _, step in recipe(*given).active()]
+    assert [(step.kind, getattr(step, "times", None)) for step in steps[1:3]] == [("improve", None), ("add_worst", 3)]
+    assert "noise" not in options(rcp.Partition()), "below 0: estimated"
+    assert options(rcp.Partition(proxies=5), rcp.AddWorst(), rcp.Partition(proxies=6))["proxies"] == 6
 
 
 def test_every_preset_of_the_add_on_can_be_used():
     presets = pytest.importorskip("isimp.presets").PRESETS
     assert len(presets) > 3
     for preset in presets:
-        found = recipe(*preset.recipe.steps)
-        engine.PartitionOptions(**found.partition)
-        engine.MeshingOptions(**found.meshing)
+        settings_of({}, recipe(*preset.recipe.steps))
 
 
 def test_recipes_of_earlier_versions_keep_their_meaning():
-    old = {"step": "partition", "proxies": 9, "seed": 1, "leave_out": 0.001}
-    found = recipes.parsed({"isimp_recipe": 1, "steps": [old, {"step": "mesh"}]})
-    assert (found.partition["smooth"], found.repair["stitch"], found.close_openings) == (0.0, 0.0, False)
+    found = recipes.options_of(read({"step": "partition", "proxies": 9, "seed": 1, "leave_out": 0.001}, MESH))
+    assert (found["smooth"], found["stitch"], found["keep_openings"]) == (0.0, 0.0, True)
 
 
-def test_a_setting_that_people_leave_out_has_the_default_of_the_command():
-    found = recipes.parsed({"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 9}, {"step": "mesh"}]})
-    plain = engine.PartitionOptions(proxies=9).as_dict()
-    assert engine.PartitionOptions(**found.partition).as_dict() == plain
-    assert engine.MeshingOptions(**found.meshing).as_dict() == engine.MeshingOptions().as_dict()
-    assert engine.CleanOptions(**found.repair).as_dict() == engine.CleanOptions().as_dict()
+def test_a_setting_that_people_leave_out_has_the_default_of_the_engine():
+    found = settings_of({}, read({"step": "partition", "proxies": 9}, MESH))
+    assert found.partition.as_dict() == engine.PartitionOptions(proxies=9).as_dict()
+    assert found.meshing.as_dict() == engine.MeshingOptions().as_dict()
+    assert found.clean.as_dict() == engine.CleanOptions().as_dict()
+    assert rcp.step_from_dict({"step": "partition"}).adaptivity == 0, "in the add-on too"
+    assert rcp.Partition().adaptivity == 0.25, "the panel's default"
 
 
 def test_a_texture_step_keeps_the_texture():
-    assert recipe(rcp.Partition(), rcp.Mesh()).texture is None
-    assert recipe(rcp.Partition(), rcp.Mesh(), rcp.Texture()).texture == 0
-    assert recipe(rcp.Partition(), rcp.Mesh(), rcp.Texture(size=64)).texture == 64
-    assert recipe(rcp.Partition(), rcp.Mesh(), rcp.Texture(enabled=False)).texture is None
-    assert recipe(rcp.Partition(), rcp.Mesh(), rcp.Texture(), rcp.Partition()).texture is None, "polygons go with it"
+    assert "texture" not in options(rcp.Partition(), rcp.Mesh())
+    assert options(rcp.Partition(), rcp.Mesh(), rcp.Texture())["texture"] == 0
+    assert options(rcp.Partition(), rcp.Mesh(), rcp.Texture(size=64))["texture"] == 64
+    assert "texture" not in options(rcp.Partition(), rcp.Mesh(), rcp.Texture(enabled=False))
+    assert "texture" not in options(rcp.Partition(), rcp.Mesh(), rcp.Texture(), rcp.Partition()), "polygons go with it"
     for steps_given, message in (
         ([{"step": "partition"}, {"step": "texture"}], "step 2: there are no polygons yet"),
-        ([{"step": "partition"}, {"step": "mesh"}, {"step": "texture", "size": 8}], "size must be 0, or in"),
-        ([{"step": "partition"}, {"step": "mesh"}, {"step": "texture", "size": "big"}], "whole number"),
-        ([{"step": "partition"}, {"step": "mesh"}, {"step": "texture", "gloss": 1}], "no setting 'gloss'"),
+        ([{"step": "partition"}, MESH, {"step": "texture", "size": 8}], "size must be 0, or in"),
+        ([{"step": "partition"}, MESH, {"step": "texture", "size": "big"}], "whole number"),
+        ([{"step": "partition"}, MESH, {"step": "texture", "gloss": 1}], "no setting 'gloss'"),
     ):
         with pytest.raises(recipes.RecipeError, match=message):
-            recipes.parsed({"isimp_recipe": 1, "steps": steps_given})
+            read(*steps_given)
 
 
-#: settings without which a step names no face
-_FACES = {"faces": [0], "line": [[0, 0, 0], [1, 0, 0]]}
-
-
-def test_every_step_is_known():
-    """A step that is added to the add-on must be decided on here."""
-    for cls, kind in steps.KINDS.items():
-        if kind in ("partition", "mesh", "texture"):
-            continue
-        fields = {field.name for field in dataclasses.fields(cls)} - {"enabled"}
-        more = {name: value for name, value in _FACES.items() if name in fields}
-        values = {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": kind, **more}]}
-        if fields <= {"times", "strength"}:
-            assert [step.kind for step in recipes.parsed(values).edits] == [kind]
-        elif kind == "regularise":
-            assert recipes.parsed(values).regular.as_dict() == engine.RegulariseOptions().as_dict()
-        else:
-            with pytest.raises(recipes.RecipeError, match=f"step 2: '{kind}' names faces of one scan"):
-                recipes.parsed(values)
+def test_every_step_is_done():
+    """A step that is added to the add-on must be applied in the engine's package."""
+    kinds = set(steps.KINDS.values())
+    assert kinds == set(engine.replay.EDITS) | {"partition", "mesh", "texture"}
 
 
 def test_regularise_is_read_with_its_settings():
-    found = recipe(rcp.Partition(), rcp.Regularise(angle=5.0, length=0.2, direction=(0.0, 2.0, 0.0)))
-    assert (found.regular.angle, found.regular.length, found.regular.up) == (5.0, 0.2, "z")
-    assert found.edits[0].direction == (0.0, 2.0, 0.0)
-    assert recipe(rcp.Partition(), rcp.Regularise(up="y")).regular.up == "y"
-    assert recipe(rcp.Partition(), rcp.Regularise(up="none")).regular.up == "none"
-    assert recipe(rcp.Partition(), rcp.Regularise(enabled=False)).regular is None
+    def regular(**settings):
+        return recipes.regularise_options(recipe(rcp.Partition(), rcp.Regularise(**settings)))
+
+    found = regular(angle=5.0, length=0.2, direction=(0.0, 2.0, 0.0))
+    assert (found.angle, found.length, found.up) == (5.0, 0.2, "z")
+    assert regular().as_dict() == engine.RegulariseOptions().as_dict()
+    assert regular(up="y").up == "y"
+    assert regular(up="none").up == "none"
+    assert regular(enabled=False) is None
     for settings, message in (
-        ({"up": "region", "face": 3}, "takes up from a region of one scan"),
         ({"up": "down"}, "up must be one of"),
         ({"angle": 90}, "angle must be in"),
         ({"length": -1}, "length must be 0, or a finite length above 0, got -1"),
@@ -113,9 +106,8 @@ def test_regularise_is_read_with_its_settings():
         ({"direction": [1]}, "direction must have 3 numbers, got 1"),
         ({"gloss": 1}, "regularise has no setting 'gloss'"),
     ):
-        given = [{"step": "partition"}, {"step": "regularise", **settings}]
         with pytest.raises(recipes.RecipeError, match=f"step 2: .*{message}"):
-            recipes.parsed({"isimp_recipe": 1, "steps": given})
+            read({"step": "partition"}, {"step": "regularise", **settings})
 
 
 def test_the_command_and_batches_regularise_as_a_recipe_says(tmp_path):
@@ -154,7 +146,7 @@ def test_the_command_and_batches_regularise_as_a_recipe_says(tmp_path):
         ({"isimp_recipe": 2, "steps": []}, "version 2, this version of iSimp reads up to 1"),
         ({"isimp_recipe": 1, "steps": []}, "no partition step"),
         ({"isimp_recipe": 1, "steps": [{"step": "improve"}]}, "step 1: there are no regions yet"),
-        ({"isimp_recipe": 1, "steps": [{"step": "partition", "faces": [1]}]}, "step 1: splits chosen faces"),
+        ({"isimp_recipe": 1, "steps": [{"step": "partition", "faces": [1]}]}, "step 1: there are no regions yet"),
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "sharp": True}]}, "'sharp' needs marks of an object"),
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "weights": "w"}]}, "'weights' needs marks of an object"),
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "angle": 190}]}, r"angle must be in \[0, 180\]"),

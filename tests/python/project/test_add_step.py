@@ -1,4 +1,4 @@
-"""The promise of CONTRIBUTING.md for a step of recipes: features that follow from its class and its row of `APPLY`."""
+"""The promise of CONTRIBUTING.md for a step of recipes: features that follow from its class and its row of `EDITS`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from isimp import applying, messages
 from isimp import recipe as rcp
 from isimp.session import Session, StepFailed, engine
 from isimp_engine import recipe as command_steps
-from isimp_engine import recipes
 from session_scans import scan_of
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -87,10 +86,9 @@ def test_a_row_applies_it_with_cache_and_progress(whet, scan):
     assert messages.line(whet(face=3)) == "Whet face 3"
 
 
-def test_the_command_refuses_it_with_the_reason(whet):
-    values = {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "whet", "face": 3}]}
-    with pytest.raises(recipes.RecipeError, match="'whet' names faces of one scan"):
-        recipes.parsed(values)
+def test_the_command_does_it(whet):
+    values = {"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 6}, {"step": "whet", "face": 3}]}
+    assert engine.simplify(shapes.cube(6), recipe=values).partition.region_count == 7
 
 
 @pytest.mark.parametrize("step", [cls for cls in rcp.KINDS if cls.__name__ not in SETTINGS], ids=rcp.KINDS.get)

@@ -1,5 +1,6 @@
 """Operators for recipes as JSON: export, import, copy, paste and replay."""
 
+from contextlib import suppress
 from pathlib import Path
 
 import bpy
@@ -8,7 +9,9 @@ from bpy.props import BoolProperty, StringProperty
 from ... import messages
 from ...language import own, said
 from ...recipe import Recipe
-from ..scene import store, targets
+from ...session import placed, with_places
+from .. import reading
+from ..scene import mesh_io, store, targets
 from ..work import scene_outcome
 from ..work.modal import RecipeOperator
 
@@ -37,7 +40,15 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
         recipe = Recipe.from_json(self.recipe)
         if not recipe.active():
             raise ValueError(said("The recipe has no active step."))
+        self._lost = 0
+        if recipe.places is not None:
+            recipe, self._lost = placed(reading.read(context, scan), recipe)
+        if self._lost and self.strict:
+            raise ValueError(messages.lost(self._lost))
         return recipe
+
+    def warnings(self, context, scan, before):
+        return [messages.lost(self._lost)] if self._lost else []
 
     show = staticmethod(scene_outcome.show_outcome)
 
@@ -74,7 +85,12 @@ class _HasRecipe:
 
     @staticmethod
     def text(context):
-        return store.load(targets.find(context)[0]).to_json(indent=2) + "\n"
+        scan = targets.find(context)[0]
+        recipe = store.load(scan)
+        with suppress(mesh_io.Unusable):  # the faces then have their numbers alone
+            if recipe.faces():
+                recipe = with_places(reading.read(context, scan), recipe)
+        return recipe.to_json(indent=2) + "\n"
 
 
 def _without_kind(told: str) -> str:
