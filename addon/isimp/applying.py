@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +27,21 @@ def engine_call(watch: Watch, begin: float, end: float, stage: str, function, *a
             return function(*args, job=job)
         except engine.Cancelled:
             raise Stopped from None
+
+
+class Stages:
+    """The jobs of `engine.pipeline.split`, each of which is a stage of the progress."""
+
+    def __init__(self, watch: Watch, begin: float, end: float):
+        self._watch, self._span = watch, (begin, end)
+
+    @contextmanager
+    def __call__(self, name: str):
+        with self._watch.part(STAGES[name], *self._span, engine.Job()) as job:
+            try:
+                yield job
+            except engine.Cancelled:
+                raise Stopped from None
 
 
 def _needs_regions(before: Outcome | None) -> Outcome:
@@ -152,6 +168,8 @@ STAGES = {
     **dict.fromkeys(("split_region", "cut_region"), "splitting"),
     **dict.fromkeys(("lock", "unlock", "leave_out"), "locking"),
     **dict.fromkeys(("segments", "explode"), "cutting round parts"),
+    "clean": "counting regions",
+    "partition": "partitioning",
     "add_proxy": "adding a region",
     "add_worst": "adding regions",
     "delete_proxy": "deleting a region",

@@ -13,6 +13,7 @@ from .applying import (
     NEARER,
     PREPARING,
     TIMES,
+    Stages,
     apply_edit,
     apply_mesh,
     apply_texture,
@@ -244,21 +245,15 @@ class Session:
         options = engine.PartitionOptions(**own, backend=self.backend, threads=self.threads)
         locked = before is not None and before.partition.region_locked.any()
         may_close = not (locked or step.faces)  # regions that stay belong to the mesh before a new closing
-        is_right, count = False, options.proxies
-        while not is_right:
-            lengths = engine.openings.Lengths()
-            if may_close:
-                opened = Closing(**rcp.engine_options(step, rcp.CLEAN))
-                args = (step, prepared.scan, opened, options, count, watch, begin, begin + 0.3 * (end - begin))
-                lengths = self._lengths(*args)
-                closing = opened.up_to(lengths, step.keep_openings) if lengths else opened
-                prepared = replace(self.prepare(prepared.scan, watch, begin, end, closing), layers=prepared.layers)
-            guides = _guides(step, prepared, before)
-            made = engine.within.Made(options, guides, self._part(prepared, guides, options))
-            args = (prepared.mesh, options, guides, made.part)
-            partition = engine_call(watch, begin, end, "partitioning", _partition_guided, *args)
-            count = partition.region_count
-            is_right = lengths.hold_for(count)
+        closes = may_close and step.close_openings and step.count_by != "bound"
+        meshes = _Meshes(self, step, prepared, watch, (begin, end)) if may_close else _Mesh(prepared)
+
+        def guided(mesh, job):
+            guides = _guides(step, meshes.prepared, before)
+            return guides, self._part(meshes.prepared, guides, options)
+
+        partition, made = engine.pipeline.split(meshes, options, closes, Stages(watch, begin, end), guided)
+        prepared, guides = meshes.prepared, made.guides
         names = ("rounds", "tolerance", "noise", "snapped", "distance_max", "warnings")
         numbers = {"asked": partition.proxies_asked, "expected": self._expected(prepared, partition, watch, end)} | {
             name: partition.report[name] for name in names
@@ -284,20 +279,6 @@ class Session:
         except engine.InvalidInput:
             return {}
 
-    def _lengths(self, step: rcp.Partition, scan: Scan, opened, options, count: int | None, watch, begin, end):
-        """Return the lengths up to which openings are closed, because regions of this size can't show them.
-
-        count: the number of regions if it is known.
-        """
-        plain = self.prepare(scan, watch, begin, begin, opened).mesh
-        if not step.close_openings or step.count_by == "bound":
-            return engine.openings.Lengths()
-
-        def counted() -> int:
-            return engine_call(watch, begin, end, "counting regions", engine.partition, plain, options).region_count
-
-        return engine.openings.lengths_for(plain, options, count, counted)
-
     def _part(self, prepared: Prepared, guides, options):
         """Return the part of the mesh to split, or None for all of it. It is cached for other numbers of regions."""
         faces = engine.guided.open_faces(prepared.mesh, guides, options.leave_out, options.proxies)
@@ -307,6 +288,36 @@ class Session:
         if self._parts.get(key) is None:
             self._parts.put(key, engine.guided.part_of(prepared.mesh, faces), 1)
         return self._parts.get(key)
+
+
+@dataclass
+class _Mesh:
+    """The mesh of regions that stay, for `engine.pipeline.split`."""
+
+    prepared: Prepared
+
+    def opened(self):
+        return self.prepared.mesh
+
+
+class _Meshes:
+    """The cached meshes of a scan, for `engine.pipeline.split`."""
+
+    def __init__(self, session: Session, step: rcp.Partition, prepared: Prepared, watch: Watch, span: tuple):
+        self._session, self._watch, self._span = session, watch, span
+        self._opened, self._kept = Closing(**rcp.engine_options(step, rcp.CLEAN)), step.keep_openings
+        self.prepared = prepared
+
+    def opened(self):
+        return self._prepare(self._opened)
+
+    def closed(self, lengths):
+        return self._prepare(self._opened.up_to(lengths, self._kept))
+
+    def _prepare(self, closing: Closing):
+        found = self._session.prepare(self.prepared.scan, self._watch, *self._span, closing)
+        self.prepared = replace(found, layers=self.prepared.layers)
+        return found.mesh
 
 
 def _keys(scan: Scan, recipe: rcp.Recipe) -> list[tuple]:
@@ -376,10 +387,6 @@ def _guides(step: rcp.Partition, prepared: Prepared, before: Outcome | None):
         faces=prepared.faces.triangles_at(step.faces) if step.faces else None,
         before=before.partition if before is not None and (locked or step.faces) else None,
     )
-
-
-def _partition_guided(mesh, options, guides, part, job):
-    return engine.guided.partition_guided(mesh, options, job, guides, part)
 
 
 def _size(outcome: Outcome, prepared: Prepared) -> int:

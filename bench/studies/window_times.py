@@ -186,9 +186,8 @@ def run(hand):
     bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=200)
     yield 2
     for owner, name in (
-        (session.engine.guided, "partition_guided"),
-        (session.engine, "add_proxy"),
-        (session.engine, "delete_proxy"),
+        (session.engine.pipeline, "split"),
+        (session.engine.replay, "edited"),
     ):
         work.around(owner, name, "engine")
     for kind in (preview.Work, modal.Work):

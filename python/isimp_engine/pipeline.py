@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -31,7 +31,7 @@ from ._core import (
     regularise,
 )
 from .clutter import Clutter, clutter, without_clutter
-from .guided import partition_guided
+from .guided import Guides, Part, partition_guided
 from .guides import shared_edges
 from .marks import MARKS, Marks, guides_of, marks_of
 from .nearer import Nearer, nearer_by_bound
@@ -248,27 +248,17 @@ class Replay:
         self.clicks: dict[str, Any] | None = None  #: how faces of a recipe were found; None without any
 
     def partitioned(self, cleaned: Cleaned | None, settings: Settings | None = None) -> State:
-        """Repair and partition. Openings are closed for a guessed number of regions, and again where it is wrong."""
-        source, steps, settings = self._source, self._steps, settings or self._settings
-        options, keep, regions = settings.partition, settings.kept_places, settings.partition.proxies
-        while True:
-            lengths, closed = Lengths(), None
-            with steps("clean") as job:
-                cleaned = cleaned or clean_mesh(source, settings.clean, job, keep)
-                if _closes_openings(settings, source):
-                    with refused():
-                        lengths = _lengths(cleaned[0], settings, regions, job)
-                    if lengths:
-                        closed = CleanOptions(**settings.clean.as_dict() | lengths.options())
-                        cleaned = close_mesh(source, cleaned, closed, lengths, job, keep)
-            with steps("partition") as job, refused():
-                own = guides_of(self._marks, settings.angle, source, cleaned[0], job)
-                found = partition_guided(cleaned[0], options, job, own)
-            if lengths.hold_for(found.region_count):
-                return State(cleaned, closed, found, Made(options, own))
-            regions = found.region_count
-            cleaned = None
-            del own, found  # their memory is needed
+        """Repair and partition."""
+        settings = settings or self._settings
+        meshes = _Meshes(self._source, settings, self._steps, cleaned)
+
+        def guided(mesh: Mesh, job: Job) -> tuple[Guides, Part | None]:
+            return guides_of(self._marks, settings.angle, self._source, mesh, job), None
+
+        closes = _closes_openings(settings, self._source)
+        part, made = split(meshes, settings.partition, closes, self._steps, guided)
+        assert meshes.cleaned is not None  # opened by now
+        return State(meshes.cleaned, meshes.options, part, made)
 
     def replayed(self, recipe: rcp.Recipe, cleaned: Cleaned | None) -> State:
         """Do the steps of a recipe, with its faces at their places in this scan."""
@@ -366,9 +356,72 @@ def _closes_openings(settings: Settings, source: Source) -> bool:
     return not (settings.keep_openings or given or settings.partition.bound)
 
 
-def _lengths(mesh: Mesh, settings: Settings, regions: int | None, job: Job) -> Lengths:
+class Meshes(Protocol):
+    """The repaired mesh of a scan."""
+
+    def opened(self) -> Mesh:
+        """The mesh with its openings as they are."""
+
+    def closed(self, lengths: Lengths) -> Mesh:
+        """The mesh with its openings closed up to these lengths, in the place of the other one."""
+
+
+def split(
+    meshes: Meshes,
+    options: PartitionOptions,
+    closes: bool,
+    steps: Steps,
+    guided: Callable[[Mesh, Job], tuple[Guides, Part | None]],
+) -> tuple[Partition, Made]:
+    """The partition of a scan, for the command and the add-on.
+
+    Openings are closed for a guessed number of regions, and again where it is wrong.
+    closes: whether they are closed at all. guided: makes the guides of a mesh, and its part if that is known.
+    """
+    regions = options.proxies
+    while True:
+        lengths, mesh = Lengths(), meshes.opened()
+        if closes:
+            with steps("clean") as job, refused():
+                lengths = _lengths(mesh, options, regions, job)
+            if lengths:
+                mesh = meshes.closed(lengths)
+        with steps("partition") as job, refused():
+            own, part = guided(mesh, job)
+            found = partition_guided(mesh, options, job, own, part)
+        if lengths.hold_for(found.region_count):
+            return found, Made(options, own, part)
+        regions = found.region_count
+        del mesh, own, part, found  # their memory is needed
+
+
+class _Meshes:
+    """The meshes of a source; one of them is kept at a time, for its memory."""
+
+    def __init__(self, source: Source, settings: Settings, steps: Steps, cleaned: Cleaned | None) -> None:
+        self._source, self._settings, self._steps = source, settings, steps
+        self.cleaned = cleaned
+        self.options: CleanOptions | None = None  #: how openings were closed; None where none were
+
+    def opened(self) -> Mesh:
+        if self.options is not None:
+            self.cleaned = self.options = None
+        with self._steps("clean") as job:
+            keep = self._settings.kept_places
+            self.cleaned = self.cleaned or clean_mesh(self._source, self._settings.clean, job, keep)
+        return self.cleaned[0]
+
+    def closed(self, lengths: Lengths) -> Mesh:
+        assert self.cleaned is not None  # opened before
+        self.options = CleanOptions(**self._settings.clean.as_dict() | lengths.options())
+        with self._steps("clean") as job:
+            keep = self._settings.kept_places
+            self.cleaned = close_mesh(self._source, self.cleaned, self.options, lengths, job, keep)
+        return self.cleaned[0]
+
+
+def _lengths(mesh: Mesh, options: PartitionOptions, regions: int | None, job: Job) -> Lengths:
     """The lengths up to which openings are closed. regions: their number; None or 0: the partition finds it."""
-    options = settings.partition
     return lengths_for(mesh, options, regions or None, lambda: partition(mesh, options, job).region_count, job)
 
 

@@ -2,6 +2,7 @@
 
 import json
 
+import bmesh
 import bpy
 import pytest
 import scans
@@ -175,3 +176,32 @@ def test_an_exported_recipe_is_readable(edited, tmp_path):
     bpy.ops.isimp.recipe_export(filepath=str(tmp_path / "r.json"))
     values = json.loads((tmp_path / "r.json").read_text())
     assert [step["step"] for step in values["steps"]] == ["partition", "add_proxy", "delete_proxy"]
+
+
+def test_an_exported_recipe_acts_on_another_version_of_the_scan(edited, tmp_path):
+    bpy.ops.isimp.recipe_export(filepath=str(tmp_path / "r.json"))
+    values = json.loads((tmp_path / "r.json").read_text())
+    assert values["places"]["faces"] == [10, 70]
+    middle = list(edited.data.polygons[70].center)
+    assert values["places"]["points"][1] == pytest.approx(middle, abs=1e-5)
+    other = edited.copy()
+    other.data = edited.data.copy()
+    bpy.context.collection.objects.link(other)
+    bm = bmesh.new()
+    bm.from_mesh(other.data)
+    bmesh.ops.subdivide_edges(bm, edges=bm.edges, cuts=1, use_grid_fill=True)
+    bm.to_mesh(other.data)
+    bm.free()
+    for obj in bpy.context.selected_objects:
+        obj.select_set(False)
+    other.select_set(True)
+    bpy.context.view_layer.objects.active = other
+    assert bpy.ops.isimp.recipe_import(filepath=str(tmp_path / "r.json")) == {"FINISHED"}
+    done = store.load(other).steps
+    assert [type(step) for step in done] == [Partition, AddProxy, DeleteProxy]
+    assert (other.data.polygons[done[1].face].center - edited.data.polygons[70].center).length < 0.1
+    values["places"]["points"][1] = [9, 9, 9]
+    with pytest.raises(RuntimeError, match="1 step is off"):
+        bpy.ops.isimp.replay(recipe=json.dumps(values), strict=True)
+    assert bpy.ops.isimp.replay(recipe=json.dumps(values)) == {"FINISHED"}
+    assert [step.enabled for step in store.load(other).steps] == [True, False, True]
