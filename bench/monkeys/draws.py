@@ -292,7 +292,7 @@ def scaled(given: Any, factor: float) -> Any:
 # Edits
 
 PARTITION = "partition_guided"  #: an edit that makes other regions of some faces, or of all that are not locked
-ROUND_EDITS = ("with_segments", "explode_round")  #: refused elsewhere, so drawn often where there are round parts
+ROUND_EDITS = ("set_segments", "release_round")  #: refused elsewhere, so drawn often where there are round parts
 
 
 @dataclass(frozen=True)

@@ -285,7 +285,7 @@ PROMISES: dict[str, list[tuple[str, Callable[[Any], Any]]]] = {
     "unlock_regions": _SAME_LABELS,
     "leave_out_regions": _SAME_LABELS,
     "align_planes": _SAME_LABELS,
-    "explode_round": _SAME_LABELS,
+    "release_round": _SAME_LABELS,
 }
 CHANGE_LOCKED = {"unlock_regions", "paint_faces"}  # painted faces become part of a locked region
 

@@ -46,7 +46,7 @@ faces: (n,) integers, faces of the mesh. kind: 'cylinder', 'cone', 'sphere', 're
 simplest that fits nearly as well as the best. All other regions stay. Raises InvalidInput (no face, one out of range, a locked region, faces
 that determine no round surface) or Cancelled. Cost: O(F).)");
   m.def(
-      "with_segments",
+      "set_segments",
       [](const KeptMesh& mesh, const Partition& part, std::int32_t face, std::int32_t segments, std::int32_t rings,
          Job* job) { return call(job, [&](Job& j) { return with_segments(mesh, part, face, segments, rings, j); }); },
       "mesh"_a, "part"_a, "face"_a, "segments"_a, "rings"_a = 0, "job"_a = py::none(),
@@ -57,7 +57,7 @@ rings: in [0, 64]; 0: as many as keep about the number of cells; an extrusion ha
 All other regions stay. Raises InvalidInput (a face in no patch, a number out of range, a locked cell) or Cancelled.
 Cost: O(F).)");
   m.def(
-      "explode_round",
+      "release_round",
       [](const KeptMesh& mesh, const Partition& part, std::int32_t face, Job* job) {
         return call_here(job, [&](Job& j) { return explode_round(mesh, part, face, j); });
       },
@@ -66,7 +66,7 @@ Cost: O(F).)");
 
 Raises InvalidInput (a face in no patch, a locked cell) or Cancelled.)");
   m.def(
-      "patch_of",
+      "round_part_at",
       [](const KeptMesh& mesh, const Partition& part, std::int32_t face) -> std::optional<std::int32_t> {
         const std::int32_t patch = patch_of(mesh, part, face);
         return patch == kNone ? std::nullopt : std::optional(patch);

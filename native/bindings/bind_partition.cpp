@@ -276,7 +276,7 @@ Raises InvalidInput (an option out of its range, a weight or barrier that can't 
 Cost: method 'hierarchy' O(F), the others O(iterations * F).
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
   m.def(
-      "separated_faces",
+      "barrier_faces",
       [](const KeptMesh& mesh, const Partition& part) { return owned(separated_faces(Surface(mesh, part.guided))); },
       "mesh"_a, "part"_a,
       R"((K, 2) int32: faces of the mesh whose common edge is a barrier of the partition.

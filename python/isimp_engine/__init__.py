@@ -2,6 +2,9 @@
 
 from . import _process as _process  # isort: skip  (before all that takes long to load)
 
+import warnings  # isort: skip
+from typing import TYPE_CHECKING  # isort: skip
+
 from . import _carried as _carried  # isort: skip  (before the module whose lack it explains)
 
 from . import clutter as clutter
@@ -32,6 +35,7 @@ from ._core import (
     align_planes,
     all_statistics,
     backends,
+    barrier_faces,
     clean,
     close_openings,
     delete_least,
@@ -39,7 +43,6 @@ from ._core import (
     erase_faces,
     even_borders,
     expected_polygons,
-    explode_round,
     grow_region,
     improve,
     leave_out_regions,
@@ -53,19 +56,19 @@ from ._core import (
     paint_faces,
     partition,
     partition_from,
-    patch_of,
     polygonize,
     region_fits,
     region_sides,
     region_statistics,
     regularise,
-    separated_faces,
+    release_round,
+    round_part_at,
+    set_segments,
     shrink_region,
     split_along,
     split_region,
     triangulate,
     unlock_regions,
-    with_segments,
 )
 from .exporting import write
 from .pipeline import Result, simplify
@@ -105,6 +108,7 @@ __all__ = [
     "align_planes",
     "all_statistics",
     "backends",
+    "barrier_faces",
     "clean",
     "close_openings",
     "corner_sources",
@@ -113,7 +117,6 @@ __all__ = [
     "erase_faces",
     "even_borders",
     "expected_polygons",
-    "explode_round",
     "grow_region",
     "improve",
     "leave_out_regions",
@@ -127,7 +130,6 @@ __all__ = [
     "paint_faces",
     "partition",
     "partition_from",
-    "patch_of",
     "polygonize",
     "read",
     "read_polygons",
@@ -136,7 +138,9 @@ __all__ = [
     "region_sides",
     "region_statistics",
     "regularise",
-    "separated_faces",
+    "release_round",
+    "round_part_at",
+    "set_segments",
     "shrink_region",
     "simplify",
     "split_along",
@@ -145,10 +149,25 @@ __all__ = [
     "triangulate",
     "unlock_regions",
     "uv_islands",
-    "with_segments",
     "write",
     "write_textured",
 ]
+
+if not TYPE_CHECKING:  # else every name would be one for type checkers
+    _RENAMED = {
+        "explode_round": "release_round",
+        "patch_of": "round_part_at",
+        "separated_faces": "barrier_faces",
+        "with_segments": "set_segments",
+    }
+
+    def __getattr__(name: str) -> object:
+        """The functions by their names of earlier versions."""
+        if name not in _RENAMED:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        warnings.warn(f"{__name__}.{name} is now {_RENAMED[name]}", DeprecationWarning, stacklevel=2)
+        return globals()[_RENAMED[name]]
+
 
 for _name in __all__:
     if isinstance(_thing := globals()[_name], type) and _thing.__module__.endswith("._core"):

@@ -87,7 +87,7 @@ def _smooth(step: rcp.SmoothFaces, faces: Faces, part: Partition, job: Job | Non
     inside = np.zeros(count, bool)
     inside[list(step.faces)] = True
     inside &= faces.face_triangle >= 0
-    joined = faces.joined(_core.separated_faces(mesh, part))
+    joined = faces.joined(_core.barrier_faces(mesh, part))
     pairs = faces.pairs[joined]
     fixed, first = np.array(part.region_locked, bool), int(label[step.faces[0]])
     locked = first >= 0 and bool(fixed[first])
@@ -181,8 +181,8 @@ EDITS: dict[str, Edit] = {
     "improve": _everywhere(_core.improve),
     "even_borders": _everywhere(_core.even_borders, "strength"),
     "round": _round,
-    "segments": _at_face(_core.with_segments, "segments", "rings"),
-    "explode": _at_face(_core.explode_round),
+    "segments": _at_face(_core.set_segments, "segments", "rings"),
+    "explode": _at_face(_core.release_round),
     "regularise": _regularise,
     "align": _align,
 }

@@ -167,7 +167,7 @@ def test_polygons_alone_are_a_solid_of_planes(tmp_path: Path, read: Any) -> None
 
 def test_bent_polygons_become_triangles_of_a_valid_solid(tmp_path: Path, read: Any) -> None:
     mesh, part, _ = scanned("vase")
-    poly = engine.polygonize(mesh, engine.explode_round(mesh, part, int(np.flatnonzero(part.face_region == 0)[0])))
+    poly = engine.polygonize(mesh, engine.release_round(mesh, part, int(np.flatnonzero(part.face_region == 0)[0])))
     told = engine.write(tmp_path / "a.step", poly)
     assert told["triangulated"] > 0
     found = read(tmp_path / "a.step")

@@ -128,19 +128,19 @@ def test_an_oval_can_is_an_extrusion():
     assert far < far_before
     again = copy.deepcopy(part)
     face = int(part.region_seed[found.regions[0]])
-    ten = engine.with_segments(mesh, again, face, 10).curved[0]
+    ten = engine.set_segments(mesh, again, face, 10).curved[0]
     assert (ten.kind, ten.segments, len(ten.regions)) == ("extrusion", 10, 10)
     with pytest.raises(engine.InvalidInput, match=r"segments must be in \[3, 120\], got 121"):
-        engine.with_segments(mesh, part, face, 121)
+        engine.set_segments(mesh, part, face, 121)
     with pytest.raises(engine.InvalidInput, match=r"rings must be in \[0, 1\], got 2"):
-        engine.with_segments(mesh, part, face, 10, 2)
+        engine.set_segments(mesh, part, face, 10, 2)
     side = plain.region_seed[np.abs(plain.region_normal[:, 2]) < 0.5]
     assert engine.make_round(mesh, plain, side, "extrusion").curved[0].full
 
 
 def test_few_segments_are_planar_and_keep_the_volume(mesh, part):
     """The planes of six segments meet a tenth of the radius outside the scan."""
-    six = engine.with_segments(mesh, part, int(part.region_seed[part.curved[0].regions[0]]), 6)
+    six = engine.set_segments(mesh, part, int(part.region_seed[part.curved[0].regions[0]]), 6)
     for planar in (False, True):
         poly = engine.polygonize(mesh, six, engine.MeshingOptions(planar=planar))
         assert len(poly.loop_start) == 8
@@ -220,7 +220,7 @@ def test_a_pickle_keeps_round_parts(mesh, part):
     again = copy.deepcopy(part)  # by its pickle
     assert [dict(p) for p in again.curved] == [dict(p) for p in part.curved]
     face = int(part.region_seed[part.curved[0].regions[0]])
-    assert engine.with_segments(mesh, again, face, 9).curved[0].segments == 9
+    assert engine.set_segments(mesh, again, face, 9).curved[0].segments == 9
 
 
 CELL = np.dtype([("proxy", "i4"), ("ring", "i4"), ("segment", "i4")])
@@ -268,7 +268,7 @@ def damaged(state):
 
 
 def test_a_pickle_of_damaged_round_parts_gives_no_object(mesh, part):
-    state = engine.with_segments(mesh, part, int(part.region_seed[part.curved[0].regions[0]]), 8, 2).__getstate__()
+    state = engine.set_segments(mesh, part, int(part.region_seed[part.curved[0].regions[0]]), 8, 2).__getstate__()
     part.__new__(type(part)).__setstate__(state)
     for _, damage in damaged(state):
         with pytest.raises(engine.InvalidInput, match="pickle is damaged"):
@@ -277,18 +277,18 @@ def test_a_pickle_of_damaged_round_parts_gives_no_object(mesh, part):
 
 def test_segments_and_explode(mesh, part):
     face = int(part.region_seed[part.curved[0].regions[0]])
-    assert engine.patch_of(mesh, part, face) == 0
-    nine = engine.with_segments(mesh, part, face, 9)
+    assert engine.round_part_at(mesh, part, face) == 0
+    nine = engine.set_segments(mesh, part, face, 9)
     assert nine.region_count == 11
     assert len(nine.curved[0].regions) == 9
-    loose = engine.explode_round(mesh, nine, face)
+    loose = engine.release_round(mesh, nine, face)
     assert loose.curved == []
     assert np.array_equal(loose.face_region, nine.face_region)
-    assert engine.patch_of(mesh, loose, face) is None
+    assert engine.round_part_at(mesh, loose, face) is None
     with pytest.raises(engine.InvalidInput, match=f"face {face} is in no round part"):
-        engine.with_segments(mesh, loose, face, 9)
+        engine.set_segments(mesh, loose, face, 9)
     with pytest.raises(engine.InvalidInput, match=r"segments must be in \[3, 256\], got 2"):
-        engine.with_segments(mesh, part, face, 2)
+        engine.set_segments(mesh, part, face, 2)
 
 
 def test_regions_are_made_round(mesh):
@@ -314,7 +314,7 @@ def test_round_parts_give_no_faces_to_locked_regions(kind, seed, edit):
     round_part = engine.make_round(ring, kept, part.region_seed[chosen], kind)
     face = int(round_part.region_seed[round_part.curved[0].regions[0]])
     most = 256 if kind != "extrusion" else 120
-    for after in (round_part, *(engine.with_segments(ring, round_part, face, n) for n in (8, 16, most))):
+    for after in (round_part, *(engine.set_segments(ring, round_part, face, n) for n in (8, 16, most))):
         now = [np.unique(after.face_region[part.face_region == region]) for region in others]
         assert all(len(each) == 1 for each in now)
         for region, (own,) in zip(others, now, strict=True):
@@ -329,7 +329,7 @@ def test_faces_at_one_height_of_a_sphere_are_one_ring(count):
     octahedron = engine.Mesh(np.array(corners, float), np.array(upper + [[b, a, 5] for a, b, _ in upper], np.int32))
     part = engine.partition(octahedron, engine.PartitionOptions(proxies=8, noise=0))
     round_part = engine.make_round(octahedron, part, np.arange(count, dtype=np.int32), "sphere")
-    for after in (round_part, engine.with_segments(octahedron, round_part, 0, 2, 3)):
+    for after in (round_part, engine.set_segments(octahedron, round_part, 0, 2, 3)):
         assert after.curved[0].rings == 1
         assert np.allclose(np.linalg.norm(after.region_normal, axis=1), 1)
         assert np.isfinite(after.region_offset).all()

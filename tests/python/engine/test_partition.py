@@ -274,12 +274,12 @@ def test_no_region_crosses_a_barrier(method):
     assert part.region_count == 2
     more = engine.add_proxy(mesh, part, int(np.flatnonzero(left)[0]))
     assert not set(more.face_region[left]) & set(more.face_region[~left])
-    apart = engine.separated_faces(mesh, more)
+    apart = engine.barrier_faces(mesh, more)
     assert apart.shape == (len(barriers), 2)
     assert (left[apart].sum(axis=1) == 1).all()
     shared = [set(triangles[a]) & set(triangles[b]) for a, b in apart]
     assert {frozenset(pair) for pair in barriers} == set(map(frozenset, shared))
-    assert engine.separated_faces(mesh, engine.partition(mesh, options(proxies=2))).shape == (0, 2)
+    assert engine.barrier_faces(mesh, engine.partition(mesh, options(proxies=2))).shape == (0, 2)
 
 
 def test_kept_data_of_a_mesh_is_separate_for_each_guides(sheet):

@@ -53,8 +53,8 @@ def test_planes_beside_round_parts_go_through_their_regions(offset) -> None:
     assert farthest(mesh, part) < 0.2
     cell = int(np.flatnonzero(np.isin(part.face_region, part.curved[0].regions))[0])
     for changed in (
-        engine.explode_round(mesh, part, cell),
-        engine.with_segments(mesh, part, cell, 12),
+        engine.release_round(mesh, part, cell),
+        engine.set_segments(mesh, part, cell, 12),
         engine.add_proxy(mesh, part, cell),
         engine.regularise(mesh, part),
     ):

@@ -51,3 +51,20 @@ def test_a_function_of_the_stub_has_the_parameters_of_the_real_one(node):
 def test_files_made_from_the_table_of_options_are_up_to_date(generate):
     assert generate.with_classes(generate.STUB.read_text()) == generate.STUB.read_text(), "run scripts/generate.py"
     assert generate.data() == generate.DATA.read_text(), "run scripts/generate.py"
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("explode_round", "release_round"),
+        ("with_segments", "set_segments"),
+        ("patch_of", "round_part_at"),
+        ("separated_faces", "barrier_faces"),
+    ],
+)
+def test_earlier_names_work_and_name_the_new_ones(old, new):
+    with pytest.warns(DeprecationWarning, match=f"{old} is now {new}"):
+        assert getattr(engine, old) is getattr(engine, new)
+    assert old not in engine.__all__
+    with pytest.raises(AttributeError, match="no attribute 'no_such_name'"):
+        engine.no_such_name  # noqa: B018
