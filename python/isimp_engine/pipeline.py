@@ -246,6 +246,7 @@ class Replay:
     def __init__(self, source: Source, settings: Settings, steps: Steps, marks: Marks) -> None:
         self._source, self._settings, self._steps, self._marks = source, settings, steps, marks
         self.clicks: dict[str, Any] | None = None  #: how faces of a recipe were found; None without any
+        self._known: Faces | None = None  #: of the last mesh
 
     def partitioned(self, cleaned: Cleaned | None, settings: Settings | None = None) -> State:
         """Repair and partition."""
@@ -303,22 +304,16 @@ class Replay:
                 return self.partitioned(cleaned if state is None else None, settings)
             return self._parted(step, settings, state)
         assert state is not None
-        faces = self._faces(state)
-        with self._steps("partition") as job:
-            try:
-                part = edited(rcp.KINDS[type(step)], step, faces, state.partition, job)
-            except InvalidInput as error:
-                raise OptionError(faces.named(str(error))) from None
-            except ValueError as error:
-                raise OptionError(str(error)) from None
+        with self._steps("partition") as job, self._faces(state) as faces:
+            part = edited(rcp.KINDS[type(step)], step, faces, state.partition, job)
         return replace(state, partition=part, made=None)
 
     def _parted(self, step: rcp.Partition, settings: Settings, state: State) -> State:
         """The state after a partition that keeps some regions, on the same mesh."""
         mesh, marks = state.cleaned[0], replace(self._marks, part=None, base=None)
-        with self._steps("partition") as job, refused():
+        with self._steps("partition") as job, self._faces(state) as faces:
             own = guides_of(marks, settings.angle, self._source, mesh, job)
-            chosen = self._faces(state).triangles_at(step.faces) if step.faces else None
+            chosen = faces.triangles_at(step.faces) if step.faces else None
             own = replace(own, faces=chosen, before=state.partition)
             part = partition_guided(mesh, settings.partition, job, own)
         return replace(state, partition=part, made=Made(settings.partition, own))
@@ -337,15 +332,24 @@ class Replay:
             angle=step.angle if step.angle < 180 else None,
         )
 
-    def _faces(self, state: State) -> Faces:
+    @contextmanager
+    def _faces(self, state: State) -> Iterator[Faces]:
+        """The faces of the scan for a step; an error becomes one of the options, with the numbers of these faces."""
+        mesh, surface = state.cleaned[0], self._source.surface
+        if self._known is None or self._known.mesh is not mesh:
+            self._known = Faces(mesh, self._source.polygon, surface.count, surface.vertices, self._edges)
+        try:
+            yield self._known
+        except InvalidInput as error:
+            raise OptionError(self._known.named(str(error))) from None
+        except ValueError as error:  # it names faces of the scan
+            raise OptionError(str(error)) from None
+
+    def _edges(self) -> tuple[NDArray[Any], NDArray[Any]]:
         surface = self._source.surface
-
-        def edges() -> tuple[NDArray[Any], NDArray[Any]]:
-            pairs, ends = face_edges(shared_edges(surface.triangles), surface.face)
-            known = (pairs >= 0).all(axis=1)
-            return pairs[known], ends[known]
-
-        return Faces(state.cleaned[0], self._source.polygon, surface.count, surface.vertices, edges)
+        pairs, ends = face_edges(shared_edges(surface.triangles), surface.face)
+        known = (pairs >= 0).all(axis=1)
+        return pairs[known], ends[known]
 
 
 def _closes_openings(settings: Settings, source: Source) -> bool:

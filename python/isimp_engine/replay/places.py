@@ -92,7 +92,7 @@ def placed(recipe: Any, surface: Surface) -> tuple[Any, list[int]]:
     steps, lost = list(recipe.steps), []
     for index, step in enumerate(recipe.steps):
         found = rcp.moved(step, to.covered if step.is_stroke else to.nearest)
-        if found is None:
+        if found is None and step.enabled:
             lost.append(index)
         steps[index] = found or dataclasses.replace(step, enabled=False)
     if not to.finds_any() and _is_same_scan(recipe.places, surface):

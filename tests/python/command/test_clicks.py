@@ -188,6 +188,27 @@ def test_a_click_without_a_face_is_named_and_left_out(tmp_path, capsys):
         engine.simplify(tmp_path / "scan.ply", recipe=values, strict=True)
 
 
+def test_a_click_that_can_not_be_done_is_named_and_left_out():
+    """Face 1 has no area, so the repair drops it; the last step names a face that the scan lacks."""
+    vertices, triangles = shapes.bumpy(12)
+    triangles[1] = triangles[0][[0, 0, 1]]
+    steps = [
+        rcp.Partition(proxies=9),
+        rcp.AddProxy(face=1),
+        rcp.Partition(proxies=3, faces=(1,)),
+        rcp.AddProxy(face=999),
+    ]
+    values = rcp.Recipe((*steps, rcp.AddProxy(face=40), rcp.AddProxy(face=1, enabled=False))).to_values()
+    made = engine.simplify((vertices, triangles), recipe=values)
+    assert made.partition.region_count == 10
+    lost = made.report["clicks"]["lost"]
+    assert [each["step"] for each in lost] == [2, 3, 4]
+    assert "face 1 was left out by the repair" in lost[0]["why"]
+    assert "there is no face 999" in lost[2]["why"]
+    with pytest.raises(engine.InvalidInput, match="step 2: face 1 was left out"):
+        engine.simplify((vertices, triangles), recipe=values, strict=True)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
