@@ -50,7 +50,7 @@ PRESETS = (
         "Building",
         "One building or room: large planes with straight edges and noise; planes become regular",
         rcp.Partition(count_by="detail", detail=0.0025, adaptivity=0.0, sharp_edges=0.0, curved=True),
-        rcp.Mesh(flatten=60, planar=True, planar_most=0.1),
+        rcp.Mesh(planar=True, planar_most=0.1),
         rcp.Regularise(),
     ),
     Preset(
@@ -58,14 +58,14 @@ PRESETS = (
         "City Tile",
         "Roofs, walls and ground from the air: few large triangles, many small loose parts",
         rcp.Partition(count_by="detail", detail=0.0025, noise=0.0, adaptivity=0.0, leave_out=0.0005),
-        rcp.Mesh(flatten=60),
+        rcp.Mesh(),
     ),
     Preset(
         "cad",
         "CAD",
         "Machine parts, drawn or scanned: planes, cylinders and other round parts. Drawn ones keep finer features",
         rcp.Partition(count_by="detail", detail=0.00125, adaptivity=0.0, leave_out=0.0, curved=True),
-        rcp.Mesh(flatten=60),
+        rcp.Mesh(),
         scanned_detail=0.005,
     ),
     Preset(
@@ -73,14 +73,14 @@ PRESETS = (
         "Generated Mesh",
         "Meshes cut on a grid, such as those made from pictures or texts: stair steps are smoothed, edges are sharp",
         rcp.Partition(count_by="detail", detail=0.005, snap=False, adaptivity=0.0, sharp_edges=0.0),
-        rcp.Mesh(flatten=60),
+        rcp.Mesh(),
     ),
     Preset(
         "low_poly",
         "Low Poly",
         "Few large facets of similar size",
         rcp.Partition(count_by="detail", detail=0.01, snap=False, adaptivity=0.0),
-        rcp.Mesh(flatten=60),
+        rcp.Mesh(),
         card=False,  # a style, not a kind of scan
     ),
 )

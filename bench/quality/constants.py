@@ -1,6 +1,6 @@
 """Prints the effect of half and twice each tuned constant of the engine, as the tables of docs/constants.md.
 
-    python -m bench.quality.constants [--data DIR] [--only kRelax,kTruncate] [--folder DIR] [--jobs N] [--json OUT.json]
+    python -m bench.quality.constants [--data DIR] [--only kNu,kOfEdge] [--folder DIR] [--jobs N] [--json OUT.json]
     python -m bench.quality.constants --tables OUT.json [--no-times]
 
 Needs the tools that build the Python module, and pybind11 in this Python. The tree is copied into --folder
@@ -50,7 +50,7 @@ OPTIONS = {
 UNKNOWN = "own trials, not recorded"
 SHAPES = "own trials for short borders and convex polygons, trials.md"
 ENERGY = "13 scans at 30, 100, 300 regions and by detail, trials.md"
-SHORT = "own trials, distance against corners of three scans"
+PLACES = "own trials of one energy of places (bench/quality/fit.py), trials.md"
 REAL = "open buildings, cartons, chunks (bench/quality/real.py)"
 HOUSES = "30 drawn houses (bench/quality/real.py --houses), known shapes"
 FOUND = "own trials, numbers of regions of shapes that have a known one"
@@ -155,8 +155,8 @@ TUNED = (
     Tuned("meshing", "chord_area", "area that chords leave out or add",
           "corners of the castle against mean distance (8ffc6be)"),
     Tuned("meshing", "join_junctions", "length of chords whose ends may become one", SHAPES),
-    Tuned("meshing", "reach", "how far a corner may go", UNKNOWN),
-    Tuned("meshing", "flatten", "rounds of flattening", UNKNOWN),
+    Tuned("meshing", "reach", "how far a corner may go", PLACES),
+    Tuned("meshing", "flatten", "rounds of placing corners", PLACES),
     Tuned("meshing", "flatness", "bend beyond which a polygon is split", UNKNOWN),
     Tuned(MESHING + "complex/state.cpp", "tolerance, most", "chords of few regions, of the diagonal", UNKNOWN,
           "t.most = std::min(tolerance, "),
@@ -167,14 +167,9 @@ TUNED = (
     Tuned(MESHING + "complex/complex.cpp", "kOfThree", "the same, of one between three junctions", "the same"),
     Tuned(MESHING + "discs/polyline.cpp", "farthest", "points that are nearly farthest, of the square distance",
           UNKNOWN, "squared_distance(line[i], a, b) < ", ("0.9", "0.99")),
-    Tuned(MESHING + "complex/placement.cpp", "kTruncate", "eigenvalue below which planes fix no point, of the largest",
-          "Kobbelt et al. 2001; the value: own trials, not recorded"),
-    Tuned(MESHING + "complex/flat_fit.h", "kRelax", "over-relaxation; from 2 on it does not settle",
-          "polygons a region and corners of all scans (6561109)", values=("0.85", "1.95")),
     Tuned(MESHING + "complex/flat_fit.h", "kOfEdge", "way of a corner, of its shortest edge", SHAPES),
-    Tuned(MESHING + "complex/flat_fit.cpp", "kOfSpread", "weight of the faces in a polygon's plane",
-          SHORT + " (8ffc6be)"),
-    Tuned(MESHING + "complex/flat_fit.cpp", "kOfPlane", "shift towards the region's plane", SHORT + " (8ffc6be)"),
+    Tuned(MESHING + "complex/flat_fit.h", "bend", "weight of corners off their plane, of that of the chart", PLACES),
+    Tuned(MESHING + "complex/flat_fit.h", "tie", "weight of corners off their vertices, of the same", PLACES),
     Tuned(MESHING + "judge/judge.h", "kFacingChart", "cosine up to which a polygon is flipped", UNKNOWN),
     Tuned(MESHING + "repair/repair.cpp", "kPull", "share of a corner's distance from its vertex that a pull leaves",
           UNKNOWN, values=("0.25", "0.75")),

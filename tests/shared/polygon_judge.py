@@ -448,7 +448,7 @@ def look_at_polygons(poly, scan, loops, position, flatness, outlined, v):
     return np.array(owner)
 
 
-def judge(poly, mesh, part, flatness=0.0, reach=0.01, outlined=False):
+def judge(poly, mesh, part, flatness=0.0, reach=0.02, outlined=False):
     """A Verdict on the polygons of a partition; `flatness` and `reach` as shares of the diagonal, 0 for no bound.
 
     `outlined`: the regions and vertices that polygons stand for are known, so that their outlines decide which are

@@ -18,9 +18,9 @@ class MeshingFields(Step):
     chord_tolerance: float = 0.35
     chord_area: float = 0.53
     join_junctions: float = 0.8
-    reach: float = 0.01
+    reach: float = 0.02
     straight_rims: float = -1.0
-    flatten: int = 30
+    flatten: int = 15
     flatness_from: int = 100
     flatness: float = 0.005
     repair_budget: float = 4.0

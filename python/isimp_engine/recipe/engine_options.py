@@ -58,7 +58,7 @@ MESHING: dict[str, Option] = {
     ),
     "reach": Option(
         kind="float",
-        default=0.01,
+        default=0.02,
         words="in [0, 1]",
         least=0.0,
         most=1.0,
@@ -75,12 +75,12 @@ MESHING: dict[str, Option] = {
     ),
     "flatten": Option(
         kind="int",
-        default=30,
+        default=15,
         words="in [0, 10000]",
         least=0.0,
         most=10000.0,
         label="Flatten",
-        tip="Rounds of moving corners to make polygons planar. 0: corners keep their first positions",
+        tip="Rounds of moving corners to bring polygons near the scan and make them planar. 0: corners stay at vertices of the scan",
         high=200.0,
     ),
     "flatness_from": Option(

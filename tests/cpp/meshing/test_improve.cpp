@@ -95,7 +95,7 @@ TEST_F(Improved, CornersThatWerePutBackFindTheirPlacesAgain) {
       corners.push_back(c);
   }
   ASSERT_GT(corners.size(), 20U);
-  const std::vector<Vec3> targets = state_.better_places(corners);
+  const std::vector<Vec3> targets = state_.better_places(corners, true);
   const auto distance = [&] {
     double sum = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) sum += (state_.corners.position[corners[i]] - targets[i]).norm();

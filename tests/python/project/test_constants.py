@@ -29,11 +29,11 @@ def test_the_table_has_no_other():
 
 
 def test_a_changed_value_is_found_and_a_missing_name_is_refused(tmp_path):
-    tuned = next(t for t in constants.TUNED if t.name == "kRelax")
+    tuned = next(t for t in constants.TUNED if t.name == "kNu")
     file = tmp_path / tuned.path
     file.parent.mkdir(parents=True)
-    file.write_text("constexpr double kRelax = 0.25;  // kRelax of a turn\n")
+    file.write_text("constexpr double kNu = 0.25;  // kNu of a turn\n")
     assert tuned.value(tmp_path) == "0.25"
     file.write_text("constexpr double kOther = 0.25;\n")
-    with pytest.raises(SystemExit, match="kRelax occurs 0 times"):
+    with pytest.raises(SystemExit, match="kNu occurs 0 times"):
         tuned.value(tmp_path)

@@ -14,9 +14,9 @@ struct MeshingOptions {
   double chord_tolerance = 0.35;
   double chord_area = 0.53;
   double join_junctions = 0.8;
-  double reach = 0.01;
+  double reach = 0.02;
   std::optional<double> straight_rims = std::nullopt;
-  std::int32_t flatten = 30;
+  std::int32_t flatten = 15;
   std::int32_t flatness_from = 100;
   double flatness = 0.005;
   double repair_budget = 4;
@@ -56,8 +56,10 @@ constexpr auto fields(const MeshingOptions*) {
                  "follow the border. Below 0: twice the raggedness, where the border is ragged",
                  {.high = 1}),
       field("flatten", &O::flatten, between(0, 10000), Unit::none,
-            "Rounds of fitting planes and moving corners. 0 keeps the first positions.")
-          .shown("Flatten", "Rounds of moving corners to make polygons planar. 0: corners keep their first positions",
+            "Rounds of fitting planes and moving corners. 0: corners stay at vertices of the scan.")
+          .shown("Flatten",
+                 "Rounds of moving corners to bring polygons near the scan and make them planar. 0: corners "
+                 "stay at vertices of the scan",
                  {.high = 200}),
       field("flatness_from", &O::flatness_from, any(), Unit::none,
             "Number of regions from which the limit is flatness itself. With fewer regions it is flatness * "

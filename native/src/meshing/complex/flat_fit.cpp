@@ -66,39 +66,35 @@ bool Fit::find_normal(const Spread& k, const Vec3& of_chart) {
   return std::abs(same) >= 0.3;
 }
 
-void Fit::to(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane) {
+void Fit::to(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane, double bend) {
   if (plane.held) {
     normal = plane.normal;
     centre = plane.centre;
     return;
   }
-  constexpr double kOfSpread = 0.05;  // weight of the chart's own spread, relative to that of the corners
-  constexpr double kOfPlane = 0.1;    // how far towards the plane of the chart that of the corners is shifted
   const double share = 1 / static_cast<double>(polygon.size());
-  centre = Vec3::Zero();
-  for (const std::int32_t c : polygon) centre += position[c];
-  centre *= share;
-  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-  for (const std::int32_t c : polygon) {
-    const Vec3 d = position[c] - centre;
-    xx += d[0] * d[0];
-    xy += d[0] * d[1];
-    xz += d[0] * d[2];
-    yy += d[1] * d[1];
-    yz += d[1] * d[2];
-    zz += d[2] * d[2];
-  }
-  const double trace = (xx + yy + zz) * share + kOfSpread * plane.spread.trace();
-  const double a = share / trace, b = kOfSpread / trace;
+  Vec3 middle = Vec3::Zero();
+  for (const std::int32_t c : polygon) middle += position[c];
+  middle *= share;
+  // The spread of the corners, of the chart, and of their two middles about the middle of both.
+  const double of_corner = bend * share, of_middles = bend / (1 + bend);
+  const Vec3 between = plane.centre - middle;
   const auto& s = plane.spread;
-  fixed = xx + yy + zz > 0 && find_normal({a * xx + b * s(0, 0), a * xy + b * s(0, 1), a * xz + b * s(0, 2),
-                                           a * yy + b * s(1, 1), a * yz + b * s(1, 2), a * zz + b * s(2, 2)},
-                                          plane.normal);
-  if (!fixed) {
-    normal = plane.normal;
-    return;
-  }
-  centre += kOfPlane * normal.dot(plane.centre - centre) * normal;
+  double xx = s(0, 0), xy = s(0, 1), xz = s(0, 2), yy = s(1, 1), yz = s(1, 2), zz = s(2, 2);
+  const auto add = [&](const Vec3& d, double weight) {
+    xx += weight * d[0] * d[0];
+    xy += weight * d[0] * d[1];
+    xz += weight * d[0] * d[2];
+    yy += weight * d[1] * d[1];
+    yz += weight * d[1] * d[2];
+    zz += weight * d[2] * d[2];
+  };
+  for (const std::int32_t c : polygon) add(position[c] - middle, of_corner);
+  add(between, of_middles);
+  const double a = 1 / (xx + yy + zz);
+  fixed = std::isfinite(a) && find_normal({a * xx, a * xy, a * xz, a * yy, a * yz, a * zz}, plane.normal);
+  if (!fixed) normal = plane.normal;
+  centre = (bend * middle + plane.centre) / (1 + bend);
 }
 
 }  // namespace isimp::meshing

@@ -9,8 +9,13 @@
 
 namespace isimp::meshing {
 
-/// Over-relaxation: a corner moves by this times the step to the mean of its projections; from 2 on it would diverge.
-constexpr double kRelax = 1.7;
+/// The weights of the energy of places (placement.h). The mean square distance of a chart from the plane of its polygon
+/// weighs 1.
+struct PlaceWeights {
+  double bend = 5;    ///< mean square distance of the polygon's corners from its plane
+  double tie = 0.06;  ///< square distance of a corner from its place at the start
+};
+
 /// A corner may move by this times the length of its shortest edge.
 constexpr double kOfEdge = 1.5;
 
@@ -21,13 +26,14 @@ inline Vec3 within(const Vec3& p, const Vec3& home, double radius) {
   return length > radius ? Vec3(home + d * (radius / length)) : p;
 }
 
-/// A plane fitted to the corners of a polygon, held near that of the chart: flat polygons could else settle anywhere,
-/// and polygons on a bulge would drift inwards. If the corners do not fix a plane, the fit is the plane of the chart.
+/// The plane of a polygon of least energy for given places of its corners: near both these and its chart. A held plane
+/// is given. If corners and chart fix no plane, it is that of the chart.
 struct Fit {
   Vec3 normal, centre;
   bool fixed = false;
 
-  void to(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane);
+  /// \param bend  weight of the corners
+  void to(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane, double bend);
 
  private:
   struct Spread;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "complex/flat_fit.h"
@@ -13,7 +12,8 @@
 namespace isimp::meshing {
 namespace {
 
-/// Eigenvalues below this share of the largest do not fix a point.
+constexpr PlaceWeights kWeights;
+/// Held planes whose eigenvalues have a smaller share of the largest fix no place.
 constexpr double kTruncate = 0.2;
 /// Planes of cells whose eigenvalues have a smaller share are parallel.
 constexpr double kParallel = 1e-6;
@@ -23,43 +23,6 @@ constexpr double kOfShortest = 0.5, kMeets = 1e-6;
 constexpr std::int32_t kTogether = 64;  ///< corners that are placed
 constexpr std::int32_t kFitted = 192,
                        kMoved = 384;  ///< in a turn, polygons that are fitted and corners that are moved
-
-/// The step d, |d| <= radius, that best meets `a` d = `g` in the directions that `a` fixes.
-Vec3 trusted_step(const Eigen::Matrix3d& a, const Vec3& g, double radius) {
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(a);
-  const Vec3 lambda = solver.eigenvalues();
-  const Vec3 along = solver.eigenvectors().transpose() * g;
-  const auto step = [&](double damping) {
-    Vec3 d = Vec3::Zero();
-    for (int i = 0; i < 3; ++i)
-      if (lambda[i] > kTruncate * lambda[2]) d += along[i] / (lambda[i] + damping) * solver.eigenvectors().col(i);
-    return d;
-  };
-  Vec3 free = step(0);
-  if (free.norm() <= radius) return free;
-  double low = 0, high = lambda[2] * 1e3;
-  for (int i = 0; i < 40; ++i) {
-    const double middle = (low + high) / 2;
-    (step(middle).norm() > radius ? low : high) = middle;
-  }
-  const Vec3 damped = step(high);
-  return damped.norm() <= radius ? damped : Vec3(damped * (radius / damped.norm()));
-}
-
-/// The step of a corner from a place to where the planes at the corner meet, at most `radius` long.
-/// \param held_only  only held planes count
-Vec3 step_to(std::span<const Plane> planes, const Polygons& polygons, std::int32_t corner, const Vec3& from,
-             double radius, bool held_only) {
-  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
-  Vec3 g = Vec3::Zero();
-  for (const std::int32_t q : polygons.at(corner)) {
-    const Plane& p = planes[polygons.chart(q)];
-    if (held_only && !p.held) continue;
-    a += p.normal * p.normal.transpose();
-    g += p.normal * p.normal.dot(p.centre - from);
-  }
-  return trusted_step(a, g, radius);
-}
 
 /// The shortest edge at a corner.
 /// \param place  returns the place of a corner
@@ -75,34 +38,41 @@ double shortest_edge(const Polygons& polygons, std::int32_t corner, Place place)
   return shortest;
 }
 
-/// The nearest point where all held planes of a corner meet, if each is the plane of a cell of a round part: such planes
-/// meet by symmetry, also at small angles. No value if they do not meet, or further off than the edges allow.
-std::optional<Vec3> meeting_of_cells(std::span<const Plane> planes, const Polygons& polygons, std::int32_t corner,
-                                     const Corners& corners) {
-  if (corners.radius[corner] == 0) return std::nullopt;
+/// Whether all held planes of a corner meet, not further off than the edges allow, and each is the plane of a cell of a
+/// round part: such planes meet by symmetry, also at small angles.
+bool do_cells_meet(std::span<const Plane> planes, const Polygons& polygons, std::int32_t corner,
+                   const Corners& corners) {
   const Vec3& from = corners.position[corner];
   std::vector<const Plane*> held;
   for (const std::int32_t q : polygons.at(corner)) {
     const Plane& p = planes[polygons.chart(q)];
     if (!p.held) continue;
-    if (!p.round) return std::nullopt;
+    if (!p.round) return false;
     held.push_back(&p);
   }
-  if (held.size() < 2) return std::nullopt;
+  if (held.size() < 2) return false;
   const double shortest =
       shortest_edge(polygons, corner, [&](std::int32_t c) -> const Vec3& { return corners.position[c]; });
   Eigen::Matrix3d free = Eigen::Matrix3d::Identity();
   const Vec3 d = step_onto(held, kParallel, from, free);
-  if (!(d.norm() <= kOfShortest * shortest)) return std::nullopt;
-  const bool is_met = std::all_of(held.begin(), held.end(), [&](const Plane* p) {
-    return std::abs(p->normal.dot(from + d - p->centre)) < kMeets * shortest;
-  });
-  return is_met ? std::optional(Vec3(from + d)) : std::nullopt;
+  if (!(d.norm() <= kOfShortest * shortest)) return false;
+  return std::all_of(held.begin(), held.end(),
+                     [&](const Plane* p) { return std::abs(p->normal.dot(from + d - p->centre)) < kMeets * shortest; });
 }
 
-/// Corners that depend on each other in the turns of flattening, and the polygons at these corners.
+/// Where a corner may be.
+struct Anchor {
+  Vec3 at;               ///< its place where it would move least, on the held planes
+  Vec3 centre;           ///< where its vertex would move least
+  double radius;         ///< largest distance from `centre`
+  Eigen::Matrix3d free;  ///< projects to the directions in which it may move
+};
+
+/// Corners that depend on each other, and the polygons at these corners.
 struct Group {
   std::vector<std::int32_t> corners, polygons;
+  std::vector<Anchor> anchors;                      ///< by corner
+  std::vector<double> weight;                       ///< by polygon: the area that each of its corners stands for
   std::vector<std::int32_t> round, round_start{0};  ///< by corner: its polygons, as indices into `polygons`
   std::vector<Fit> fits;                            ///< by polygon
 
@@ -151,6 +121,43 @@ std::vector<Group> groups_of(const Polygons& polygons, std::span<const std::int3
   return groups;
 }
 
+/// Where a corner may be: on the held planes at it, as far as these meet within its radius.
+Anchor anchor_of(std::span<const Plane> planes, const Polygons& polygons, std::int32_t corner, const Vec3& home,
+                 Corners& corners) {
+  const Vec3& from = corners.position[corner];
+  Anchor a{from, home, corners.radius[corner], Eigen::Matrix3d::Identity()};
+  std::vector<const Plane*> held;
+  for (const std::int32_t q : polygons.at(corner))
+    if (planes[polygons.chart(q)].held) held.push_back(&planes[polygons.chart(q)]);
+  if (held.empty() || a.radius == 0) return a;
+  const bool is_met = do_cells_meet(planes, polygons, corner, corners);
+  a.at += step_onto(held, is_met ? kParallel : kTruncate, from, a.free);
+  a.centre = a.at + a.free * (home - a.at);
+  const double away = (a.centre - home).norm();
+  if (is_met && away > a.radius) corners.radius.edit(corner) = a.radius = away;
+  if (away > a.radius) a.at = a.centre = within(a.centre, home, a.radius);
+  a.radius = std::sqrt(std::max(0.0, a.radius * a.radius - away * away));
+  return a;
+}
+
+/// The place of least energy of corner i of a group for the planes of its polygons.
+Vec3 place_of_least(const Group& g, std::int32_t i) {
+  const Anchor& anchor = g.anchors[i];
+  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+  Vec3 r = Vec3::Zero();
+  double area = 0;
+  for (const std::int32_t k : g.round_of(i)) {
+    const Vec3 n = anchor.free * g.fits[k].normal;
+    area += g.weight[k];
+    a += g.weight[k] * n * n.transpose();
+    r += g.weight[k] * g.fits[k].normal.dot(g.fits[k].centre - anchor.at) * n;
+  }
+  if (!(area > 0)) return anchor.at;
+  const double tie = area * kWeights.tie / kWeights.bend;
+  const Vec3 step = (a + tie * Eigen::Matrix3d::Identity()).inverse() * r;
+  return within(anchor.at + step, anchor.centre, anchor.radius);
+}
+
 }  // namespace
 
 void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::span<const std::int32_t> moving,
@@ -161,72 +168,32 @@ void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::sp
 }
 
 void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
-           std::span<const std::int32_t> moving, const Threads& threads, Corners& corners) {
-  const std::span<Vec3> position = corners.position.edit_all(moving);
-  const auto is_met = [&](std::int32_t q, const Vec3& home) {
-    const Plane& p = planes[polygons.chart(q)];
-    return std::abs(p.normal.dot(p.centre - home)) < corners.still;
-  };
-  const auto place_one = [&](std::int32_t c) {
-    const Vec3& home = mesh.vertices()[corners.vertex[c]];
-    const auto around = polygons.at(c);
-    const bool stays = std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return is_met(q, home); });
-    position[c] = stays ? home : home + step_to(planes, polygons, c, home, corners.radius[c], false);
-  };
-  threads.blocks(static_cast<std::int32_t>(moving.size()), kTogether,
-                 [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-                   for (const std::int32_t c : moving.subspan(begin, end - begin)) place_one(c);
-                 });
-}
-
-void place_on_held(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
-                   std::span<const std::int32_t> moving, const Threads& threads, Corners& corners) {
-  // Where cells meet is found before any corner moves, since it depends on the edges.
-  std::vector<std::optional<Vec3>> meeting;
-  for (const std::int32_t c : moving) meeting.push_back(meeting_of_cells(planes, polygons, c, corners));
-  for (std::size_t i = 0; i < moving.size(); ++i)
-    if (meeting[i]) {
-      const double far = (*meeting[i] - mesh.vertices()[corners.vertex[moving[i]]]).norm();
-      if (far > corners.radius[moving[i]]) corners.radius.edit(moving[i]) = far;
-    }
-  const std::span<Vec3> position = corners.position.edit_all(moving);
-  threads.blocks(static_cast<std::int32_t>(moving.size()), kTogether,
-                 [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-                   for (std::int32_t i = begin; i < end; ++i) {
-                     const std::int32_t c = moving[i];
-                     Vec3& at = position[c];
-                     if (meeting[i]) {
-                       at = *meeting[i];
-                       continue;
-                     }
-                     at = within(at + step_to(planes, polygons, c, at, 2 * corners.radius[c], true),
-                                 mesh.vertices()[corners.vertex[c]], corners.radius[c]);
-                   }
-                 });
-}
-
-void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
-             std::span<const std::int32_t> moving, int rounds, const Threads& threads, Corners& corners) {
+           std::span<const std::int32_t> moving, int rounds, const Threads& threads, Corners& corners) {
   std::vector<Group> groups = groups_of(polygons, moving);
+  for (Group& g : groups)
+    for (const std::int32_t q : g.polygons) {
+      const std::int32_t l = polygons.chart(q);
+      g.weight.push_back(planes[l].area / static_cast<double>(polygons.count_of(l) * std::ssize(polygons.of(q))));
+    }
+  for (Group& g : groups)
+    for (const std::int32_t c : g.corners)
+      g.anchors.push_back(anchor_of(planes, polygons, c, mesh.vertices()[corners.vertex[c]], corners));
   const std::span<Vec3> position = corners.position.edit_all(moving);
   const double still = corners.still * corners.still;
   // Large groups come first, so that no thread is left with one at the end.
   std::stable_sort(groups.begin(), groups.end(),
                    [](const Group& a, const Group& b) { return a.corners.size() > b.corners.size(); });
-  const auto fit = [&](Group& g, std::int32_t begin, std::int32_t end) {
+  // The first turn has the planes of the charts, as noise of the vertices would turn planes of few corners.
+  const auto fit = [&](Group& g, std::int32_t begin, std::int32_t end, int turn) {
     for (std::int32_t i = begin; i < end; ++i)
-      g.fits[i].to(polygons.of(g.polygons[i]), position, planes[polygons.chart(g.polygons[i])]);
+      g.fits[i].to(polygons.of(g.polygons[i]), position, planes[polygons.chart(g.polygons[i])],
+                   turn == 0 ? 0 : kWeights.bend);
   };
   const auto move = [&](Group& g, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i) {
       const std::int32_t c = g.corners[i];
-      const std::span<const std::int32_t> round = g.round_of(i);
-      Vec3& at = position[c];
-      Vec3 step = Vec3::Zero();
-      for (const std::int32_t k : round) step -= g.fits[k].normal * g.fits[k].normal.dot(at - g.fits[k].centre);
-      if (step.squaredNorm() < still) continue;
-      at = within(at + step * (kRelax / static_cast<double>(round.size())), mesh.vertices()[corners.vertex[c]],
-                  corners.radius[c]);
+      const Vec3 to = place_of_least(g, i);
+      if ((to - position[c]).squaredNorm() >= still) position[c] = to;
     }
   };
   // All threads share a large group in each turn. One thread computes all turns of a smaller group.
@@ -236,7 +203,8 @@ void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> 
     if (fits < 2 * kFitted) break;
     ++large;
     for (int turn = 0; turn < rounds; ++turn) {
-      threads.blocks(fits, kFitted, [&](std::int32_t, std::int32_t begin, std::int32_t end) { fit(g, begin, end); });
+      threads.blocks(fits, kFitted,
+                     [&](std::int32_t, std::int32_t begin, std::int32_t end) { fit(g, begin, end, turn); });
       threads.blocks(moves, kMoved, [&](std::int32_t, std::int32_t begin, std::int32_t end) { move(g, begin, end); });
     }
   }
@@ -245,7 +213,7 @@ void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> 
   threads.blocks(small, together, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = large + begin; i < large + end; ++i)
       for (int turn = 0; turn < rounds; ++turn) {
-        fit(groups[i], 0, static_cast<std::int32_t>(groups[i].fits.size()));
+        fit(groups[i], 0, static_cast<std::int32_t>(groups[i].fits.size()), turn);
         move(groups[i], 0, static_cast<std::int32_t>(groups[i].corners.size()));
       }
   });

@@ -316,9 +316,7 @@ std::vector<State::Known> State::settle_handovers() {
 }
 
 void State::move_onto(std::span<const Plane> planes_by_chart, std::span<const std::int32_t> moving) {
-  place_on_held(polygons, mesh, planes_by_chart, moving, threads, corners_);
-  flatten(polygons, mesh, planes_by_chart, moving, options.flatten, threads, corners_);
-  place_on_held(polygons, mesh, planes_by_chart, moving, threads, corners_);
+  meshing::place(polygons, mesh, planes_by_chart, moving, std::max(options.flatten, 1), threads, corners_);
 }
 
 void State::limit(std::span<const std::int32_t> moving) {
@@ -331,6 +329,12 @@ void State::limit(std::span<const std::int32_t> moving) {
   }
 }
 
+void State::place(std::span<const std::int32_t> moving, bool from_vertices) {
+  if (from_vertices)
+    for (const std::int32_t c : moving) move(c, mesh.vertices()[corners.vertex[c]]);
+  meshing::place(polygons, mesh, planes, moving, options.flatten, threads, corners_);
+}
+
 std::vector<std::int32_t> State::take_stale() {
   std::vector<std::int32_t> some;
   for (std::size_t c = 0; c < stale_.size(); ++c)
@@ -340,12 +344,11 @@ std::vector<std::int32_t> State::take_stale() {
   return some;
 }
 
-std::vector<Vec3> State::better_places(std::span<const std::int32_t> moving) {
+std::vector<Vec3> State::better_places(std::span<const std::int32_t> moving, bool from_vertices) {
   std::vector<Vec3> before, after;
   for (const std::int32_t c : moving) before.push_back(corners.position[c]);
   limit(moving);
-  place(polygons, mesh, planes, moving, threads, corners_);
-  flatten(polygons, mesh, planes, moving, options.flatten, threads, corners_);
+  place(moving, from_vertices);
   for (std::size_t i = 0; i < moving.size(); ++i) {
     after.push_back(corners.position[moving[i]]);
     move(moving[i], before[i]);
@@ -429,8 +432,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
   for (const std::int32_t c : std::exchange(at_home_, {})) move(c, mesh.vertices()[corners.vertex[c]]);
   job_.poll();
   placed_ += static_cast<std::int64_t>(moving.size());
-  place(polygons, mesh, planes, moving, threads, corners_);
-  flatten(polygons, mesh, planes, moving, options.flatten, threads, corners_);
+  place(moving, true);
   ISIMP_ASSERT(std::all_of(moved.begin(), moved.end(), [&](std::int32_t c) { return corners.position[c].allFinite(); }),
                "corners have places");
   ISIMP_ASSERT(!complex.is_pending(), "corners are up to date");

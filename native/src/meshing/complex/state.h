@@ -100,8 +100,7 @@ class State {
 
   // Changes of positions, which `update` takes no notice of.
   void move(std::int32_t corner, const Vec3& place) { corners_.position.set(corner, place); }
-  /// Moves corners onto the held ones of the given planes, makes the polygons flat, and moves the corners onto the held
-  /// planes again.
+  /// Moves corners to the places of least energy for the given planes, and onto the held ones.
   void move_onto(std::span<const Plane> planes_by_chart, std::span<const std::int32_t> moving);
 
   /// Updates polygons and positions after splits, new corners or new diagonals. All corners of polygons that have
@@ -119,7 +118,8 @@ class State {
   /// Adds a corner to the result of the next `take_stale`.
   void mark_stale(std::int32_t corner) { stale_.set(corner, 1); }
   /// The places of some corners if they were placed together and all others stayed.
-  [[nodiscard]] std::vector<Vec3> better_places(std::span<const std::int32_t> moving);
+  /// \param from_vertices  whether they begin at their vertices, else at their places
+  [[nodiscard]] std::vector<Vec3> better_places(std::span<const std::int32_t> moving, bool from_vertices);
   /// Calls fn(array) for each array that a transaction takes back.
   template <class Function>
   void for_each_array(Function fn) const {
@@ -146,6 +146,8 @@ class State {
   std::vector<std::int32_t> update(std::vector<std::int32_t> changed, bool in_place);
   /// Sets the radii of some corners; 0 for corners that must stay at their vertices.
   void limit(std::span<const std::int32_t> moving);
+  /// Places some corners by the energy, beginning at their vertices or where they are.
+  void place(std::span<const std::int32_t> moving, bool from_vertices);
   template <class Self, class Function>
   static void for_each_array(Self& self, Function fn) {
     fn(self.labels_.label);

@@ -11,4 +11,8 @@ namespace isimp::meshing {
 /// Cost: that of `move_corners`.
 void improve_places(State& state, Defects& defects, Job& job);
 
+/// Moves all corners to the places of least energy near where they are, as far as polygons stay sound.
+/// Cost: that of `move_corners`.
+void settle_places(State& state, Defects& defects, Job& job);
+
 }  // namespace isimp::meshing

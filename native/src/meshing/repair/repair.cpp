@@ -342,6 +342,7 @@ RepairOutcome repair(State& state, Job& job) {
     mender.fall_back();
   }
   slide_corners(state, defects, job);
+  if (state.options.planar) settle_places(state, defects, job);  // corners slide off the planes that are solved next
   straighten_rims(state, defects, job);
   outcome.let_go = keep_to_planes(state, defects, job);
   mirror_corners(state, defects, job);
