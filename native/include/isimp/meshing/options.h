@@ -47,7 +47,8 @@ constexpr auto fields(const MeshingOptions*) {
                  "region's size, where that gives better polygons. 0: none",
                  {.high = 2}),
       field("reach", &O::reach, between(0, 1), Unit::none,
-            "Largest distance of a corner from its vertex of the scan, as a share of the diagonal."),
+            "Largest distance of a corner from its vertex of the scan, as a share of the diagonal. Corners among cells "
+            "of round parts may be further off, and with planar all corners by their moves (planar_reach)."),
       field("straight_rims", &O::straight_rims, at_least(0), Unit::length,
             "How far a straight rim may leave the ragged border of an open scan, in scene units. None: twice the "
             "raggedness, where that is more than a mean edge of the border. 0: rims follow the border.")
@@ -79,7 +80,8 @@ constexpr auto fields(const MeshingOptions*) {
                  "as triangles"),
       field("planar_reach", &O::planar_reach, between(0, 1), Unit::none,
             "With planar: distance that a corner may move to be on its planes, as a share of the diagonal. Up to one "
-            "and a half times as far along the scan where its edges are long, less where they are short."),
+            "and a half times as far along the scan where its edges are long, less where they are short. Up to six "
+            "times as far where planes that are set or snapped are further off."),
       field("planar_most", &O::planar_most, between(0, 1), Unit::none,
             "With planar: largest share of the polygons that may be cut to be planar. If more would be, none is made "
             "planar, and the report says so (left_off).")
