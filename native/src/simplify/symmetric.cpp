@@ -378,8 +378,12 @@ class Symmetriser {
     take_how_found(result, how_);
     if (options_.proxies) result.proxies_asked = *options_.proxies;
     const Components components = find_components(surface_, options_.proxies.value_or(1), options_.leave_out, job_);
-    // Each piece that the plane makes of a component needs a region, and so does its image unless both are joined.
-    result.proxies_needed = std::max(components.needed, 2 * half_pieces_ - joined_count() + apart_pieces_);
+    // Each piece that the plane makes of a component needs a region, and so does its image unless both are joined. So
+    // does a component that no region reaches (fill_open).
+    const auto unreached = std::count_if(result.region_seed.begin(), result.region_seed.end(),
+                                         [&](auto f) { return label_[f] == 2 * regions_ + apart_count_; });
+    result.proxies_needed = std::max(
+        components.needed, 2 * half_pieces_ - joined_count() + apart_pieces_ + static_cast<std::int32_t>(unreached));
     result.parts_left_out = components.left_out;
     result.area_left_out = components.area_left_out;
     result.symmetry = mirror_.relative_to(-mesh_.origin());
