@@ -134,6 +134,6 @@ def test_the_command_reports_a_missing_plane(tmp_path, capsys):
 
 def test_a_recipe_may_request_it():
     steps = [{"step": "partition", "proxies": 80, "symmetry": "y"}]
-    assert recipes.parsed({"isimp_recipe": 1, "steps": steps}).partition["symmetry"] == "y"
+    assert recipes.options_of(recipes.parsed({"isimp_recipe": 1, "steps": steps}))["symmetry"] == "y"
     with pytest.raises(recipes.RecipeError, match="symmetry"):
         recipes.parsed({"isimp_recipe": 1, "steps": [{"step": "partition", "symmetry": "w"}]})
