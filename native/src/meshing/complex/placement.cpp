@@ -40,17 +40,10 @@ double shortest_edge(const Polygons& polygons, std::int32_t corner, Place place)
 
 /// Whether all held planes of a corner meet, not further off than the edges allow, and each is the plane of a cell of a
 /// round part: such planes meet by symmetry, also at small angles.
-bool do_cells_meet(std::span<const Plane> planes, const Polygons& polygons, std::int32_t corner,
+bool do_cells_meet(std::span<const Plane* const> held, const Polygons& polygons, std::int32_t corner,
                    const Corners& corners) {
+  if (held.size() < 2 || !std::all_of(held.begin(), held.end(), [](const Plane* p) { return p->round; })) return false;
   const Vec3& from = corners.position[corner];
-  std::vector<const Plane*> held;
-  for (const std::int32_t q : polygons.at(corner)) {
-    const Plane& p = planes[polygons.chart(q)];
-    if (!p.held) continue;
-    if (!p.round) return false;
-    held.push_back(&p);
-  }
-  if (held.size() < 2) return false;
   const double shortest =
       shortest_edge(polygons, corner, [&](std::int32_t c) -> const Vec3& { return corners.position[c]; });
   Eigen::Matrix3d free = Eigen::Matrix3d::Identity();
@@ -130,7 +123,7 @@ Anchor anchor_of(std::span<const Plane> planes, const Polygons& polygons, std::i
   for (const std::int32_t q : polygons.at(corner))
     if (planes[polygons.chart(q)].held) held.push_back(&planes[polygons.chart(q)]);
   if (held.empty() || a.radius == 0) return a;
-  const bool is_met = do_cells_meet(planes, polygons, corner, corners);
+  const bool is_met = do_cells_meet(held, polygons, corner, corners);
   a.at += step_onto(held, is_met ? kParallel : kTruncate, from, a.free);
   a.centre = a.at + a.free * (home - a.at);
   const double away = (a.centre - home).norm();
