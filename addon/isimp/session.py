@@ -240,8 +240,7 @@ class Session:
         return replace(outcome, numbers=numbers)
 
     def _partition(self, step: rcp.Partition, prepared, before, watch, begin, end) -> Outcome:
-        own = rcp.engine_options(step, rcp.PARTITION)
-        own = {name: value for name, value in own.items() if name not in rcp.COUNTS or name == step.count_by}
+        own = engine.recipes.partition_options(step)
         options = engine.PartitionOptions(**own, backend=self.backend, threads=self.threads)
         locked = before is not None and before.partition.region_locked.any()
         may_close = not (locked or step.faces)  # regions that stay belong to the mesh before a new closing
