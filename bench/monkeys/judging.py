@@ -357,8 +357,13 @@ def count_findings(
     # float32 must be planar too.
     kept = surface.corners[np.asarray(part.face_region) >= 0].reshape(-1, 3)
     limit, rounding = 1e-6 * np.linalg.norm(np.ptp(kept, axis=0)), 2.0**-21 * np.abs(kept).max()
-    most = planarity[sure].max(initial=0) if report["planar"] else planarity.max()
-    if most > 1.001 * limit if report["planar"] else most < limit - rounding:
+    if report["planar"]:
+        most = planarity[sure].max(initial=0)
+        is_wrong = most > 1.001 * limit
+    else:
+        most = planarity.max()
+        is_wrong = most < limit - rounding
+    if is_wrong:
         yield f"polygons: planar is {report['planar']}, planarity up to {most:.3g} for {limit:.3g}"
 
 

@@ -168,7 +168,7 @@ TUNED = (
     Tuned(MESHING + "discs/polyline.cpp", "farthest", "points that are nearly farthest, of the square distance",
           UNKNOWN, "squared_distance(line[i], a, b) < ", ("0.9", "0.99")),
     Tuned(MESHING + "complex/flat_fit.h", "kOfEdge", "way of a corner, of its shortest edge", SHAPES),
-    Tuned(MESHING + "complex/flat_fit.h", "bend", "weight of corners off their plane, of that of the chart", PLACES),
+    Tuned(MESHING + "complex/flat_fit.h", "bend", "weight of corners' distance from a plane; the chart's is 1", PLACES),
     Tuned(MESHING + "complex/flat_fit.h", "tie", "weight of corners off their vertices, of the same", PLACES),
     Tuned(MESHING + "judge/judge.h", "kFacingChart", "cosine up to which a polygon is flipped", UNKNOWN),
     Tuned(MESHING + "repair/repair.cpp", "kPull", "share of a corner's distance from its vertex that a pull leaves",
