@@ -23,16 +23,16 @@ using namespace meshing;
 
 constexpr double kOfPlanar = 0.6;  ///< progress of the planar attempt, if it may be discarded
 
-void count_splits(const Labels& labels, std::int32_t regions, MeshingReport& report) {
-  std::vector<std::int32_t> charts(regions, 0);
-  for (const Chart& p : labels.charts) {
-    if (p.face == kNone) continue;
-    ++charts[p.region];
-    if (std::int32_t* counter = counter_of(report, p.cause)) ++*counter;
+void count_splits(const Labels& labels, const PolygonMesh& mesh, MeshingReport& report) {
+  for (const Chart& p : labels.charts)
+    if (p.face != kNone)
+      if (std::int32_t* counter = counter_of(report, p.cause)) ++*counter;
+  const std::vector<std::int32_t>& region = mesh.polygon_region;  // sorted; one chart may have several polygons
+  for (std::size_t q = 0; q < region.size(); ++q) {
+    const bool first = q == 0 || region[q] != region[q - 1];
+    if (first) ++report.regions;
+    if (first && q + 1 < region.size() && region[q] == region[q + 1]) ++report.regions_split;
   }
-  report.regions = static_cast<std::int32_t>(std::count_if(charts.begin(), charts.end(), [](int n) { return n > 0; }));
-  report.regions_split =
-      static_cast<std::int32_t>(std::count_if(charts.begin(), charts.end(), [](int n) { return n > 1; }));
 }
 
 /// The polygons in the order of their regions, then of their charts.
@@ -120,7 +120,7 @@ PolygonMesh polygons_of(State& state, Job& job) {
   report_repair(outcome, place, result.report);
   result.planes_let_go = std::move(outcome.let_go);
   result.report.merged_without_area = state.merged_without_area;
-  count_splits(state.labels, state.regions, result.report);
+  count_splits(state.labels, result, result.report);
   judge_topology(result);
   return result;
 }
