@@ -60,6 +60,10 @@ py::object symmetry_of(const Partition& part) {
                   "regions"_a = m.regions == kNone ? py::object(py::none()) : py::object(py::int_(m.regions)));
 }
 
+const char* name_of(Metric metric) {
+  return metric == Metric::mixed ? "mixed" : metric == Metric::distance ? "distance" : "normals";
+}
+
 const char* name_of(CurvedKind kind) {
   constexpr std::array kNames = {"plane", "cylinder", "cone", "sphere", "revolution", "extrusion"};
   return kNames[static_cast<std::size_t>(kind)];
@@ -211,6 +215,9 @@ void bind_result(py::module_& m) {
           "With a bound: the largest distance of a vertex from its region's plane, scene units; else None.")
       .def_readonly("smooth", &Partition::smooth,
                     "PartitionOptions.smooth of the partition; 0 where another method made it.")
+      .def_property_readonly(
+          "metric", [](const Partition& part) { return name_of(part.metric); },
+          "PartitionOptions.metric of the partition; 'normals' where another method made it.")
       .def_readonly(
           "snapped", &Partition::snapped,
           "Whether the number is that of the planes of the surface: the costs of merging have a significant gap there.")

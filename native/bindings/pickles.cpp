@@ -233,9 +233,9 @@ std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
 }
 
 py::tuple state_of(const Partition& partition) {
-  const auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped,
-               bound, distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held, curved,
-               cell, regularity, symmetry] = partition;
+  const auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, off_planes, metric,
+               tolerance, noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out,
+               guided, locked, held, curved, cell, regularity, symmetry] = partition;
   py::list patches;
   for (const CurvedProxy& proxy : curved) patches.append(pack_curved(proxy));
   const auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, islands, length, rms_before,
@@ -249,17 +249,19 @@ py::tuple state_of(const Partition& partition) {
                islands, length, rms_before, rms, symmetry.has_value(), std::vector<Vec3>{normal}, offset, mismatch_mean,
                mismatch, mirrored),
       pack_guided(guided), py::tuple(patches), pack(cell),
-      pack_all(axes_upright, axes_level, axes_parallel, axes_free, coaxial, equal_radii));
+      pack_all(axes_upright, axes_level, axes_parallel, axes_free, coaxial, equal_radii),
+      pack_all(static_cast<std::int32_t>(metric), off_planes));
 }
 
 namespace {
 
 Partition partition_of(const py::tuple& state) {
-  check(state.size() == 2 || state.size() == 4 || state.size() == 5);  // without curved patches or axes: older versions
+  // Older versions have no curved patches, axes or metric.
+  check(state.size() == 2 || (state.size() >= 4 && state.size() <= 6));
   Partition partition;
-  auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped, bound,
-         distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held, curved, cell,
-         regularity, symmetry] = partition;
+  auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, off_planes, metric, tolerance,
+         noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked,
+         held, curved, cell, regularity, symmetry] = partition;
   Regularity found;
   Mirror plane;
   std::vector<Vec3> normals;
@@ -272,14 +274,21 @@ Partition partition_of(const py::tuple& state) {
              tolerance, noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out,
              locked, held, is_regular, directions, planes, level, upright, slopes, parallel, free, by_hand, even,
              islands, length, rms_before, rms, is_symmetric, normals, offset, mismatch_mean, mismatch, mirrored);
-  if (state.size() == 5)
+  if (state.size() >= 5)
     unpack_all(state[4].cast<py::tuple>(), axes.upright, axes.level, axes.parallel, axes.free, axes.coaxial,
                axes.equal_radii);
+  if (state.size() == 6) {
+    std::int32_t number = 0;
+    unpack_all(state[5].cast<py::tuple>(), number, off_planes);
+    metric = static_cast<Metric>(number);
+    check(metric == Metric::normals || metric == Metric::mixed || metric == Metric::distance);
+  }
   if (is_regular) regularity = found;
   check(normals.size() == 1);
   normal = normals[0];
   if (is_symmetric) symmetry = plane;
-  check(all_finite(error, smooth, tolerance, noise, bound, distance_max, area_left_out) && all_finite(history));
+  check(all_finite(error, smooth, off_planes, tolerance, noise, bound, distance_max, area_left_out) &&
+        all_finite(history));
   check(!is_regular || all_finite(length, rms_before, rms));
   check(!is_symmetric || (is_unit(normal) && all_finite(offset, mismatch_mean, mismatch)));
   guided = unpack_guided(state[1], face_region.size());

@@ -99,6 +99,7 @@ class PartitionOptions:
     sharp_edges: float | None
     adaptivity: float
     smooth: float
+    metric: Literal["mixed", "normals", "distance"]
     symmetry: Literal["none", "x", "y", "z", "found"]
     curved: bool
     leave_out: float
@@ -125,6 +126,7 @@ class PartitionOptions:
         sharp_edges: float | None = ...,
         adaptivity: float = ...,
         smooth: float = ...,
+        metric: Literal["mixed", "normals", "distance"] = ...,
         symmetry: Literal["none", "x", "y", "z", "found"] = ...,
         curved: bool = ...,
         leave_out: float = ...,
@@ -185,6 +187,8 @@ class Partition:
     def noise(self) -> float | None: ...
     @property
     def smooth(self) -> float: ...
+    @property
+    def metric(self) -> str: ...
     @property
     def symmetry(self) -> dict[str, Any] | None: ...
     @property

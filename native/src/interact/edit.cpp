@@ -137,6 +137,11 @@ std::vector<std::int32_t> Edit::relax(std::span<const std::int32_t> faces, std::
   Relaxation<EditLabels> relaxation(graph, labels, result.region_sum, border_weight_of(result, graph), Threads(1),
                                     surface.relative_weight());
   relaxation.pin(pinned);
+  Distances distances(surface, result.metric, result.region_count());
+  if (result.metric != Metric::normals) {
+    distances.forget(result.region_sum.size());
+    relaxation.measure(&distances);
+  }
   for (const std::int32_t face : faces) {
     relaxation.push_if_border(face);
     for (const std::int32_t j : graph.neighbours[face])

@@ -15,7 +15,7 @@ namespace isimp {
 /// Weights of borders where a partition is edited: the same as where it was made.
 inline BorderWeight border_weight_of(const Partition& partition, const FaceGraph& graph) {
   const double error = graph.area > 0 ? partition.error / graph.area : 0.0;
-  return border_weight(error, partition.smooth, graph.size(), partition.region_count());
+  return border_weight(error + partition.off_planes, partition.smooth, graph.size(), partition.region_count());
 }
 
 /// A partition being edited: the copy that will be returned, its sums kept up to date.

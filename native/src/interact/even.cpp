@@ -21,11 +21,16 @@ Partition even_borders(const Mesh& mesh, const Partition& partition, double stre
   Edit edit(mesh, partition);
   const FaceGraph& graph = edit.graph;
   const Job::Stage stage(job, "evening out", 0.0, 1.0);
-  const double error = graph.area > 0 ? partition.error / graph.area : 0.0;
+  const double error = (graph.area > 0 ? partition.error / graph.area : 0.0) + partition.off_planes;
   const BorderWeight weight =
       border_weight(std::max(error, kLeastError), strength, graph.size(), partition.region_count());
   Relaxation<EditLabels> relaxation(graph, edit.labels, edit.result.region_sum, weight, Threads(1),
                                     edit.surface.relative_weight());
+  Distances distances(edit.surface, partition.metric, partition.region_count());
+  if (partition.metric != Metric::normals) {
+    distances.sum_up(edit.labels, edit.result.region_sum, job);
+    relaxation.measure(&distances);
+  }
   for (std::int32_t i = 0; i < graph.size(); ++i)
     if (edit.labels.get(i) >= 0) relaxation.push_if_border(i);
   if (relaxation.run(kSweeps, job) == 0) return partition;

@@ -47,14 +47,22 @@ Partition improve(const Mesh& mesh, const Partition& partition, Job& job) {
   if (region_of.empty()) return partition;
   const Components components = find_components(edit.surface, partition.region_count(), 0.0, job);
   for (const std::int32_t r : region_of) component.push_back(edit.surface.component()[partition.region_seed[r]]);
-  const double before = regions.error();
-  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, border_weight_of(partition, graph),
-                                     Threads(1), edit.surface.relative_weight());
+  const GraphLabels labels{regions.label.data()};
+  const auto by_metric = [&] {
+    Distances distances(edit.surface, partition.metric, partition.region_count());
+    distances.sum_up(labels, regions.sum, job);
+    return error_by(distances, regions.sum);
+  };
+  const double before = regions.error(), before_by_metric = by_metric();
+  Relaxation<GraphLabels> relaxation(graph, labels, regions.sum, border_weight_of(partition, graph), Threads(1),
+                                     edit.surface.relative_weight());
   for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
   relaxation.run(kSweeps, job);
   job.report(0.3);
   Teleport(graph, components, regions, std::move(component), relaxation).run(kTries, 1.0, job);
-  if (regions.error() >= before) return partition;
+  relax_by(partition.metric, edit.surface, labels, regions.sum, relaxation, partition.smooth, partition.region_count(),
+           job);
+  if (regions.error() >= before || by_metric() >= before_by_metric) return partition;
   for (std::int32_t i = 0; i < graph.size(); ++i)
     if (regions.label[i] >= 0) edit.labels.set(i, region_of[regions.label[i]]);
   for (std::size_t k = 0; k < region_of.size(); ++k) edit.result.region_sum[region_of[k]] = regions.sum[k];

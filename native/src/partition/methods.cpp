@@ -58,9 +58,11 @@ Partition by_number(const Surface& surface, const Hierarchy& hierarchy, const Pa
   const Threads threads(options.threads);
   const Components components =
       find_components(surface, *options.proxies, options.leave_out, job, hierarchy.components);
-  const Regions regions = optimise(surface, hierarchy, components, options.smooth, threads, job);
+  const Regions regions =
+      optimise(surface, hierarchy, components, options.smooth, threads, job, Finish::teleports, options.metric);
   Partition result = make_partition(surface, components, regions, {regions.error()}, threads, job);
   result.smooth = options.smooth;
+  result.metric = options.metric;
   return result;
 }
 
@@ -106,12 +108,14 @@ Partition by_detail(const Surface& surface, const DetailTree& tree, const Partit
     relax_borders(graph, regions, weight, kSmoothSweeps, threads, job, surface.relative_weight());
     tree.merge_again(surface, cut, regions, threads, job);
   }
+  if (options.metric != Metric::normals) relax_by(options.metric, surface, regions, options.smooth, threads, job);
   Partition result = make_partition(surface, tree.components(), regions, {regions.error()}, threads, job);
   result.proxies_asked = result.region_count();
   result.tolerance = tolerance;
   result.noise = tree.noise();
   result.snapped = cut.snapped;
   result.smooth = options.smooth;
+  result.metric = options.metric;
   return result;
 }
 

@@ -34,6 +34,7 @@ Partition make_partition(const Surface& surface, const Components& components, c
   for (const RegionSum& s : regions.sum) result.region_normal.push_back(s.normal());
 
   result.region_sum = regions.sum;
+  result.off_planes = regions.off_planes;
   result.error = regions.error() * graph.area;
   result.history = std::move(history);
   for (double& error : result.history) error *= graph.area;
@@ -60,6 +61,8 @@ void take_how_found(Partition& part, const Partition& before) {
   part.bound = before.bound;
   part.distance_max = before.distance_max;
   part.smooth = before.smooth;
+  part.metric = before.metric;
+  part.off_planes = before.off_planes;
   part.tolerance = before.tolerance;
   part.noise = before.noise;
   part.snapped = before.snapped;

@@ -175,6 +175,7 @@ std::vector<std::int32_t> Partitioner::small_regions(const Surface& surface, Kep
   PartitionOptions small;
   small.proxies = small_count(mesh_->face_count());
   small.leave_out = 0.0;
+  small.metric = Metric::normals;
   small.threads = options.threads;
   const Partition data = by_known_number(surface, std::move(kept), small, job);
   return {data.face_region.begin(), data.face_region.end()};

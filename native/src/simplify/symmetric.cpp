@@ -153,7 +153,8 @@ class Symmetriser {
     apart_count_ = split.region_count();
   }
 
-  [[nodiscard]] Partition run_on(const std::vector<std::int32_t>& faces, const PartitionOptions& options) const {
+  [[nodiscard]] Partition run_on(const std::vector<std::int32_t>& faces, PartitionOptions options) const {
+    options.metric = Metric::normals;  // by distances, borders go on after mirroring and are no longer alike
     const Constraints constraints{.guides = constraints_.guides, .cuts = constraints_.cuts, .faces = faces};
     return partitioner_.run(options, constraints, job_);
   }

@@ -190,6 +190,7 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
   PartitionOptions plain = options;
   const bool faithful = options.connect == Connect::flood;
   plain.method = faithful ? Method::lloyd : Method::hierarchy;
+  plain.metric = Metric::normals;
   plain.proxies = components.regions();
   plain.leave_out = 0.0;
   Carrier carrier(surface, components);

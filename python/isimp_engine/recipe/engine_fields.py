@@ -36,6 +36,7 @@ class PartitionFields(Step):
     sharp_edges: float = -1.0
     adaptivity: float = 0.0
     smooth: float = 0.5
+    metric: str = "mixed"
     symmetry: str = "none"
     curved: bool = False
     leave_out: float = 0.001

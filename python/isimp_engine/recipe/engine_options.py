@@ -223,6 +223,14 @@ PARTITION: dict[str, Option] = {
         label="Straight Borders",
         tip="How much short, straight borders count beside the error. 0: least error. 1: cleanest shapes",
     ),
+    "metric": Option(
+        kind="str",
+        default="mixed",
+        choices=("mixed", "normals", "distance"),
+        label="Metric",
+        tip="What borders between regions go by, beside their length",
+        items=(("mixed", "Mixed", "Normals, and distances from the plane of the region: polygons are nearer to the scan"), ("normals", "Normals", "Normals alone, as in the first paper"), ("distance", "Distance", "Distances from the plane of the region alone")),
+    ),
     "symmetry": Option(
         kind="str",
         default="none",

@@ -402,7 +402,7 @@ KINDS |= {
 _EARLIER: dict[str, tuple[set[str], dict[str, Any]]] = {
     "partition": (
         {"seed", "leave_out"},
-        {"smooth": 0.0, "close_openings": False, "stitch": 0.0, "grid": 0.0},
+        {"smooth": 0.0, "metric": "normals", "close_openings": False, "stitch": 0.0, "grid": 0.0},
     ),
     "mesh": ({"chord_tolerance", "flatten"}, {"join_junctions": 0.0, "straight_rims": 0.0}),
 }

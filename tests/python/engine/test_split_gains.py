@@ -39,8 +39,8 @@ def test_no_region_of_a_street_runs_around_a_corner(detail):
 
 def test_a_given_number_of_regions_follows_corners_too():
     mesh = street(3)
-    found = engine.partition(mesh, engine.PartitionOptions(detail=0.0005))
-    given = engine.partition(mesh, engine.PartitionOptions(proxies=found.region_count))
+    found = engine.partition(mesh, engine.PartitionOptions(detail=0.0005, metric="normals"))
+    given = engine.partition(mesh, engine.PartitionOptions(proxies=found.region_count, metric="normals"))
     assert given.error < 1.4 * found.error  # 1.5 where patches merge around corners at any price
 
 

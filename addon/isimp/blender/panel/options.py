@@ -32,6 +32,7 @@ def _draw_regions(context, layout, panel) -> None:
     layout.prop(partition, "count_by")
     for name in ("adaptivity", "smooth"):
         layout.prop(partition, name, slider=True)
+    layout.prop(partition, "metric")
     layout.prop(partition, "weights", icon="GROUP_VERTEX")
     if partition.weights:
         layout.prop(partition, "influence", slider=True)

@@ -49,6 +49,13 @@ enum class Symmetry {
   found,  ///< any plane in which the surface mirrors; none if there is none
 };
 
+/// The measure of the difference between a face and its region.
+enum class Metric {
+  normals,   ///< the square difference of the normals, L2,1: the 2004 paper's
+  mixed,     ///< that, and the square distance from the region's plane of least squares
+  distance,  ///< that distance alone, L2
+};
+
 /// How to split a surface into regions. The table `fields` below describes each field.
 ///
 /// At most one of `proxies`, `triangles`, `detail`, `tolerance` and `bound` is given; none: `detail` at kDefaultDetail.
@@ -63,6 +70,7 @@ struct PartitionOptions {
   std::optional<double> sharp_edges = std::nullopt;
   double adaptivity = 0.0;
   double smooth = 0.5;
+  Metric metric = Metric::mixed;
   Symmetry symmetry = Symmetry::none;
   bool curved = false;
   double leave_out = 0.001;
@@ -134,6 +142,16 @@ constexpr auto fields(const PartitionOptions*) {
             "'hierarchy', and for detail and tolerance.")
           .shown("Straight Borders",
                  "How much short, straight borders count beside the error. 0: least error. 1: cleanest shapes"),
+      choice("metric", &O::metric,
+             {{"mixed",
+               Metric::mixed,
+               {"Mixed", "Normals, and distances from the plane of the region: polygons are nearer to the scan"}},
+              {"normals", Metric::normals, {"Normals", "Normals alone, as in the first paper"}},
+              {"distance", Metric::distance, {"Distance", "Distances from the plane of the region alone"}}},
+             "What borders between regions go by at last. 'mixed': the normals of faces and their distances from the "
+             "plane of their region, so that polygons are nearer to the scan. 'normals': normals alone, the error of "
+             "the 2004 paper. 'distance': distances alone. For method 'hierarchy', and for detail and tolerance.")
+          .shown("Metric", "What borders between regions go by, beside their length"),
       choice("symmetry", &O::symmetry,
              {{"none", Symmetry::none, {"None", "Regions do not mirror"}},
               {"x", Symmetry::x, {"X", "Mirror in a plane across the scan's X axis, or nearly so"}},

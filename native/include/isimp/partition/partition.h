@@ -64,7 +64,10 @@ struct Partition {
   std::vector<double> history;            ///< the error after each round; `error` is at most each of them, except for
                                           ///< Method::naive and queued: rounds of pieces, the last entry is `error`
 
-  double smooth = 0.0;        ///< PartitionOptions::smooth it was made with; edits relax borders with the same weight
+  double smooth = 0.0;      ///< PartitionOptions::smooth it was made with; edits relax borders with the same weight
+  double off_planes = 0.0;  ///< error of the distances by `metric` before edits, as a share of the area: for the
+                            ///< weight of borders in edits
+  Metric metric = Metric::normals;  ///< PartitionOptions::metric it was made with; edits relax borders by the same
   double tolerance = 0.0;     ///< tolerance of the search for the number of regions, scene units; 0: the number was
                               ///< given
   double noise = 0.0;         ///< deviation used in that search, given or estimated, scene units

@@ -14,6 +14,7 @@ namespace isimp {
 struct Regions {
   std::vector<std::int32_t> label;  ///< (n + 1) region of each face; kNone if left out, and for the sentinel
   std::vector<RegionSum> sum;       ///< (R)
+  double off_planes = 0;            ///< error of the distances from planes, if these count
 
   [[nodiscard]] std::int32_t count() const { return static_cast<std::int32_t>(sum.size()); }
   /// Sum of the regions' errors, as a share of the whole surface's area.

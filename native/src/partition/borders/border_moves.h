@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <utility>
 
+#include "borders/distances.h"
 #include "isimp/core/prefetch.h"
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/metric.h"
@@ -78,11 +78,12 @@ struct BorderMoves {
 
   const FaceGraph& graph;
   Labels labels;
-  float edge_weight = 0;        ///< weight of an edge between regions, over the mean area of a face
-  bool is_wide = false;         ///< see BorderWeight
-  float mean_area = 0;          ///< mean area of a face
-  RelativeWeight weight;        ///< weights of the faces
-  std::int32_t pinned = kNone;  ///< the one face that must not move
+  float edge_weight = 0;                 ///< weight of an edge between regions, over the mean area of a face
+  bool is_wide = false;                  ///< see BorderWeight
+  float mean_area = 0;                   ///< mean area of a face
+  RelativeWeight weight;                 ///< weights of the faces
+  std::int32_t pinned = kNone;           ///< the one face that must not move
+  const Distances* distances = nullptr;  ///< null: normals alone count
 
   /// The neighbouring region to which a move of the face lowers the energy most; kNone if there is none or it may not
   /// leave its own. `regions` has the proxy of each region.
@@ -105,11 +106,19 @@ struct BorderMoves {
                                       : f.area < mean_area ? f.area
                                                            : mean_area);
     const float least = kLeastGain * (f.area + edge);
+    Distances::Corners corners;
+    double far = 0;
+    if (distances != nullptr) {
+      corners = distances->corners(face);
+      far = distances->square(corners, own);
+    }
     const auto gain_of = [&](std::int32_t other, int there) {
       const BorderProxy& proxy = regions.proxy(other);
-      const float joining = proxy.growth(proxy.dot(f), f.area);
+      float gain = leaving + proxy.growth(proxy.dot(f), f.area);  // half of the fall of the error, as in all of this
+      if (distances != nullptr)
+        gain = distances->of_normals() * gain + static_cast<float>((far - distances->square(corners, other)) / 2);
       const float shorter = static_cast<float>(there - same) + kOfVertex * static_cast<float>(ring.gain(own, other));
-      return f.area * (leaving + joining) + edge * shorter;
+      return f.area * gain + edge * shorter;
     };
     if (same == 2) {  // most faces; without a loop, as it can't be predicted which neighbour is the other one
       const std::int32_t other = near[0] ^ near[1] ^ near[2];
@@ -165,8 +174,9 @@ struct BorderMoves {
   /// Moves from one face at a vertex to the next, away from the one before.
   void go_on_round(std::int32_t& before, std::int32_t& at) const {
     const auto& next = graph.neighbours[at];
-    const int back = next[0] == before ? 0 : next[1] == before ? 1 : 2;
-    before = std::exchange(at, next[(back + 2) % 3]);
+    const std::int32_t beyond = next[0] == before ? next[2] : next[1] == before ? next[0] : next[1];
+    before = at;
+    at = beyond;
   }
 
   /// \return false where they are beyond the reach

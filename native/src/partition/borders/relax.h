@@ -1,13 +1,16 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "borders/block_changes.h"
 #include "borders/border_moves.h"
+#include "borders/distances.h"
 #include "isimp/core/job.h"
 #include "isimp/core/prefetch.h"
 #include "isimp/core/threads.h"
@@ -102,13 +105,23 @@ class Relaxation {
   [[nodiscard]] const std::vector<std::int32_t>& pushed() const { return lists_.pushed; }
   /// The one face that must not move, or kNone.
   void pin(std::int32_t face) { moves_.pinned = face; }
+  /// From now on distances count too; null: no longer. A region whose distances are unknown is summed up once a sweep
+  /// comes there.
+  /// \param distances  are kept up to date with every sweep
+  void measure(Distances* distances) { moves_.distances = distances_ = distances; }
+  /// As the weight of the constructor.
+  void weigh(BorderWeight weight) {
+    moves_.edge_weight = static_cast<float>(weight.edge);
+    moves_.is_wide = weight.is_wide;
+  }
 
   /// Sweeps until nothing moves, `sweeps` times at most; the queue is cleared then.
   /// \return number of moves
   std::int64_t run(int sweeps, Job& job) {
     std::int64_t moves = 0, last = 1;
     for (int k = 0; k < sweeps && last > 0 && !lists_.queue.empty();) {
-      const bool many = lists_.queue.size() >= kMany;
+      // A block can't sum up regions that it comes to.
+      const bool many = lists_.queue.size() >= kMany && (distances_ == nullptr || distances_->knows_all());
       moves += last = many ? sweep_blocks(job) : sweep_all(job);
       k += many ? kSweepsOfBlock : 1;
     }
@@ -118,15 +131,16 @@ class Relaxation {
   }
 
  private:
-  static constexpr std::uint8_t kQueued = 1, kPushed = 2;  // states of a face
-  static constexpr std::int32_t kBlock = 1 << 15;          // faces of a block
-  static constexpr std::size_t kMany = 1 << 13;            // faces in the queue from which blocks are worth it
-  static constexpr int kSweepsOfBlock = 2;                 // sweeps before blocks exchange their changes
-  static constexpr std::size_t kAhead = 16, kSoon = 6;     // faces to prefetch ahead
+  static constexpr std::uint8_t kQueued = 1, kPushed = 2, kSummed = 4;  // states of a face
+  static constexpr std::int32_t kBlock = 1 << 15;                       // faces of a block
+  static constexpr std::size_t kMany = 1 << 13;         // faces in the queue from which blocks are worth it
+  static constexpr int kSweepsOfBlock = 2;              // sweeps before blocks exchange their changes
+  static constexpr std::size_t kAhead = 16, kSoon = 6;  // faces to prefetch ahead
 
   /// Faces to visit, and all that were visited before.
   struct Lists {
     std::vector<std::int32_t> queue, current, pushed;
+    std::vector<std::array<std::int32_t, 3>> moved;  // face, its region before and after, where distances count
     void push(std::int32_t face, std::uint8_t& state) {
       if ((state & kQueued) != 0) return;
       if (state == 0) pushed.push_back(face);
@@ -188,7 +202,9 @@ class Relaxation {
         const std::int32_t soon = lists.current[i + kAhead];
         prefetch(&graph.neighbours[soon]);
         prefetch(&graph.faces[soon]);
+        if (distances_ != nullptr) distances_->fetch_triangle(soon);
       }
+      if (distances_ != nullptr && i + kSoon < size) distances_->fetch_corners(lists.current[i + kSoon]);
       if constexpr (requires { moves_.labels.prefetch(0); }) {
         if (i + kSoon < size)
           for (const std::int32_t j : graph.neighbours[lists.current[i + kSoon]]) moves_.labels.prefetch(j);
@@ -201,7 +217,9 @@ class Relaxation {
       }
       state_[face] = kPushed;
       if (to == kNone) continue;
-      regions.move(graph.faces[face], moves_.labels.get(face), to);
+      const std::int32_t from = moves_.labels.get(face);
+      regions.move(graph.faces[face], from, to);
+      if (distances_ != nullptr) lists.moved.push_back({face, from, to});
       moves_.labels.set(face, to);
       ++moves;
       for (const std::int32_t j : graph.neighbours[face])
@@ -213,9 +231,50 @@ class Relaxation {
   std::int64_t sweep_all(Job& job) {
     std::swap(lists_.queue, lists_.current);
     lists_.queue.clear();
+    if (distances_ != nullptr && !distances_->knows_all()) sum_up_around(lists_.current);
     AllRegions regions{sums_, proxies_};
     const std::int32_t n = moves_.graph.size();
-    return sweep(lists_, regions, {0, n, n}, nullptr, job);
+    const std::int64_t moves = sweep(lists_, regions, {0, n, n}, nullptr, job);
+    if (distances_ != nullptr) follow();
+    return moves;
+  }
+
+  /// Sums up the distances of the regions to which these faces may go, if that is still to be done.
+  void sum_up_around(const std::vector<std::int32_t>& faces) {
+    for (const std::int32_t face : faces) {
+      sum_up_region(face);
+      for (const std::int32_t j : moves_.graph.neighbours[face]) sum_up_region(j);
+    }
+  }
+  void sum_up_region(std::int32_t face) {
+    const std::int32_t region = moves_.labels.get(face), n = moves_.graph.size();
+    if (region < 0 || distances_->knows(region)) return;
+    std::vector<std::int32_t> faces{face};
+    state_[face] |= kSummed;
+    for (std::size_t k = 0; k < faces.size(); ++k) {
+      distances_->add(faces[k], region);
+      for (const std::int32_t j : moves_.graph.neighbours[faces[k]]) {
+        if (j == n || (state_[j] & kSummed) != 0 || moves_.labels.get(j) != region) continue;
+        state_[j] |= kSummed;
+        faces.push_back(j);
+      }
+    }
+    for (const std::int32_t f : faces) state_[f] &= static_cast<std::uint8_t>(~kSummed);
+    distances_->start(region, sums_[region]);
+  }
+
+  /// Makes the distances follow the moves of a sweep.
+  void follow() {
+    std::vector<std::int32_t> changed;
+    for (const auto& [face, from, to] : lists_.moved) {
+      distances_->move(face, from, to);
+      changed.push_back(from);
+      changed.push_back(to);
+    }
+    lists_.moved.clear();
+    std::sort(changed.begin(), changed.end());
+    changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+    for (const std::int32_t region : changed) distances_->fit(region);
   }
 
   std::int64_t sweep_blocks(Job& job) {
@@ -249,6 +308,7 @@ class Relaxation {
       moves += block.moves;
       for (const auto& [region, change] : block.changes) sums_[region].add(change);
       lists_.queue.insert(lists_.queue.end(), block.lists.queue.begin(), block.lists.queue.end());
+      lists_.moved.insert(lists_.moved.end(), block.lists.moved.begin(), block.lists.moved.end());
       lists_.pushed.insert(lists_.pushed.end(), block.lists.pushed.begin(), block.lists.pushed.end());
       beyond.insert(beyond.end(), block.beyond.begin(), block.beyond.end());
     }
@@ -256,16 +316,60 @@ class Relaxation {
       for (const auto& [region, unused] : block.changes) proxies_[region] = BorderProxy::of(sums_[region]);
     AllRegions regions{sums_, proxies_};
     const std::int32_t n = moves_.graph.size();
-    return moves + sweep(lists_, regions, {0, n, n}, nullptr, job);
+    moves += sweep(lists_, regions, {0, n, n}, nullptr, job);
+    if (distances_ != nullptr) follow();
+    return moves;
   }
 
   BorderMoves<Labels> moves_;
+  Distances* distances_ = nullptr;
   std::vector<RegionSum>& sums_;
   std::vector<BorderProxy> proxies_;
   Threads threads_;
   Lists lists_;
   std::vector<std::uint8_t> state_;  // state of each face
 };
+
+/// The error of regions by a metric in which distances count, as a share of the surface's area.
+inline double error_by(const Distances& distances, std::span<const RegionSum> sums) {
+  double error = distances.error();
+  for (const RegionSum& sum : sums) error += distances.of_normals() * sum.error();
+  return error;
+}
+
+/// Relaxes borders by a metric in which distances count, from regions that were relaxed by their normals alone.
+///
+/// Merging and relaxing by normals come before, since normals find creases and the number of regions, and are cheap.
+/// Planes turn as faces move, so that faces move that were at rest: all borders are visited several times.
+/// \param relaxation  of all these regions; all faces on borders have been pushed
+/// \param smooth, count  as for `border_weight`, whose error is that by this metric
+/// \return Regions::off_planes
+template <class Labels>
+double relax_by(Metric metric, const Surface& surface, Labels labels, std::vector<RegionSum>& sums,
+                Relaxation<Labels>& relaxation, double smooth, std::int64_t count, Job& job) {
+  constexpr int kRounds = 2, kSweeps = 60;
+  if (metric == Metric::normals) return 0.0;
+  Distances distances(surface, metric, count);
+  distances.sum_up(labels, sums, job);
+  relaxation.weigh(border_weight(error_by(distances, sums), smooth, surface.graph().size(), count));
+  relaxation.measure(&distances);
+  for (int k = 0; k < kRounds; ++k) {
+    const std::vector<std::int32_t> faces = relaxation.pushed();
+    for (const std::int32_t face : faces) relaxation.push_if_border(face);
+    if (relaxation.run(kSweeps, job) == 0) break;
+  }
+  relaxation.measure(nullptr);
+  return distances.error();
+}
+
+/// Likewise; finds the borders itself.
+inline void relax_by(Metric metric, const Surface& surface, Regions& regions, double smooth, const Threads& threads,
+                     Job& job) {
+  const GraphLabels labels{regions.label.data()};
+  Relaxation<GraphLabels> relaxation(surface.graph(), labels, regions.sum, {}, threads, surface.relative_weight());
+  for (std::int32_t i = 0; i < surface.graph().size(); ++i) relaxation.push_if_border(i);
+  regions.off_planes = relax_by(metric, surface, labels, regions.sum, relaxation, smooth, regions.count(), job);
+}
 
 /// Relaxes all borders of some regions.
 inline void relax_borders(const FaceGraph& graph, Regions& regions, BorderWeight weight, int sweeps,

@@ -99,7 +99,7 @@ class Optimiser {
         smooth_(smooth),
         threads_(threads) {}
 
-  Regions run(Finish finish, Job& job) {
+  Regions run(Finish finish, Metric metric, Job& job) {
     const std::int32_t wanted = components_.regions();
     {
       Job::Stage stage(job, "merging", 0.0, 0.4);
@@ -134,8 +134,10 @@ class Optimiser {
     Teleport teleport(graph_, components_, regions_, std::move(component_), relaxation);
     const bool filled = teleport.fill_up(job);
     const double ratio = least_ratio(wanted);
-    if (finish == Finish::plain) return std::move(regions_);
-    if (filled || teleport.worth_trying(pairs, ratio)) teleport.run(kTries, ratio, job);
+    if (finish == Finish::teleports && (filled || teleport.worth_trying(pairs, ratio)))
+      teleport.run(kTries, ratio, job);
+    regions_.off_planes =
+        relax_by(metric, surface_, GraphLabels{regions_.label.data()}, regions_.sum, relaxation, smooth_, wanted, job);
     return std::move(regions_);
   }
 
@@ -230,8 +232,8 @@ class Optimiser {
 }  // namespace
 
 Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Components& components, double smooth,
-                 const Threads& threads, Job& job, Finish finish) {
-  return Optimiser(surface, hierarchy, components, smooth, threads).run(finish, job);
+                 const Threads& threads, Job& job, Finish finish, Metric metric) {
+  return Optimiser(surface, hierarchy, components, smooth, threads).run(finish, metric, job);
 }
 
 }  // namespace isimp

@@ -4,6 +4,7 @@
 #include "hierarchy/hierarchy.h"
 #include "isimp/core/job.h"
 #include "isimp/core/threads.h"
+#include "isimp/partition/options.h"
 #include "isimp/partition/regions.h"
 #include "isimp/partition/surface.h"
 
@@ -26,7 +27,8 @@ enum class Finish {
 /// Cost: O(F); about 40 ms for a million faces.
 /// \param smooth  PartitionOptions::smooth; above 0 the borders' length is added to the error, in relaxing and in the
 ///                last merging
+/// \param metric  of the last relaxing; all before uses normals
 Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Components& components, double smooth,
-                 const Threads& threads, Job& job, Finish finish = Finish::teleports);
+                 const Threads& threads, Job& job, Finish finish = Finish::teleports, Metric metric = Metric::normals);
 
 }  // namespace isimp
