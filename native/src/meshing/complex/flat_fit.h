@@ -12,7 +12,7 @@ namespace isimp::meshing {
 /// The weights of the energy of places (placement.h). The mean square distance of a chart from the plane of its polygon
 /// weighs 1.
 struct PlaceWeights {
-  double bend = 5;    ///< mean square distance of the polygon's corners from its plane
+  double bend = 6;    ///< mean square distance of the polygon's corners from its plane
   double tie = 0.06;  ///< square distance of a corner from its place at the start
 };
 
