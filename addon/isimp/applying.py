@@ -12,7 +12,6 @@ from . import view
 from .engine import engine
 from .language import said
 from .outcome import EXACT, Outcome
-from .prepared import Prepared
 from .task import Stopped, Watch
 
 ALONG_AN_AXIS = 0.94  #: cosine of the largest angle (20 degrees) between an axis and a normal along it
@@ -30,7 +29,7 @@ def engine_call(watch: Watch, begin: float, end: float, stage: str, function, *a
 
 
 class Stages:
-    """The jobs of `engine.pipeline.split`, each of which is a stage of the progress."""
+    """The jobs of the engine's steps, each of which is a stage of the progress."""
 
     def __init__(self, watch: Watch, begin: float, end: float):
         self._watch, self._span = watch, (begin, end)
@@ -50,11 +49,11 @@ def _needs_regions(before: Outcome | None) -> Outcome:
     return before
 
 
-def with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers: dict) -> Outcome:
+def with_regions(repaired, partition, kept: np.ndarray | None, numbers: dict) -> Outcome:
     """Return the outcome of a partition. kept: (R,) the previous colour of each region, -1 for a new region."""
-    face_region = prepared.faces.regions(partition)
-    border = view.border_pairs(face_region, prepared.face_pairs)
-    pairs = view.region_pairs(face_region, prepared.face_pairs[border])
+    face_region = repaired.faces.regions(partition)
+    border = view.border_pairs(face_region, repaired.faces.pairs)
+    pairs = view.region_pairs(face_region, repaired.faces.pairs[border])
     color = view.assign_colors(partition.region_count, pairs, kept)
     known = {"regions": partition.region_count, "error": partition.error, "left_out": int((face_region < 0).sum())}
     away = int(np.count_nonzero(partition.region_left_out))
@@ -62,8 +61,8 @@ def with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers
     known |= {"regions_left_out": away} if away else {}
     known |= planes_known(partition)
     known |= _mirror_numbers(partition.symmetry)
-    known |= _round_known(prepared, partition)
-    return Outcome(face_region, color, border, partition, numbers=known | numbers, closing=prepared.closing)
+    known |= _round_known(repaired, partition)
+    return Outcome(face_region, color, border, partition, numbers=known | numbers, repair=repaired.repair)
 
 
 def _mirror_numbers(symmetry: dict | None) -> dict:
@@ -76,12 +75,12 @@ def _mirror_numbers(symmetry: dict | None) -> dict:
     return {"symmetry": "XYZ"[axis] if along else "oblique"} | found
 
 
-def _round_known(prepared: Prepared, partition) -> dict:
+def _round_known(repaired, partition) -> dict:
     """Return kind, radius, segments, rings and one face of the scan of each round part, the largest part first."""
     parts = sorted(partition.curved, key=lambda part: -part.faces)
     if not parts:
         return {}
-    faces = [int(prepared.mesh_face[partition.region_seed[part.regions[0]]]) for part in parts]
+    faces = [int(repaired.faces.mesh_face[partition.region_seed[part.regions[0]]]) for part in parts]
     told = zip(parts, faces, strict=True)
     return {"round": [[part.kind, part.radius, part.segments, part.rings, face] for part, face in told]}
 
@@ -108,18 +107,18 @@ def carried_colors(before: Outcome, partition) -> np.ndarray:
     return kept
 
 
-def apply_edit(step: rcp.Step, prepared, before, watch, begin, end) -> Outcome:
+def apply_edit(step: rcp.Step, repaired, before, watch, begin, end) -> Outcome:
     """Applies a step that changes regions or planes."""
     before, kind = _needs_regions(before), rcp.KINDS[type(step)]
-    args = (kind, step, prepared.faces, before.partition)
+    args = (kind, step, repaired.faces, before.partition)
     partition = engine_call(watch, begin, end, STAGES[kind], engine.replay.edited, *args)
     merged = isinstance(step, rcp.Regularise) and partition.regularity["islands_merged"]
     if isinstance(step, (rcp.Regularise, rcp.AlignPlanes)) and not merged:
-        return _with_planes(prepared, before, partition)
-    return with_regions(prepared, partition, _kept_colors(step, prepared, before, partition), {})
+        return _with_planes(repaired, before, partition)
+    return with_regions(repaired, partition, _kept_colors(step, repaired, before, partition), {})
 
 
-def _kept_colors(step: rcp.Step, prepared: Prepared, before: Outcome, partition) -> np.ndarray:
+def _kept_colors(step: rcp.Step, repaired, before: Outcome, partition) -> np.ndarray:
     """Return (R,) the previous colour of each region, -1 for a new region."""
     if isinstance(step, rcp.LockRegions):
         return before.region_color
@@ -127,11 +126,11 @@ def _kept_colors(step: rcp.Step, prepared: Prepared, before: Outcome, partition)
         return np.append(before.region_color, -1)
     if isinstance(step, (rcp.DeleteProxy, rcp.MergeRegions)):  # regions above the lost one move down by one
         face = step.face if isinstance(step, rcp.DeleteProxy) else step.other
-        return np.delete(before.region_color, int(before.partition.face_region[prepared.faces.triangle_at(face)]))
+        return np.delete(before.region_color, int(before.partition.face_region[repaired.faces.triangle_at(face)]))
     return carried_colors(before, partition)
 
 
-def _with_planes(prepared: Prepared, before: Outcome, partition) -> Outcome:
+def _with_planes(repaired, before: Outcome, partition) -> Outcome:
     """Return the outcome with the same regions and the planes of `partition`."""
     names = ("regions", "error", "left_out", "locked", "regions_left_out")
     known = {name: before.numbers[name] for name in names if name in before.numbers}
@@ -141,7 +140,7 @@ def _with_planes(prepared: Prepared, before: Outcome, partition) -> Outcome:
         polygons=None,
         region_distance=None,
         made=None,
-        numbers=known | planes_known(partition) | _round_known(prepared, partition),
+        numbers=known | planes_known(partition) | _round_known(repaired, partition),
     )
 
 
@@ -168,7 +167,7 @@ STAGES = {
     **dict.fromkeys(("split_region", "cut_region"), "splitting"),
     **dict.fromkeys(("lock", "unlock", "leave_out"), "locking"),
     **dict.fromkeys(("segments", "explode"), "cutting round parts"),
-    "clean": "counting regions",
+    "clean": "reading the mesh",
     "partition": "partitioning",
     "add_proxy": "adding a region",
     "add_worst": "adding regions",
@@ -187,7 +186,7 @@ STAGES = {
 }
 
 
-def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int) -> Outcome:
+def apply_mesh(step: rcp.Mesh, repaired, before, watch, begin, end, threads: int) -> Outcome:
     """Makes polygons. If they violate the bound, repartitions with a smaller one, unless the partition was edited."""
     before = _needs_regions(before)
     options = engine.MeshingOptions(**rcp.engine_options(step, rcp.MESHING), threads=threads)
@@ -196,24 +195,24 @@ def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int
         share = 0.9 * (end - begin)
         return watch.part("meshing", begin + of * share, begin + to * share, engine.Job())
 
-    args = (prepared.mesh, before.partition, options)
+    args = (repaired.mesh, before.partition, options)
     try:
         found = engine.within.polygonize_within(*args, made=before.made, jobs=job)
     except engine.Cancelled:
         raise Stopped from None
     regions = before
     if found.partition is not before.partition:
-        regions = with_regions(prepared, found.partition, carried_colors(before, found.partition), {})
-    args = (prepared.mesh, regions.partition, found.polygons, 0.0)
+        regions = with_regions(repaired, found.partition, carried_colors(before, found.partition), {})
+    args = (repaired.mesh, regions.partition, found.polygons, 0.0)
     away = engine_call(watch, end - 0.1 * (end - begin), end, "measuring", engine.within.scan_distances, *args)
-    numbers = _mesh_numbers(found, regions, away, prepared.mesh.report["diagonal"])
+    numbers = _mesh_numbers(found, regions, away, repaired.mesh.report["diagonal"])
     numbers |= {"regions_before": before.numbers["regions"]}
     return replace(
         regions,
         polygons=found.polygons,
-        origin=prepared.mesh.origin,
+        origin=repaired.mesh.origin,
         numbers=numbers,
-        region_distance=_of_regions(prepared.mesh, regions.partition, away),
+        region_distance=_of_regions(repaired.mesh, regions.partition, away),
     )
 
 

@@ -384,7 +384,6 @@ STAGES = (
     own("Cleaning"),
     own("Closing holes"),
     own("Counting polygons"),
-    own("Counting regions"),
     own("Cutting"),
     own("Cutting off a part"),
     own("Cutting round parts"),

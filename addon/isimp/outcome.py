@@ -9,7 +9,6 @@ import numpy as np
 
 from . import recipe as rcp
 from . import view
-from .prepared import NONE_CLOSED, Closing
 
 
 class StepFailed(Exception):
@@ -36,7 +35,7 @@ class Outcome:
     numbers: dict = field(default_factory=dict)  #: numbers of the last step and of the scan
     made: Any = None  #: `engine.within.Made` of the partition; None after an edit
     region_distance: Any = None  #: after Mesh: (R,) largest distance of a region's vertices from the polygons
-    closing: Closing = NONE_CLOSED  #: how openings were closed before the partition
+    repair: Any = None  #: `engine.repairs.Repair` of the mesh that the regions are of
 
     @property
     def face_color(self) -> np.ndarray:

@@ -57,22 +57,21 @@ class Scan:
         return found
 
     @property
-    def surface(self) -> Any:
-        """The triangles with their faces, as `engine.replay.Surface`."""
-        return engine.replay.Surface(self.vertices, self.triangles, self.triangle_face, self.face_count)
+    def source(self) -> Any:
+        """The triangles with their faces, as `engine.source.Source`."""
+        if "source" not in self._known:
+            arrays = (self.vertices, self.triangles, self.triangle_face, self.face_count)
+            self._known["source"] = engine.source.Source(*arrays, digest=self.digest)
+        return self._known["source"]
 
     @property
     def edges(self) -> tuple[np.ndarray, np.ndarray]:
         """(E, 2) triangles that share an edge, (E, 2) the vertices of that edge."""
-        if "edges" not in self._known:
-            self._known["edges"] = engine.guides.shared_edges(self.triangles)
-        found: tuple[np.ndarray, np.ndarray] = self._known["edges"]
+        found: tuple[np.ndarray, np.ndarray] = self.source.triangle_edges
         return found
 
     @property
     def face_edges(self) -> tuple[np.ndarray, np.ndarray]:
         """(E, 2) user's faces that share an edge, (E, 2) the vertices of that edge."""
-        if "face_edges" not in self._known:
-            self._known["face_edges"] = engine.replay.face_edges(self.edges, self.triangle_face)
-        found: tuple[np.ndarray, np.ndarray] = self._known["face_edges"]
+        found: tuple[np.ndarray, np.ndarray] = self.source.face_edges
         return found

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from . import recipe as rcp
+from . import view
 from .applying import (
     NEARER,
     PREPARING,
@@ -22,17 +23,9 @@ from .applying import (
     engine_call,
     with_regions,
 )
-from .cache import Cache
 from .engine import ENGINE_PROBLEM, engine
 from .language import said
 from .outcome import Outcome, StepFailed
-from .prepared import (
-    NONE_CLOSED,
-    Closing,
-    Prepared,
-    prepared_of,
-    scan_numbers,
-)
 from .scan import Scan
 from .task import Watch, shares
 
@@ -46,13 +39,13 @@ def backends() -> list[str]:
 
 def with_places(scan: Scan, recipe: rcp.Recipe) -> rcp.Recipe:
     """Return the recipe with the places of the faces that it names, for other versions of the scan."""
-    found = engine.replay.places_of(recipe, scan.surface)
+    found = engine.replay.places_of(recipe, scan.source.surface)
     return recipe if found is None else replace(recipe, places=rcp.Places(*found))
 
 
 def placed(scan: Scan, recipe: rcp.Recipe) -> tuple[rcp.Recipe, int]:
     """Return the recipe with the faces at its places, and how many steps are switched off, as they have none."""
-    found, lost = engine.replay.placed(recipe, scan.surface)
+    found, lost = engine.replay.placed(recipe, scan.source.surface)
     return found, len(lost)
 
 
@@ -76,11 +69,11 @@ class Session:
         # Neither changes the result:
         self.backend = backend  #: one of backends(), for parallel methods
         self.threads = threads  #: number of threads; 0: one for each core
-        self._meshes = Cache(budget, least=2)  # for one scan: the mesh with open and the one with closed openings
-        self._outcomes = Cache(budget)
-        self._parts = Cache(0)  # the last part only
+        # For one scan: the mesh with open and the one with closed openings.
+        self._meshes = engine and engine.repairs.Meshes(engine.cache.Cache(budget, least=2))
+        self._outcomes = engine and engine.cache.Cache(budget)
         self._fits: tuple = (None, ())  # the last partition and its fits
-        self._textures = Cache(0)  # the last texture by scan, whose unchanged parts are reused
+        self._texture: tuple = ("", None)  # the last scan with a texture, whose unchanged parts are reused
 
     def replay(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> Outcome:
         """Return the outcome of the recipe on the scan.
@@ -89,57 +82,46 @@ class Session:
         """
         watch = watch or Watch()
         steps, keys = recipe.active(), _keys(scan, recipe)
-        done, outcome = self._longest_known(keys)
+        done, outcome = self._outcomes.longest(keys)
         if done < len(steps):
-            closing = outcome.closing if outcome else NONE_CLOSED
-            times = [0.0 if self._meshes.get((scan.digest, closing)) else PREPARING]
+            repair = outcome.repair if outcome else None
+            times = [0.0 if self.is_prepared(scan, repair) else PREPARING]
             ends = shares(times + [TIMES.get(type(step), 1.0) for _, step in steps[done:]])
-            prepared = replace(self.prepare(scan, watch, 0.0, ends[0], closing), layers=scan.layers)
+            repaired = self.prepare(scan, watch, 0.0, ends[0], repair)
         for number in range(done, len(steps)):
             index, step = steps[number]
             begin, end = ends[number - done : number - done + 2]
             try:
-                outcome = self._apply(step, prepared, outcome, watch, begin, end)
-                prepared = replace(self._prepared(scan, outcome), layers=scan.layers)
+                outcome = self._apply(step, scan, repaired, outcome, watch, begin, end)
+                repaired = self.prepare(scan, repair=outcome.repair)
             except engine.InvalidInput as error:
-                raise StepFailed(index, step, prepared.faces.named(str(error)), outcome) from error
+                raise StepFailed(index, step, repaired.faces.named(str(error)), outcome) from error
             except (ValueError, RuntimeError) as error:  # a device may run out of memory, for example
                 raise StepFailed(index, step, str(error), outcome) from error
-            self._outcomes.put(keys[number], outcome, _size(outcome, prepared))
+            self._outcomes.put(keys[number], outcome, _size(outcome, repaired))
         if outcome is None:
             raise ValueError(said("The recipe has no active step: press Partition"))
         return outcome
 
-    def prepare(
-        self,
-        scan: Scan,
-        watch: Watch | None = None,
-        begin: float = 0.0,
-        end: float = 1.0,
-        closing: Closing = NONE_CLOSED,
-    ) -> Prepared:
-        """Checks and repairs the scan. Raises ValueError if it has no usable face."""
-        key = (scan.digest, closing)
-        prepared = self._meshes.get(key)
-        if prepared is None:
-            opened = closing.opened
-            plain = None if closing == opened else self.prepare(scan, watch, begin, begin, opened).mesh
-            prepared = _prepare(scan, plain, closing, watch or Watch(), begin, end)
-            # Adjacency, normals and other data of the engine: about 300 bytes for each face.
-            self._meshes.put(key, prepared, 300 * len(scan.triangles))
-        return prepared
+    def prepare(self, scan: Scan, watch: Watch | None = None, begin: float = 0.0, end: float = 1.0, repair=None):
+        """Return the repaired scan. Raises ValueError if it has no usable face.
+
+        repair: the `engine.repairs.Repair` of an outcome; None: with its openings as they are.
+        """
+        if len(scan.triangles) == 0:
+            raise ValueError(said("The mesh has no faces: there is nothing to simplify"))
+        steps = Stages(watch or Watch(), begin, end)
+        found = self._meshes.repaired(scan.source, repair or engine.repairs.Repair(), steps)
+        found.faces.pairs, found.faces.face_triangle  # noqa: B018  (computed on this thread and cached)
+        return found
 
     def is_scanned(self, scan: Scan) -> bool:
         """Return whether the scan has noise, which drawn models do not have. Raises ValueError as `prepare`."""
         return not engine.nearer.is_drawn(self.prepare(scan).mesh)
 
-    def _prepared(self, scan: Scan, outcome: Outcome, watch: Watch | None = None) -> Prepared:
-        """Return the repaired scan that an outcome's partition belongs to."""
-        return self.prepare(scan, watch, closing=outcome.closing)
-
     def openings(self, scan: Scan, outcome: Outcome) -> list[dict]:
         """Return the openings that were closed before the partition or kept open: `engine.Mesh.openings`."""
-        found: list[dict] = self._prepared(scan, outcome).mesh.openings
+        found: list[dict] = self.prepare(scan, repair=outcome.repair).mesh.openings
         return found
 
     def triangulate(self, polygons) -> tuple[np.ndarray, np.ndarray]:
@@ -154,7 +136,7 @@ class Session:
         Charts keep their places in the last texture of the scan, and only charts changed by an edit are baked again.
         """
         watch = watch or Watch()
-        mesh = self._prepared(scan, outcome, watch).mesh
+        mesh = self.prepare(scan, watch, repair=outcome.repair).mesh
         layers = {
             name: engine.TextureLayer(images, strength=shown.strength if name == "emission" else 1.0)
             for name, images in shown.layers.items()
@@ -163,9 +145,9 @@ class Session:
         soup = engine.TexturedSoup(*arrays, names=shown.names, layers=layers)
         options = engine.TextureOptions(**rcp.engine_options(step, rcp.TEXTURE), threads=self.threads)
         args = (mesh, outcome.partition, outcome.polygons, soup, options)
-        make = partial(engine.texture, previous=self._textures.get(scan.digest))
+        make = partial(engine.texture, previous=self._texture[1] if self._texture[0] == scan.digest else None)
         made = engine_call(watch, 0.0, 1.0, "making the texture", make, *args)
-        self._textures.put(scan.digest, made, 1)
+        self._texture = scan.digest, made
         return made
 
     def corner_sources(self, scan: Scan, outcome: Outcome, uv=None) -> tuple[np.ndarray, np.ndarray]:
@@ -174,7 +156,7 @@ class Session:
         uv: (T, 3, 2) a UV map to transfer: each polygon then uses points of one island only.
         """
         islands = None if uv is None else engine.uv_islands(scan.triangles, uv)
-        mesh = self._prepared(scan, outcome).mesh
+        mesh = self.prepare(scan, repair=outcome.repair).mesh
         args = (mesh, outcome.partition, outcome.polygons, scan.vertices, scan.triangles)
         triangle, weights = engine.corner_sources(*args, islands=islands, threads=self.threads)
         return np.asarray(triangle), np.asarray(weights)
@@ -184,13 +166,14 @@ class Session:
 
         Raises ValueError if there is no such face, or it is in no region. Cost: linear in the size of the region.
         """
-        prepared = self._prepared(scan, outcome)
-        return engine.region_statistics(prepared.mesh, outcome.partition, prepared.faces.triangle_at(face))
+        repaired = self.prepare(scan, repair=outcome.repair)
+        return engine.region_statistics(repaired.mesh, outcome.partition, repaired.faces.triangle_at(face))
 
     def region_fits(self, scan: Scan, outcome: Outcome) -> tuple:
         """Return `engine.region_fits` of an outcome; cached for the last one."""
         if self._fits[0] is not outcome.partition:
-            self._fits = outcome.partition, engine.region_fits(self._prepared(scan, outcome).mesh, outcome.partition)
+            mesh = self.prepare(scan, repair=outcome.repair).mesh
+            self._fits = outcome.partition, engine.region_fits(mesh, outcome.partition)
         return self._fits[1]
 
     def locked_regions(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> np.ndarray:
@@ -206,117 +189,62 @@ class Session:
     def known(self, scan: Scan, recipe: rcp.Recipe) -> Outcome | None:
         """Return the cached outcome of the recipe, or None. Nothing is computed."""
         keys = _keys(scan, recipe)
-        done, outcome = self._longest_known(keys)
+        done, outcome = self._outcomes.longest(keys)
         return outcome if done == len(keys) else None
 
-    def is_prepared(self, scan: Scan) -> bool:
+    def is_prepared(self, scan: Scan, repair=None) -> bool:
         """Return whether `prepare` of the scan is cached."""
-        return self._meshes.get((scan.digest, NONE_CLOSED)) is not None
+        return self._meshes.known(scan.source, repair or engine.repairs.Repair())
 
-    def _longest_known(self, keys: list) -> tuple[int, Outcome | None]:
-        for number in range(len(keys), 0, -1):
-            outcome = self._outcomes.get(keys[number - 1])
-            if outcome is not None:
-                return number, outcome
-        return 0, None
-
-    def _apply(self, step, prepared, before, watch, begin, end) -> Outcome:
+    def _apply(self, step, scan, repaired, before, watch, begin, end) -> Outcome:
         started = time.perf_counter()
         if isinstance(step, rcp.Partition):
-            outcome = self._partition(step, prepared, before, watch, begin, end)
+            outcome = self._partition(step, scan, repaired, before, watch, begin, end)
         elif isinstance(step, rcp.Mesh):
-            outcome = apply_mesh(step, prepared, before, watch, begin, end, self.threads)
+            outcome = apply_mesh(step, repaired, before, watch, begin, end, self.threads)
         elif isinstance(step, rcp.Texture):
             outcome = apply_texture(before)
         else:
-            outcome = apply_edit(step, prepared, before, watch, begin, end)
+            outcome = apply_edit(step, repaired, before, watch, begin, end)
         seconds = time.perf_counter() - started
-        numbers = {"step": rcp.KINDS[type(step)], "seconds": seconds, "scan": prepared.scan.digest}
-        numbers |= scan_numbers(self.prepare(prepared.scan)) | {"closed_below": outcome.closing.holes}
-        mesh = self._prepared(prepared.scan, outcome).mesh
+        numbers = {"step": rcp.KINDS[type(step)], "seconds": seconds, "scan": scan.digest}
+        numbers |= scan_numbers(scan, self.prepare(scan).mesh.report) | {"closed_below": outcome.repair.lengths.holes}
+        mesh = self.prepare(scan, repair=outcome.repair).mesh
         numbers |= {"repairs": mesh.report["repairs"]}
         numbers |= {"kept_open": sum(opening["kept"] for opening in mesh.openings)}
         numbers |= outcome.numbers
         return replace(outcome, numbers=numbers)
 
-    def _partition(self, step: rcp.Partition, prepared, before, watch, begin, end) -> Outcome:
-        own = engine.recipes.partition_options(step)
-        options = engine.PartitionOptions(**own, backend=self.backend, threads=self.threads)
-        locked = before is not None and before.partition.region_locked.any()
-        may_close = not (locked or step.faces)  # regions that stay belong to the mesh before a new closing
-        closes = may_close and step.close_openings and step.count_by != "bound"
-        meshes = _Meshes(self, step, prepared, watch, (begin, end)) if may_close else _Mesh(prepared)
-
-        def guided(mesh, job):
-            guides = _guides(step, meshes.prepared, before)
-            return guides, self._part(meshes.prepared, guides, options)
-
-        partition, made = engine.pipeline.split(meshes, options, closes, Stages(watch, begin, end), guided)
-        prepared, guides = meshes.prepared, made.guides
+    def _partition(self, step: rcp.Partition, scan, repaired, before, watch, begin, end) -> Outcome:
+        own = {"backend": self.backend, "threads": self.threads}
+        wanted = engine.states.split_of(step, partial(_guides, step, scan), engine.CleanOptions(), **own)
+        state = before and engine.states.State(repaired, before.partition, before.made)
+        state = engine.states.partitioned(wanted, scan.source, self._meshes, Stages(watch, begin, end), state)
+        repaired, partition, made = state.repaired, state.partition, state.made
         names = ("rounds", "tolerance", "noise", "snapped", "distance_max", "warnings")
-        numbers = {"asked": partition.proxies_asked, "expected": self._expected(prepared, partition, watch, end)} | {
+        numbers = {"asked": partition.proxies_asked, "expected": self._expected(repaired, partition, watch, end)} | {
             name: partition.report[name] for name in names
         }
         if step.symmetry != "none" and partition.symmetry is None:
             numbers["symmetry"] = "none"
-        kept = None if before is None or guides.before is None else carried_colors(before, partition)
-        barriers = guides.arrays()["barriers"]
+        kept = None if made.guides.before is None else carried_colors(before, partition)
+        barriers = made.guides.edges
         if barriers is not None:
-            inside = engine.guided.inside_regions(prepared.mesh, partition, barriers)
+            inside = engine.guided.inside_regions(repaired.mesh, partition, barriers)
             numbers |= {"barriers": len(barriers), "barriers_inside": inside}
-        args = (prepared.mesh, partition, made)
+        args = (repaired.mesh, partition, made)
         nearer = engine_call(watch, end, end, "measuring", engine.nearer.nearer_by_bound, *args)
         if nearer is not None:
             numbers |= dict(zip(NEARER, (nearer.bound, nearer.regions, nearer.times), strict=True))
-        return replace(with_regions(prepared, partition, kept, numbers), made=made)
+        return replace(with_regions(repaired, partition, kept, numbers), made=made)
 
-    def _expected(self, prepared: Prepared, partition, watch, at: float) -> dict[str, int]:
+    def _expected(self, repaired, partition, watch, at: float) -> dict[str, int]:
         """Return estimated counts of polygons; empty if a component has no regions, for which Mesh raises an error."""
-        args = (prepared.mesh, partition)
+        args = (repaired.mesh, partition)
         try:
             return engine_call(watch, at, at, "counting polygons", engine.expected_polygons, *args)
         except engine.InvalidInput:
             return {}
-
-    def _part(self, prepared: Prepared, guides, options):
-        """Return the part of the mesh to split, or None for all of it. It is cached for other numbers of regions."""
-        faces = engine.guided.open_faces(prepared.mesh, guides, options.leave_out, options.proxies)
-        if faces is None:
-            return None
-        key = (prepared.scan.digest, prepared.closing, faces.tobytes())
-        if self._parts.get(key) is None:
-            self._parts.put(key, engine.guided.part_of(prepared.mesh, faces), 1)
-        return self._parts.get(key)
-
-
-@dataclass
-class _Mesh:
-    """The mesh of regions that stay, for `engine.pipeline.split`."""
-
-    prepared: Prepared
-
-    def opened(self):
-        return self.prepared.mesh
-
-
-class _Meshes:
-    """The cached meshes of a scan, for `engine.pipeline.split`."""
-
-    def __init__(self, session: Session, step: rcp.Partition, prepared: Prepared, watch: Watch, span: tuple):
-        self._session, self._watch, self._span = session, watch, span
-        self._opened, self._kept = Closing(**rcp.engine_options(step, rcp.CLEAN)), step.keep_openings
-        self.prepared = prepared
-
-    def opened(self):
-        return self._prepare(self._opened)
-
-    def closed(self, lengths):
-        return self._prepare(self._opened.up_to(lengths, self._kept))
-
-    def _prepare(self, closing: Closing):
-        found = self._session.prepare(self.prepared.scan, self._watch, *self._span, closing)
-        self.prepared = replace(found, layers=self.prepared.layers)
-        return found.mesh
 
 
 def _keys(scan: Scan, recipe: rcp.Recipe) -> list[tuple]:
@@ -324,75 +252,70 @@ def _keys(scan: Scan, recipe: rcp.Recipe) -> list[tuple]:
     return [(scan.digest, scan.layers_digest, key) for key in recipe.prefix_keys()]
 
 
-def _prepare(scan: Scan, plain, closing: Closing, watch: Watch, begin: float, end: float) -> Prepared:
-    """Return the repaired scan. plain: its mesh with open openings, None if none are to be closed."""
-    if len(scan.triangles) == 0:
-        raise ValueError(said("The mesh has no faces: there is nothing to simplify"))
-    middle = begin + 0.4 * (end - begin)
-    options = engine.CleanOptions(
-        cut_handles=closing.handles,
-        fill_holes=closing.holes,
-        fill_flat_holes=closing.flat_holes,
-        stitch=closing.stitch,
-        grid=closing.grid,
-    )
-    if plain is None:
-        args = (engine.clean, scan.vertices, scan.triangles, options)
-    else:
-        keep = np.array(closing.kept, np.float64).reshape(-1, 3)
-        args = (partial(engine.close_openings, keep=keep, left_out=closing.left_out), plain, options)
-    mesh = engine_call(watch, begin, middle, "reading the mesh", *args)
-    with watch.part("reading the mesh", middle, end):
-        return prepared_of(scan, mesh, closing)
+def scan_numbers(scan: Scan, report: dict) -> dict:
+    """Return numbers of a scan. report: of its repaired mesh."""
+    names = ("components", "border_loops", "closed", "diagonal", "repairs")
+    return {"triangles": len(scan.triangles), "faces": scan.face_count} | {
+        name: report[name] for name in names if name in report
+    }
 
 
-def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:
+def _weights(step: rcp.Partition, scan: Scan, mesh_face: np.ndarray) -> np.ndarray | None:
     """Return (F',) the factor of each face's area. Weight 1 gives four times the regions of weight 0 at influence 1."""
     if not step.weights:
         return None
-    if step.weights not in prepared.layers:
+    if step.weights not in scan.layers:
         raise ValueError(
             said("there is no vertex group or numeric attribute '{name}' for the weights", name=step.weights)
         )
-    painted = np.clip(np.nan_to_num(prepared.layers[step.weights].astype(np.float64)), 0.0, 1.0)
-    return 16.0 ** (step.influence * painted[prepared.mesh_face])
+    painted = np.clip(np.nan_to_num(scan.layers[step.weights].astype(np.float64)), 0.0, 1.0)
+    return 16.0 ** (step.influence * painted[mesh_face])
 
 
-def _barriers(step: rcp.Partition, prepared: Prepared) -> list[np.ndarray]:
+def _barriers(step: rcp.Partition, scan: Scan, repaired) -> list[np.ndarray]:
     """Return edges that no region crosses, by attributes, materials and angle of the step."""
-    guides, mesh, found = engine.guides, prepared.mesh, []
-    values = [prepared.layers.get(rcp.MARKS[name]) for name in ("materials", "face_sets") if getattr(step, name)]
+    guides, mesh, found = engine.guides, repaired.mesh, []
+    values = [scan.layers.get(rcp.MARKS[name]) for name in ("materials", "face_sets") if getattr(step, name)]
     if step.borders:
-        if step.borders not in prepared.layers:
+        if step.borders not in scan.layers:
             raise ValueError(said("there is no face attribute '{name}' for the barriers", name=step.borders))
-        values.append(prepared.layers[step.borders])
-    of_faces = (each[prepared.mesh_face] for each in values if each is not None)
+        values.append(scan.layers[step.borders])
+    of_faces = (each[repaired.faces.mesh_face] for each in values if each is not None)
     found.extend(guides.attribute_borders(mesh, each) for each in of_faces)
     if step.angle < 180:
         found.append(guides.sharp_edges(mesh, np.radians(step.angle)))
     return found
 
 
-def _guides(step: rcp.Partition, prepared: Prepared, before: Outcome | None):
-    """Return the barriers, weights and locks of the step for the engine."""
-    marked = [prepared.layers.get(rcp.MARKS[name]) for name in ("seams", "sharp") if getattr(step, name)]
-    cuts = [engine.guides.marked_edges(prepared.mesh, edges) for edges in marked if edges is not None]
-    barriers = _barriers(step, prepared)
-    locked = before is not None and before.partition.region_locked.any()
+def _guides(step: rcp.Partition, scan: Scan, repaired, _job):
+    """Return the barriers and weights of the step for the engine."""
+    marked = [scan.layers.get(rcp.MARKS[name]) for name in ("seams", "sharp") if getattr(step, name)]
+    cuts = [engine.guides.marked_edges(repaired.mesh, edges) for edges in marked if edges is not None]
+    barriers = _barriers(step, scan, repaired)
     return engine.guided.Guides(
-        weights=_weights(step, prepared),
+        weights=_weights(step, scan, repaired.faces.mesh_face),
         barriers=np.concatenate(barriers) if barriers else None,
         cuts=np.concatenate(cuts) if cuts else None,
-        faces=prepared.faces.triangles_at(step.faces) if step.faces else None,
-        before=before.partition if before is not None and (locked or step.faces) else None,
     )
 
 
-def _size(outcome: Outcome, prepared: Prepared) -> int:
+def joined_faces(repaired, faces: np.ndarray, start: int) -> np.ndarray:
+    """Return the faces that are connected to `start` over shared edges of the engine's mesh.
+
+    The repair may have changed edges of the user's mesh, for example flipped them. faces: in rising order.
+    """
+    inside = np.zeros(repaired.faces.count, bool)
+    inside[faces] = True
+    some = np.flatnonzero(inside[repaired.faces.mesh_face])
+    beside, _ = engine.guides.shared_edges(np.asarray(repaired.mesh.triangles)[some])
+    return view.connected(faces, repaired.faces.mesh_face[some[beside]], start)
+
+
+def _size(outcome: Outcome, repaired) -> int:
     size = (
         outcome.face_region.nbytes
         + outcome.border.nbytes
-        + 4 * len(prepared.mesh_face)
+        + 4 * len(repaired.faces.mesh_face)
         + 200 * len(outcome.region_color)
     )
     return size if outcome.polygons is None else size + 64 * len(outcome.polygons.loops)

@@ -48,8 +48,8 @@ class Sketch:
     origin: tuple = (0.0, 0.0, 0.0)
 
 
-def borders(scan: Scan, border: np.ndarray, origin=(0.0, 0.0, 0.0)) -> np.ndarray:
-    """Return (2 B, 3) float32 the chosen edges between faces, relative to `origin`."""
+def borders(scan, border: np.ndarray, origin=(0.0, 0.0, 0.0)) -> np.ndarray:
+    """Return (2 B, 3) float32 the chosen edges between faces, relative to `origin`. scan: or its source."""
     return _relative(scan.vertices[scan.face_edges[1][border].ravel()], origin)
 
 
@@ -113,11 +113,11 @@ def at_once(session: Session, scan: Scan, recipe: rcp.Recipe) -> Sketch | None:
         return None
     prepared = session.prepare(scan)
     origin, locked = prepared.mesh.origin, np.flatnonzero(outcome.partition.region_locked)
-    lines = borders(prepared.scan, outcome.border, origin)
+    lines = borders(prepared.source, outcome.border, origin)
     return Sketch(lines, locked=triangles_of(scan, outcome.face_region, locked, origin), origin=origin)
 
 
-def borders_of(scan: Scan, border: np.ndarray, face_region: np.ndarray, regions: np.ndarray) -> np.ndarray:
+def borders_of(scan, border: np.ndarray, face_region: np.ndarray, regions: np.ndarray) -> np.ndarray:
     """Return (2 B, 3) float32 the end points of the border edges of chosen regions."""
     ends = border[np.isin(face_region[scan.face_edges[0][border]], regions).any(axis=1)]
     return borders(scan, ends)
@@ -136,9 +136,9 @@ def draw(
 
     meshing: the Mesh step; None: without polygons. regularise: the step that snaps planes before Mesh.
     """
-    prepared = session.prepare(scan, watch, 0.0, 0.1)  # the edges of its scan are cached
+    prepared = session.prepare(scan, watch, 0.0, 0.1)  # with the edges of its faces
     origin = prepared.mesh.origin
-    lines = borders(prepared.scan, view.border_pairs(face_region, prepared.face_pairs), origin)
+    lines = borders(prepared.source, view.border_pairs(face_region, prepared.faces.pairs), origin)
     locked = triangles_of(scan, face_region, session.locked_regions(scan, recipe, watch), origin)
     if meshing is None:
         return Sketch(lines, locked=locked, origin=origin)

@@ -186,7 +186,7 @@ def run(hand):
     bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=200)
     yield 2
     for owner, name in (
-        (session.engine.pipeline, "split"),
+        (session.engine.states, "partitioned"),
         (session.engine.replay, "edited"),
     ):
         work.around(owner, name, "engine")

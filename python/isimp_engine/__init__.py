@@ -71,8 +71,8 @@ from ._core import (
     unlock_regions,
 )
 from .exporting import write
-from .pipeline import Result, simplify
 from .reading import read, read_polygons
+from .result import Result, simplify
 from .texturing import (
     Texture,
     TexturedSoup,

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import guides
-from ._core import Job, Mesh, partition_from
+from ._core import Job, partition_from
 from .guided import Guides
+from .repairs import Repaired
 from .settings import OptionError
 from .source import Source
 
@@ -54,8 +55,9 @@ def _check(name: str, values: NDArray[Any], shape: tuple[int | None, ...]) -> No
         raise OptionError(f"{{}}: must be ({wanted}) {kind}, is {values.shape} {values.dtype}", name)
 
 
-def guides_of(marks: Marks, angle: float | None, source: Source, mesh: Mesh, job: Job) -> Guides:
+def guides_of(marks: Marks, angle: float | None, repaired: Repaired, job: Job) -> Guides:
     """The guides of a partition, by faces and vertices of the mesh. angle: see `Settings`."""
+    source, mesh = repaired.source, repaired.mesh
     face = np.where(mesh.source_face >= 0, source.polygon[mesh.source_face], -1)
     barriers = []
     if angle is not None:

@@ -1,7 +1,7 @@
 """The openings of a scan to close before it is partitioned, by length, for the command and the add-on."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ._core import (
     CleanOptions,
@@ -22,7 +22,8 @@ class Lengths:
     holes: float = 0.0
     flat_holes: float = 0.0
     handles: float = 0.0
-    most: int | None = None  #: largest number of regions with these lengths; None: the number is known
+    #: largest number of regions with these lengths; None: the number is known
+    most: int | None = field(default=None, compare=False)
     left_out: int = 0  #: number of components that the partition leaves out, whose openings stay
 
     def __bool__(self) -> bool:
@@ -41,6 +42,9 @@ class Lengths:
     def options(self) -> dict[str, float]:
         """Return the lengths as keywords of CleanOptions."""
         return {"fill_holes": self.holes, "fill_flat_holes": self.flat_holes, "cut_handles": self.handles}
+
+
+NOTHING = Lengths()
 
 
 def lengths(mesh: Mesh, regions: int, job: Job | None = None, options: PartitionOptions | None = None) -> Lengths:

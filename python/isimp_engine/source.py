@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -9,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core import CleanOptions, InvalidInput, Job, Mesh, clean, close_openings
+from ._core import InvalidInput, Job, Mesh
 from .file_faces import cut, largest_shares
-from .openings import Lengths
+from .guides import shared_edges
 from .reading import read_polygons
-from .replay import Surface
-from .settings import OptionError
+from .replay import Surface, face_edges
+from .replay.faces import Edges
 from .texturing import TexturedSoup, read_textured
 
 GLTF = (".glb", ".gltf")
@@ -31,12 +32,25 @@ class Source:
     path: Path | None = None  #: its file
     soup: TexturedSoup | None = None  #: faces with their texture, if the caller requested it
     mesh: Mesh | None = None  #: the scan itself, if it was given repaired
+    digest: str = ""  #: equal for equal scans, where there are several
 
     @property
     def surface(self) -> Surface:
         """Its triangles with their faces."""
         face = self.polygon if self.mesh is None else self.mesh.source_face
         return Surface(self.vertices, self.triangles, face, self.faces)
+
+    @cached_property
+    def triangle_edges(self) -> Edges:
+        """(E, 2) triangles that share an edge, (E, 2) the vertices of that edge."""
+        return shared_edges(self.triangles)
+
+    @cached_property
+    def face_edges(self) -> Edges:
+        """(E, 2) faces that share an edge, (E, 2) the vertices of that edge."""
+        pairs, ends = face_edges(self.triangle_edges, self.surface.face)
+        known = (pairs >= 0).all(axis=1)
+        return (pairs, ends) if known.all() else (pairs[known], ends[known])
 
 
 def source_of(scan: Any, job: Job | None = None, threads: int = 0, textured: bool = False) -> Source:
@@ -83,44 +97,6 @@ def load(path: Path, job: Job | None, threads: int = 0, textured: bool = False) 
 def _of_soup(soup: TexturedSoup, path: Path | None) -> Source:
     polygon = soup.polygon if soup.polygon is not None else np.arange(len(soup.triangles), dtype=np.int32)
     return Source(soup.vertices, soup.triangles, polygon, int(polygon.max(initial=-1)) + 1, path, soup)
-
-
-Places = Sequence[tuple[float, float, float]]
-#: a repaired mesh, how often each repair was made, and where first
-Cleaned = tuple[Mesh, dict[str, int], dict[str, list[int]]]
-
-
-def clean_mesh(source: Source, options: CleanOptions, job: Job, keep: Places = ()) -> Cleaned:
-    """The mesh, how often each repair was made, and where first: faces are the scan's. keep: see `clean`."""
-    places = np.array(keep, np.float64).reshape(-1, 3)
-    if source.mesh is None:
-        return _told(source, clean(source.vertices, source.triangles, options, job, keep=places))
-    default = CleanOptions().as_dict()
-    if of_repair := [name for name in ("weld", "stitch", "grid") if options.as_dict()[name] != default[name]]:
-        raise OptionError("{} is of the repair, which a Mesh has had: give the arrays of the scan", of_repair[0])
-    if max(options.fill_holes, options.fill_flat_holes, options.cut_handles) > 0:
-        return _told(source, close_openings(source.mesh, options, job, keep=places))
-    return _told(source, source.mesh)
-
-
-def close_mesh(
-    source: Source, cleaned: Cleaned, options: CleanOptions, lengths: Lengths, job: Job, keep: Places = ()
-) -> Cleaned:
-    """Returns the cleaned mesh with its openings closed.
-
-    lengths: how `options` were found.
-    """
-    places = np.array(keep, np.float64).reshape(-1, 3)
-    return _told(source, close_openings(cleaned[0], options, job, keep=places, left_out=lengths.left_out))
-
-
-def _told(source: Source, mesh: Mesh) -> Cleaned:
-    report = mesh.report
-    where = {
-        key: places if key.endswith("vertices") else [int(p) for p in dict.fromkeys(source.polygon[places])]
-        for key, places in report["repaired_at"].items()
-    }
-    return mesh, report["repairs"], where
 
 
 def facts(mesh: Mesh) -> dict[str, Any]:

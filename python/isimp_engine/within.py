@@ -1,7 +1,5 @@
 """A bound that the polygons keep too: the distance of the scan from them, and the search for a smaller one."""
 
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,11 +16,11 @@ from ._core import (
     _BoundSearch,
     _distances_to_triangles,
     _scan_distances,
-    _Stretch,
     _tightened,
     polygonize,
 )
-from .guided import Guides, Part, partition_guided
+from .guided import Guides, partition_guided
+from .jobs import Jobs, stretches
 from .recipe import COUNTS
 
 SLACK = 1.5  #: the polygons may be this many times further from the scan than its regions' planes
@@ -32,7 +30,6 @@ _MOST_TRIES = 8
 _CHUNK = 1 << 10  # vertices that a thread measures at a time
 
 Points = NDArray[np.float64]
-Jobs = Callable[[float, float], AbstractContextManager[Job | None]]  # the job for the work between two shares of all
 
 
 @dataclass(frozen=True)
@@ -73,7 +70,6 @@ class Made:
 
     options: PartitionOptions
     guides: Guides | None = None
-    part: Part | None = None
 
     def again(self, mesh: Mesh, share: float, job: Job | None) -> Partition:
         """The partition with a share of the bound."""
@@ -89,7 +85,7 @@ class Made:
         return self._with(mesh, job, self.options.as_dict() | {"proxies": proxies, "triangles": None})
 
     def _with(self, mesh: Mesh, job: Job | None, options: dict[str, Any]) -> Partition:
-        return partition_guided(mesh, PartitionOptions(**options), job, self.guides, self.part)
+        return partition_guided(mesh, PartitionOptions(**options), job, self.guides)
 
 
 def triangles_of(polygons: PolygonMesh) -> int:
@@ -163,7 +159,7 @@ def polygonize_within(
     make nearly as many triangles and not more. Else it is `polygonize`.
     jobs: in place of `job`: makes a job for each part of the work, to show its progress.
     """
-    jobs, meshing = jobs or _stretches(job), meshing or MeshingOptions()
+    jobs, meshing = jobs or stretches(job), meshing or MeshingOptions()
     if made is not None and made.options.triangles is not None:
         return _within_triangles(mesh, part, meshing, made, jobs)
     if part.bound is None:
@@ -214,17 +210,6 @@ def partition_within(
     """Regions and their polygons. With a bound, the scan is within SLACK times it of them, if possible."""
     made = Made(options, guides)
     return polygonize_within(mesh, partition_guided(mesh, options, job, guides), meshing, job, made)
-
-
-def _stretches(job: Job | None) -> Jobs:
-    """One job for all parts of the work, each of which moves its progress from one share to another."""
-
-    @contextmanager
-    def stretch(begin: float, end: float) -> Iterator[Job | None]:
-        with nullcontext() if job is None else _Stretch(job, begin, end):
-            yield job
-
-    return stretch
 
 
 def _to_triangles(p: Points, corners: Points) -> Points:

@@ -9,7 +9,8 @@ from typing import Any
 
 from .. import PolygonMesh, __version__, exporting, merge_flat
 from ..drafts import save_array
-from ..source import Source, clean_mesh, facts, labels, load
+from ..repairs import Meshes, Repair
+from ..source import Source, facts, labels, load
 from . import simplify, words
 from .errors import UsageError
 from .files import STDOUT, Outputs, show
@@ -69,8 +70,8 @@ def _merge(task: Simplification, angle: float) -> None:
     settings, steps = task.settings, Steps(wanted(task.quiet))
     with steps("read") as job:
         source = load(task.input, job, settings.partition.threads)
-    with steps("clean") as job:
-        mesh, repaired, repaired_at = clean_mesh(source, settings.clean, job)
+    repaired = Meshes().repaired(source, Repair.by(settings.clean), steps)
+    mesh = repaired.mesh
     with steps("mesh") as job:
         poly, region = merge_flat(mesh, angle, job=job)
     surfaces = exporting.surfaces_of(poly)
@@ -84,8 +85,8 @@ def _merge(task: Simplification, angle: float) -> None:
             "isimp": __version__,
             "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
             | {"triangles": len(source.triangles)},
-            "repair": repaired,
-            "repaired_at": repaired_at,
+            "repair": repaired.counts,
+            "repaired_at": repaired.places,
             "mesh": facts(mesh),
             "options": {"flat": angle},
             "regions": int(poly.report["regions"]),

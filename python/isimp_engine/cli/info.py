@@ -8,8 +8,9 @@ from typing import Any
 
 from .. import Job
 from ..pipeline import make_model, make_regions, openings_of
+from ..repairs import Meshes, Repair
 from ..settings import OptionError, Settings
-from ..source import Cleaned, Source, clean_mesh, facts, load
+from ..source import Source, facts, load
 from . import words
 from .errors import flag
 from .files import show
@@ -20,37 +21,40 @@ from .progress import Steps
 def run(arguments: argparse.Namespace) -> None:
     settings = settings_of(vars(arguments), recipe_of(arguments))
     source = load(arguments.input, Job(), settings.clean.threads)
-    cleaned = mesh, repaired, repaired_at = clean_mesh(source, settings.clean, Job(), settings.kept_places)
+    meshes = Meshes()
+    repaired = meshes.repaired(source, Repair.by(settings.clean, settings.kept_places), Steps(show=False))
+    mesh = repaired.mesh
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     report = {
         "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
         | {"triangles": len(source.triangles)},
-        "repair": repaired,
-        "repaired_at": repaired_at,
+        "repair": repaired.counts,
+        "repaired_at": repaired.places,
         "mesh": facts(mesh) | {"box": [low.tolist(), high.tolist()]},
-        "result": None if arguments.mesh_only else result(settings, source, cleaned, arguments.estimate),
+        "result": None if arguments.mesh_only else result(settings, source, meshes, arguments.estimate),
     }
     show(json.dumps(report, indent=2, allow_nan=False) if arguments.json else "\n".join(lines(report)))
 
 
-def result(settings: Settings, source: Source, cleaned: Cleaned, estimate: bool) -> dict[str, Any]:
+def result(settings: Settings, source: Source, meshes: Meshes, estimate: bool) -> dict[str, Any]:
     """How many polygons `isimp simplify` would make, and why; or why it would refuse. estimate: without meshing."""
     steps = Steps(show=False)
     try:
-        regions = make_regions(source, replace(settings, texture=None), steps, cleaned)
+        regions = make_regions(source, replace(settings, texture=None), steps, meshes)
         out: dict[str, Any] = regions.expected
         if not estimate:
             regions = model = make_model(regions, steps)
             out = model.found.report
     except OptionError as error:
         return {"refused": error.shown(flag)}
+    closed = regions.repaired.closed
     counts = {key: value for key, value in out.items() if key in ("regions", "polygons") or key.startswith("split_for")}
     return counts | {
         "expected": regions.expected,
         "estimated": estimate,
-        "closed_below": regions.closed.fill_holes if regions.closed else None,
-        "filled_holes": regions.repaired["filled_holes"],
-        "cut_handles": regions.repaired["cut_handles"],
+        "closed_below": closed.fill_holes if closed else None,
+        "filled_holes": regions.repaired.counts["filled_holes"],
+        "cut_handles": regions.repaired.counts["cut_handles"],
         "openings": openings_of(regions.mesh),
         "partition": regions.partition.report,
         "nearer": regions.nearer and regions.nearer.as_dict(),

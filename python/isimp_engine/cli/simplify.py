@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from .. import FileError, MeshingOptions, Partition, exporting
+from ..cache import Cache
 from ..drafts import save_array
 from ..pipeline import Model, make_model, make_regions, require_texture
+from ..repairs import Meshes
 from ..settings import Settings
-from ..source import Cleaned, Source, clean_mesh, load
+from ..source import Source, load
 from ..texturing.writing import files_of
 from . import closing, lods, texturing, words
 from .errors import UsageError
@@ -61,15 +63,12 @@ def run(task: Simplification) -> Done:
         texturing.check_source(source, [path for files in beside for path in files])
         require_texture(source)
     with Outputs() as outputs:
-        cleaned = None
+        meshes = Meshes(Cache(0, least=min(2, len(levels))))  # for all levels the mesh with its openings
         for number, each in enumerate(levels):
             level = each
             if number > 0 and textured:
                 level = lods.with_halved_texture(level, done[0].report["texture"]["size"], number)
-            if number == 0 and len(levels) > 1:
-                with steps("clean") as job:
-                    cleaned = clean_mesh(source, level.settings.clean, job, level.settings.kept_places)
-            done.append(_make(level, source, steps, outputs, cleaned))
+            done.append(_make(level, source, steps, outputs, meshes))
             steps = Steps(wanted(task.quiet))
         report = done[0].report
         if task.lods is not None:
@@ -87,14 +86,14 @@ def _make(
     source: Source,
     steps: Steps,
     outputs: Outputs,
-    cleaned: Cleaned | None,
+    meshes: Meshes,
 ) -> Done:
     """Make and write one result; its files appear when `outputs` are committed."""
     settings, step = task.settings, None
     if is_step := exporting.kind_of(task.output) in exporting.STEP_KINDS:  # its faces are planes
         meshing = MeshingOptions(**settings.meshing.as_dict() | {"planar": True})
         settings = replace(settings, meshing=meshing)
-    regions = make_regions(source, settings, steps, cleaned, task.guides.marks(source))
+    regions = make_regions(source, settings, steps, meshes, task.guides.marks(source))
     steps.say(f"expected: {words.expected(regions.expected)}")
     model = make_model(regions, steps)
     written = [task.output]
@@ -115,7 +114,8 @@ def _make(
     report["output"] = {"path": str(task.output)} | report["output"]
     if model.texture is not None:
         report["texture"] = report["texture"] | {"files": [str(path) for path in written[1:]]}
-    return Done(model, report | {"step": step, "seconds": steps.seconds, "peak_mb": peak_mb()})
+    seconds = steps.seconds | {"clean": steps.seconds.get("clean", 0.0)}  # a level of detail may have a known mesh
+    return Done(model, report | {"step": step, "seconds": seconds, "peak_mb": peak_mb()})
 
 
 def output_kinds(settings: Settings) -> tuple[str, ...]:

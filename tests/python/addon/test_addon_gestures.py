@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from isimp import prepared, view
 from isimp import recipe as rcp
+from isimp import view
 from isimp.engine import engine
 from isimp.gestures import Cut, Hit, Pointing, Sizing, Stroke, Wish, painted_over, rings_in
 from isimp.pick import Surface
-from isimp.session import Session, StepFailed
+from isimp.session import Session, StepFailed, joined_faces
 from session_scans import scan_of
 
 A, A2, B, NONE = Hit(1, 0), Hit(2, 0), Hit(9, 1), Hit(20, -1)
@@ -209,7 +209,7 @@ def test_a_stroke_over_a_flat_face_keeps_to_the_edges_of_the_mended_mesh():
     regions = rcp.Recipe((rcp.Partition(proxies=1, close_openings=False),))
     with pytest.raises(StepFailed, match="do not hang together"):
         session.replay(scan, regions.then(rcp.PaintFaces(faces=stroke.tolist())))
-    joined = prepared.joined_faces(session.prepare(scan), stroke, 2)
+    joined = joined_faces(session.prepare(scan), stroke, 2)
     assert joined.tolist() == [1, 2]
     painted = session.replay(scan, regions.then(rcp.PaintFaces(faces=joined.tolist())))
     assert painted.face_region[1] == painted.face_region[2] != painted.face_region[3]

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 
 import shapes
-from isimp.cache import Cache
 from isimp.recipe import AddProxy, Mesh, Partition, Recipe
 from isimp.session import Session, engine
+from isimp_engine.cache import Cache
 from session_scans import scan_of
 
 
@@ -37,13 +37,13 @@ def test_a_scan_larger_than_the_cache_is_repaired_once_and_its_openings_are_clos
     made = []
 
     def count(name):
-        function = getattr(engine, name)
+        function = getattr(engine.repairs, name)
 
         def counted(*args, **named):
             made.append(name)
             return function(*args, **named)
 
-        monkeypatch.setattr(engine, name, counted)
+        monkeypatch.setattr(engine.repairs, name, counted)
 
     count("clean")
     count("close_openings")
@@ -51,7 +51,7 @@ def test_a_scan_larger_than_the_cache_is_repaired_once_and_its_openings_are_clos
     session = Session(budget=0)
     recipe = Recipe((Partition(proxies=30),))
     outcome = session.replay(scan, recipe)
-    assert outcome.closing.handles > 0
+    assert outcome.repair.lengths.handles > 0
     session.replay(scan, recipe.then(AddProxy(face=7)).then(Mesh()))
     session.replay(scan, Recipe((Partition(proxies=31),)))
     assert made == ["clean", "close_openings"]
@@ -60,13 +60,13 @@ def test_a_scan_larger_than_the_cache_is_repaired_once_and_its_openings_are_clos
 def test_faces_with_several_triangles_take_the_region_with_most_of_their_area():
     random = np.random.default_rng(3)
     scan = scan_of(*shapes.room(4))
-    prepared = Session().prepare(scan)
-    face = random.integers(0, scan.face_count // 2, len(prepared.mesh_face)).astype(np.int32)
+    repaired = Session().prepare(scan)
+    face = random.integers(0, scan.face_count // 2, len(repaired.faces.mesh_face)).astype(np.int32)
     label = random.integers(-1, 40, len(face)).astype(np.int32)
-    triangles, vertices = np.asarray(prepared.mesh.triangles), np.asarray(prepared.mesh.vertices)
+    triangles, vertices = np.asarray(repaired.mesh.triangles), np.asarray(repaired.mesh.vertices)
     area = np.linalg.norm(np.cross(*(vertices[triangles[:, k]] - vertices[triangles[:, 0]] for k in (1, 2))), axis=1)
     shared = np.flatnonzero(np.bincount(face)[face] > 1)
-    faces = replace(prepared.faces)
+    faces = replace(repaired.faces)
     vars(faces).update(mesh_face=face, shared=shared, areas=area[shared])
     found = faces.regions(SimpleNamespace(face_region=label, region_count=40, region_seed=np.zeros(0, int)))
     for user_face in range(scan.face_count):

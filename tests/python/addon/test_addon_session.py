@@ -121,7 +121,7 @@ def test_mesh_gives_polygons_with_regions(scan):
 
 def test_what_was_computed_before_is_kept(scan, monkeypatch):
     session, calls = Session(), []
-    for of, name in ((engine, "clean"), (engine.guided, "partition"), (engine.replay, "edited")):
+    for of, name in ((engine.repairs, "clean"), (engine.guided, "partition"), (engine.replay, "edited")):
         real = getattr(of, name)
         monkeypatch.setattr(of, name, lambda *a, real=real, name=name, **k: (calls.append(name), real(*a, **k))[1])
     recipe = SIDES.then(AddProxy(face=3))
@@ -430,16 +430,6 @@ def test_a_later_partition_keeps_locked_regions(quads):
     assert (
         session.replay(quads, twice).face_region == session.replay(quads, recipe.then(Partition(proxies=9))).face_region
     ).all()
-
-
-def test_the_part_that_is_not_locked_is_cut_off_once(quads, monkeypatch):
-    session, made = Session(), []
-    real = engine.guided.part_of
-    monkeypatch.setattr(engine.guided, "part_of", lambda *args: (made.append(1), real(*args))[1])
-    recipe = Recipe((PLAIN, rcp.PaintFaces(faces=STROKE, lock=True)))
-    for proxies in (20, 21, 22):
-        session.replay(quads, recipe.then(Partition(proxies=proxies)))
-    assert len(made) == 1
 
 
 def test_a_bound_violated_by_polygons_makes_another_partition(quads, monkeypatch):

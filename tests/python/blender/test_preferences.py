@@ -23,7 +23,7 @@ def test_threads_and_back_end_reach_the_engine_and_change_no_result(monkeypatch)
         asked.append((given["threads"], given["backend"]))
         return options(**given)
 
-    monkeypatch.setattr(session.engine, "PartitionOptions", noting)
+    monkeypatch.setattr(session.engine.states, "PartitionOptions", noting)
     labels = []
     for threads in (0, 1, 3):
         wish.threads = threads

@@ -168,7 +168,7 @@ def test_after_an_edit_untouched_charts_keep_their_place_and_pixels():
     assert bpy.ops.isimp.add_proxy(face=500) == {"FINISHED"}
     assert bpy.ops.isimp.mesh() == {"FINISHED"}
     assert bpy.context.object == result
-    last = next(iter(runtime.get().session._textures._items.values()))[0].report
+    last = runtime.get().session._texture[1].report
     assert last["size"] == 512, "the size that was chosen stays"
     after = places(result)
     away = np.linalg.norm(after[:, None, :3] - before[None, :, :3], axis=2)

@@ -116,7 +116,7 @@ def test_clicks_act_at_their_places_of_another_version_of_the_scan(tmp_path):
     order = np.random.default_rng(1).permutation(len(triangles))
     meshfiles.ply_binary(tmp_path / "coarse.ply", vertices, triangles[order].tolist())
     random = np.random.default_rng(2)
-    surface = fine.surface
+    surface = fine.source.surface
     coarse = engine.source.source_of(tmp_path / "coarse.ply").surface
     part = engine.simplify(tmp_path / "coarse.ply", proxies=30).labels
     right = 0
@@ -150,15 +150,15 @@ def test_the_same_scan_in_other_coordinates_has_the_same_faces(tmp_path):
     recipe = rcp.Recipe((rcp.Partition(proxies=20), rcp.AddProxy(face=5), rcp.PaintFaces(faces=(900, 901)), rcp.Mesh()))
     given = rcp.Recipe.from_json(exported(recipe, scan))
     far = scan_of(scan.vertices[:, [0, 2, 1]] * np.array([1000, -1000, 1000]) + 5e4, scan.triangles)
-    assert engine.replay.placed(given, far.surface) == (recipe, [])
+    assert engine.replay.placed(given, far.source.surface) == (recipe, [])
     other = scan_of(far.vertices * np.array([1, 1, 3]), far.triangles)
-    assert engine.replay.placed(given, other.surface)[1] == [1, 2]
+    assert engine.replay.placed(given, other.source.surface)[1] == [1, 2]
 
 
 def test_places_are_written_on_one_line():
     scan = scan_of(*shapes.bumpy(24))
     recipe = rcp.Recipe((rcp.Partition(proxies=20), rcp.PaintFaces(faces=tuple(range(99)))))
-    surface = scan.surface
+    surface = scan.source.surface
     recipe = replace(recipe, places=rcp.Places(*engine.replay.places_of(recipe, surface)))
     for indent in (None, 2):
         text = recipe.to_json(indent)

@@ -8,7 +8,7 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
-from isimp_engine import cli, exporting, source
+from isimp_engine import cli, exporting, repairs
 from isimp_engine.exporting import surfaces
 
 
@@ -38,7 +38,7 @@ def calls(monkeypatch):
 
 
 def test_levels_of_detail_share_one_repaired_mesh(scan, calls, tmp_path):
-    cleaned = calls(source, "clean")
+    cleaned = calls(repairs, "clean")
     report = tmp_path / "r.json"
     arguments = [
         "simplify",
@@ -60,7 +60,7 @@ def test_levels_of_detail_share_one_repaired_mesh(scan, calls, tmp_path):
 
 
 def test_info_repairs_once(scan, calls, capsys):
-    cleaned = calls(source, "clean")
+    cleaned = calls(repairs, "clean")
     assert cli.main(["info", str(scan), "--proxies", "6"]) == 0
     assert len(cleaned) == 1
     assert "would become 6 polygons of 6 regions" in capsys.readouterr().out

@@ -9,7 +9,6 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 from isimp import recipe as rcp
-from isimp.prepared import prepared_of
 from isimp.session import Session, StepFailed
 from isimp_engine import batch
 from isimp_engine.cli.command import parser
@@ -110,19 +109,19 @@ def test_the_add_on_closes_them_too_and_edits_the_closed_mesh():
     scan, session = scan_of(*shapes.room(16)), Session()
     steps = rcp.Recipe((rcp.Partition(proxies=REGIONS),))
     outcome = session.replay(scan, steps)
-    assert outcome.closing.handles > 4
+    assert outcome.repair.lengths.handles > 4
     assert outcome.numbers["repairs"]["cut_handles"] == 16
     gone = outcome.face_region < 0
     assert 0 < gone.sum() < 16 * 40, "the walls of the tunnels are in no region"
     kept = session.replay(scan, rcp.Recipe((rcp.Partition(proxies=REGIONS, close_openings=False),)))
-    assert kept.closing.handles == 0
+    assert kept.repair.lengths.handles == 0
     assert (kept.face_region >= 0).all()
     made = session.replay(scan, steps.then(rcp.Mesh()))
     whole = session.replay(scan_of(*shapes.room(0)), steps.then(rcp.Mesh()))
     assert made.numbers["polygons"] <= 1.1 * whole.numbers["polygons"]
     face = int(np.flatnonzero(~gone)[0])
     edited = session.replay(scan, steps.then(rcp.AddProxy(face=face)))
-    assert edited.closing == outcome.closing
+    assert edited.repair == outcome.repair
     assert edited.numbers["regions"] == REGIONS + 1
     assert session.region_at(scan, edited, face)["area"] > 0
     with pytest.raises(StepFailed, match="left out by the repair"):
@@ -132,8 +131,8 @@ def test_the_add_on_closes_them_too_and_edits_the_closed_mesh():
 def test_the_add_on_closes_the_same_as_the_command(tmp_path):
     report, _ = simplified(tmp_path, shapes.room(16), f"--proxies={REGIONS}")
     outcome = Session().replay(scan_of(*shapes.room(16)), rcp.Recipe((rcp.Partition(proxies=REGIONS),)))
-    assert outcome.closing.holes == pytest.approx(report["options"]["clean"]["fill_holes"], rel=1e-5)
-    assert outcome.closing.handles == pytest.approx(report["options"]["clean"]["cut_handles"], rel=1e-5)
+    assert outcome.repair.lengths.holes == pytest.approx(report["options"]["clean"]["fill_holes"], rel=1e-5)
+    assert outcome.repair.lengths.handles == pytest.approx(report["options"]["clean"]["cut_handles"], rel=1e-5)
 
 
 @pytest.mark.parametrize("most", [1, 10**6])
@@ -154,7 +153,7 @@ def test_openings_that_are_closed_before_the_regions_are_counted_are_the_same(mo
     monkeypatch.setattr(engine.openings, "_guess_opening_lengths", guess)
     guessed = Session().replay(scan_of(*shapes.room(16)), steps)
     assert asked == [len(shapes.room(16)[1])], "on the scan as it is, once"
-    assert guessed.closing == counted.closing
+    assert guessed.repair == counted.repair
     assert np.array_equal(guessed.face_region, counted.face_region)
     arguments = parser().parse_args(["simplify", str(tmp_path / "scan.ply"), str(tmp_path / "p.ply"), "--detail=0.1"])
     done = run(task_of(arguments))
@@ -191,11 +190,11 @@ def test_covers_belong_to_the_adjacent_face():
     mesh = engine.clean(scan.vertices, scan.triangles, engine.CleanOptions(cut_handles=5.0))
     covers = np.flatnonzero(mesh.source_face < 0)
     assert len(covers) > 0
-    prepared = prepared_of(scan, mesh)
-    for cover, face in zip(covers, prepared.mesh_face[covers], strict=True):
+    faces = engine.repairs.Repaired(scan.source, engine.repairs.Repair(), mesh).faces
+    for cover, face in zip(covers, faces.mesh_face[covers], strict=True):
         near = np.isin(scan.triangles, mesh.source_vertex[mesh.triangles[cover]]).any(axis=1)
         assert near[face]
-    assert (prepared.faces.face_triangle[prepared.mesh_face[covers]] < covers.min()).all(), "a face stands for itself"
+    assert (faces.face_triangle[faces.mesh_face[covers]] < covers.min()).all(), "a face stands for itself"
 
 
 def test_a_plate_of_many_holes_is_exact_in_few_regions():

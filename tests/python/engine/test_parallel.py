@@ -95,7 +95,7 @@ def test_a_device_that_fails_stops_the_recipe_with_its_reason(mesh, monkeypatch)
     def fail(*_, **__):
         raise RuntimeError("ran out of memory; back end 'cpu' can do the same")
 
-    monkeypatch.setattr(engine.pipeline, "partition_guided", fail)
+    monkeypatch.setattr(engine.states, "partition_guided", fail)
     scan = scan_of(mesh.vertices, mesh.triangles)
     with pytest.raises(StepFailed, match=r"^Step 1, .*: ran out of memory; back end 'cpu' can do the same"):
         Session().replay(scan, Recipe((Partition(proxies=12, method="queued"),)))

@@ -67,7 +67,7 @@ def _replayed(context, scan, meshed):
     recipe = meshed(store.load(scan) or rcp.Recipe())
     arrays, session = reading.read(context, scan, recipe.layers()), runtime.get().session
     outcome = session.replay(arrays, recipe)
-    return session.prepare(arrays, closing=outcome.closing).mesh, outcome
+    return session.prepare(arrays, repair=outcome.repair).mesh, outcome
 
 
 def _last_mesh(recipe):

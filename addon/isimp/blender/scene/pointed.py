@@ -53,6 +53,6 @@ def outline(scan) -> np.ndarray:
             outcome = current.session.known(known.scan, recipe.without_mesh())
         if outcome is None:
             return np.empty((0, 3), np.float32)
-        arrays, numbers = current.session.prepare(known.scan).scan, outcome.face_region[list(found)]
+        arrays, numbers = current.session.prepare(known.scan).source, outcome.face_region[list(found)]
         current.marked = key, sketch.borders_of(arrays, outcome.border, outcome.face_region, numbers)
     return current.marked[1]

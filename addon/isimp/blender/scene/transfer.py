@@ -14,7 +14,7 @@ def bones(result, scan, arrays, outcome) -> None:
     """
     if not len(scan.vertex_groups) or len(arrays.vertices) != len(scan.data.vertices):
         return
-    mesh = runtime.get().session.prepare(arrays, closing=outcome.closing).mesh
+    mesh = runtime.get().session.prepare(arrays, repair=outcome.repair).mesh
     source = np.asarray(mesh.source_vertex)[np.asarray(outcome.polygons.source_vertex)]
     groups = [
         result.vertex_groups.get(group.name) or result.vertex_groups.new(name=group.name)

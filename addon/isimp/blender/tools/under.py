@@ -10,7 +10,7 @@ from ... import pick, regularity, view
 from ... import recipe as rcp
 from ...gestures import Hit
 from ...language import own, said
-from ...prepared import joined_faces
+from ...session import joined_faces
 from ...task import Status, Task
 from .. import reading
 from ..scene import mesh_io, runtime, store, targets
@@ -49,7 +49,7 @@ class Ground:
         #: numbers of the locked regions; empty if the outcome is not cached
         self.locked = np.empty(0, int) if outcome is None else np.flatnonzero(outcome.partition.region_locked)
         self._between = None if outcome is None else outcome.border
-        self._closing = None if outcome is None else outcome.closing
+        self._repair = None if outcome is None else outcome.repair
         self._error = store.numbers(obj).get("error", 0.0)  #: sum over all regions
 
     @cached_property
@@ -105,10 +105,10 @@ class Ground:
 
     def joined(self, faces: list, start: int) -> list:
         """Return the faces that are connected to `start` on the engine's mesh, `start` first."""
-        if self._closing is None:  # the engine's mesh is not cached
+        if self._repair is None:  # the engine's mesh is not cached
             return faces
-        prepared = runtime.get().session.prepare(self.scan, closing=self._closing)
-        found = joined_faces(prepared, np.unique(faces), start)
+        repaired = runtime.get().session.prepare(self.scan, repair=self._repair)
+        found = joined_faces(repaired, np.unique(faces), start)
         return [start, *found[found != start].tolist()]
 
     def between(self) -> tuple[np.ndarray, np.ndarray]:
