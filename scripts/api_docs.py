@@ -21,13 +21,13 @@ HEAD = """# API of the Python module
 `scripts/api_docs.py` makes this page from the docstrings of `isimp_engine`: change the docstrings, not the page.
 `help(isimp_engine)` shows the same texts. The package is typed, so editors and mypy know the types.
 
-The names on this page are stable from version 1.0 on, except the steps of `isimp_engine.tiles` beside `run`. Other
-names are private. A renamed one works until the next version, with a DeprecationWarning that has its new name.
-Examples are in [From Python](python.md).
+The names on this page are all public names, at most 60, and stable from version 1.0 on. Other names are private.
+A name that was public works until the next version, with a DeprecationWarning that
+has its new name or place. [From Python](python.md) has a use of each.
 
 Letters of shapes: V vertices, F faces and R regions of a mesh; W vertices, Q polygons and L corners of polygons.
 """
-MODULES = ("guides", "guided", "within", "recipes", "batch", "tiles")
+MODULES = ("batch", "tiles")
 _SIGNATURE = re.compile(r"\w+\(.*\)( -> .+)?$")  # the first line of a docstring of pybind11
 
 

@@ -26,7 +26,7 @@ class Leaning:
 def leaning(normal: np.ndarray, spread: np.ndarray, up: np.ndarray) -> Leaning | None:
     """Return the leaning of a best-fit plane; None if its angle is above NEAR.
 
-    normal, up: (3,). spread: (3, 3), from `engine.region_fits`.
+    normal, up: (3,). spread: (3, 3), from `engine.regions.region_fits`.
     """
     up = up / np.linalg.norm(up)
     rise = float(np.clip(normal @ up, -1.0, 1.0))

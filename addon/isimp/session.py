@@ -127,7 +127,7 @@ class Session:
     def triangulate(self, polygons) -> tuple[np.ndarray, np.ndarray]:
         """Return (T, 3) vertices and (T,) polygon of triangles that fill the polygons of an outcome."""
         args = (np.asarray(polygons.vertices), np.asarray(polygons.loops), np.asarray(polygons.loop_start))
-        triangles, polygon = engine.triangulate(*args)
+        triangles, polygon = engine.regions.triangulate(*args)
         return np.asarray(triangles), np.asarray(polygon)
 
     def texture(self, scan: Scan, outcome: Outcome, shown: Shown, step: rcp.Texture, watch: Watch | None = None):
@@ -155,25 +155,25 @@ class Session:
 
         uv: (T, 3, 2) a UV map to transfer: each polygon then uses points of one island only.
         """
-        islands = None if uv is None else engine.uv_islands(scan.triangles, uv)
+        islands = None if uv is None else engine.texturing.uv_islands(scan.triangles, uv)
         mesh = self.prepare(scan, repair=outcome.repair).mesh
         args = (mesh, outcome.partition, outcome.polygons, scan.vertices, scan.triangles)
-        triangle, weights = engine.corner_sources(*args, islands=islands, threads=self.threads)
+        triangle, weights = engine.texturing.corner_sources(*args, islands=islands, threads=self.threads)
         return np.asarray(triangle), np.asarray(weights)
 
     def region_at(self, scan: Scan, outcome: Outcome, face: int) -> dict:
-        """Return `engine.region_statistics` of the region of one of the user's faces.
+        """Return `engine.regions.region_statistics` of the region of one of the user's faces.
 
         Raises ValueError if there is no such face, or it is in no region. Cost: linear in the size of the region.
         """
         repaired = self.prepare(scan, repair=outcome.repair)
-        return engine.region_statistics(repaired.mesh, outcome.partition, repaired.faces.triangle_at(face))
+        return engine.regions.region_statistics(repaired.mesh, outcome.partition, repaired.faces.triangle_at(face))
 
     def region_fits(self, scan: Scan, outcome: Outcome) -> tuple:
-        """Return `engine.region_fits` of an outcome; cached for the last one."""
+        """Return `engine.regions.region_fits` of an outcome; cached for the last one."""
         if self._fits[0] is not outcome.partition:
             mesh = self.prepare(scan, repair=outcome.repair).mesh
-            self._fits = outcome.partition, engine.region_fits(mesh, outcome.partition)
+            self._fits = outcome.partition, engine.regions.region_fits(mesh, outcome.partition)
         return self._fits[1]
 
     def locked_regions(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> np.ndarray:
@@ -242,7 +242,7 @@ class Session:
         """Return estimated counts of polygons; empty if a component has no regions, for which Mesh raises an error."""
         args = (repaired.mesh, partition)
         try:
-            return engine_call(watch, at, at, "counting polygons", engine.expected_polygons, *args)
+            return engine_call(watch, at, at, "counting polygons", engine.regions.expected_polygons, *args)
         except engine.InvalidInput:
             return {}
 

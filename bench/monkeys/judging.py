@@ -101,7 +101,7 @@ def partition_findings(surface: Surface, part: engine.Partition) -> Findings:
             yield f"partition report: {name} {report[name]}, in truth {truth}"
     yield from round_findings(part, label)
     yield from distance_findings(surface, part, label)
-    told = engine.all_statistics(surface.mesh, part)
+    told = engine.regions.all_statistics(surface.mesh, part)
     if [each["faces"] for each in told] != sizes.tolist():
         yield "all_statistics: another number of faces"
     area = np.bincount(label[label >= 0], surface.area[label >= 0], count)
@@ -466,7 +466,7 @@ def outline_findings(surface: Surface, part: engine.Partition, poly: engine.Poly
 def scan_distance_findings(surface: Surface, within: Any) -> Findings:
     """The distance of the scan that a bound reports."""
     poly, label = within.polygons, np.asarray(within.partition.face_region)
-    facets, _ = engine.triangulate(poly.vertices, poly.loops, poly.loop_start)
+    facets, _ = engine.regions.triangulate(poly.vertices, poly.loops, poly.loop_start)
     meshed = (label >= 0) & ~np.asarray(within.partition.region_left_out)[label]
     kept = np.unique(surface.triangles[meshed])[:: max(1, len(surface.vertices) // 1000)]
     origin = np.asarray(surface.mesh.origin)

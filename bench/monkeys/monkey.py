@@ -305,7 +305,7 @@ class Monkey:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"a{self.rng.choice(['.obj', '.ply'])}"
             engine.write(path, first.polygons)
-            vertices, loops, start = engine.read_polygons(path)
+            vertices, loops, start = engine.reading.read_polygons(path)
             for name, ours, theirs in (
                 ("vertices", first.polygons.vertices, vertices),
                 ("loops", first.polygons.loops, loops),
@@ -317,7 +317,7 @@ class Monkey:
             job = engine.Job()
             job.cancel()
             try:
-                engine.write(path, first.polygons, job)
+                engine.write(path, first.polygons, job=job)
                 self.find("write: not cancelled")
             except engine.Cancelled:
                 if os.listdir(folder):

@@ -55,7 +55,7 @@ def main():
         atlas = engine._core._unwrap(poly, options, 1.0)
         own = time.process_time() - start
         uv = engine._core._uv(poly, atlas) * asked.size
-        triangles, _ = engine.triangulate(
+        triangles, _ = engine.regions.triangulate(
             np.column_stack([uv, np.zeros(len(uv))]), np.arange(len(uv), dtype=np.int32), poly.loop_start
         )
         if unfold:  # corners of one chart that coincide are one vertex, so that xatlas keeps it whole

@@ -135,7 +135,7 @@ def near(points, camera, box):
 def judge(soup, poly, made, befores, cameras, boxes):
     """PSNR and SSIM of the views and of the close-ups, and the seams."""
     corners, each = poly.vertices[poly.loops], np.arange(len(poly.loops), dtype=np.int32)
-    triangles, _ = engine.triangulate(corners, each, poly.loop_start)
+    triangles, _ = engine.regions.triangulate(corners, each, poly.loop_start)
     zeros = np.zeros(len(triangles), dtype=int)
     found = []
     for camera, box, before in zip(cameras, boxes, befores, strict=True):

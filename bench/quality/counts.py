@@ -84,7 +84,7 @@ def foreseen(data):
                 continue
             mesh = engine.openings.closed_for(engine.clean(*arrays), number)
             part, poly = made(mesh, proxies=number)
-            said, came = engine.expected_polygons(mesh, part)["polygons"], poly.report["polygons"]
+            said, came = engine.regions.expected_polygons(mesh, part)["polygons"], poly.report["polygons"]
             errors.append(abs(said / came - 1))
             cells.append(f"{said}, {came}")
         print(f"| {path.stem} | {' | '.join(cells)} |", flush=True)

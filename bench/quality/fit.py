@@ -143,7 +143,7 @@ def measure(scan, part, poly, pairs=False):
     """The columns of one result."""
     vertices, loops = np.asarray(poly.vertices), np.asarray(poly.loops)
     start = np.append(poly.loop_start, len(loops))
-    triangles, owner = engine.triangulate(vertices, loops, poly.loop_start)
+    triangles, owner = engine.regions.triangulate(vertices, loops, poly.loop_start)
     surface, from_scan = scan.kept(part.face_region)
     corners = vertices[triangles]
     there, back = Surface(corners).distances(from_scan), surface.distances(sample(corners, scan.samples))

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 import isimp_engine as engine
+from isimp_engine.regions import triangulate
 from tests.shared.polygon_judge import box_pairs, crosses_itself, flat, least_surface, meeting, polygons_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -63,7 +64,7 @@ def compare(poly, origin, thin=0.0):
     row = [len(loops), poly.report["intersecting"] + poly.report["excused"]]
     lacking = []
     for facets, owner in (least(position, loops, thin),
-                          engine.triangulate(np.asarray(poly.vertices), poly.loops, poly.loop_start)):  # fmt: skip
+                          triangulate(np.asarray(poly.vertices), poly.loops, poly.loop_start)):  # fmt: skip
         found = meetings(position, np.asarray(facets), np.asarray(owner))
         own = {pair for pair in found if pair[0] == pair[1]}
         found = {pair for pair in found - own if not crossing & set(pair)}

@@ -110,8 +110,8 @@ def row(vertices: np.ndarray, triangles: np.ndarray, true: int | None, wanted: i
         subprocess.run([*command, "--quiet", "--threads", "1", *how, *options], check=True)
         cpu = _children() - start[1]
         told = json.loads(report.read_text())
-        points, loops, starts = engine.read_polygons(str(out))
-        flat, _ = engine.triangulate(points, loops, starts)
+        points, loops, starts = engine.reading.read_polygons(str(out))
+        flat, _ = engine.regions.triangulate(points, loops, starts)
     rng = np.random.default_rng(0)
     used = np.unique(triangles)
     some = vertices[rng.choice(used, min(POINTS, len(used)), replace=False)]

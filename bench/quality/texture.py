@@ -194,7 +194,7 @@ def main():
     made = engine.texture(mesh, part, poly, soup, options)
     figures = {"scan": asked.scan.name, "polygons": len(poly.loop_start), "seconds": time.process_time() - start}
     corners, each = poly.vertices[poly.loops], np.arange(len(poly.loops), dtype=np.int32)
-    triangles, _ = engine.triangulate(corners, each, poly.loop_start)
+    triangles, _ = engine.regions.triangulate(corners, each, poly.loop_start)
     box = np.stack([soup.vertices[np.unique(soup.triangles)].min(0), soup.vertices[np.unique(soup.triangles)].max(0)])
     found = []
     for k, camera in enumerate(cameras(asked.views, "xyz".index(asked.up))):

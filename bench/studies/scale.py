@@ -39,6 +39,8 @@ import isimp_engine as engine
 from bench.studies.tiles import make_city
 from isimp_engine import batch, tiles
 from isimp_engine.batch import work
+from isimp_engine.tiles import steps
+from isimp_engine.tiles.run import State
 
 ODD = {  # name of a scan: expected text of its row
     "crash": "ended by signal 11",
@@ -149,7 +151,7 @@ def run_overhead(count: int) -> int:
                 subprocess.run([*command, "batch", str(scans), out, "--jobs", "1", *options, *more], check=True)
         for name, seconds in times.items():
             print(f"{1000 * seconds / count:6.0f} ms a scan  {name}")
-        rows = batch.read_rows(Path(place) / "out1")
+        rows = batch.table.read_rows(Path(place) / "out1")
         inside = sum(sum(row["step_seconds"].values()) for row in rows) / len(rows)
         print(f"{1000 * inside:6.0f} ms a scan  in the engine")
         return 0
@@ -161,7 +163,7 @@ def graph_of(faces: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     with tempfile.TemporaryDirectory() as place:
         make_city(Path(place) / "city", 2 * n * n, 2 * n * n)
         mesh = engine.Mesh(*engine.read(next((Path(place) / "city").iterdir())))
-    found = tiles.patches(mesh, 100)
+    found = steps.patches(mesh, 100)
     return found.sums, found.pairs, found.lengths
 
 
@@ -171,13 +173,13 @@ def run_hub(faces: int) -> int:
         sums, pairs, lengths = graph_of(times * faces)
         count = len(sums)
         around = int(np.bincount(pairs.ravel()).max())
-        found = tiles.find_components(sums, pairs, lengths, np.ones(count, np.uint8), count // 10, 0.0)
+        found = steps.find_components(sums, pairs, lengths, np.ones(count, np.uint8), count // 10, 0.0)
         none = np.zeros(count, np.uint8)
         print(f"{count:,} patches to {count // 10:,}; at first the largest has {around} around it")
         for name, smooth in (("without borders", 0.0), ("with borders", 0.5)):
             begun = time.process_time()
             price = {"smooth": smooth, "error": 0.05, "proxies": count // 10, "area": sums[:, 3].sum() / 2}
-            tiles.merge_inside(sums, pairs, lengths, found, none, count // 10, **price)
+            steps.merge_inside(sums, pairs, lengths, found, none, count // 10, **price)
             seconds = time.process_time() - begun
             ratio = f", {seconds / before[name]:.1f} times the one before" if name in before else ""
             print(f"  {name}: {seconds:.3f} s, {1e6 * seconds / count:.1f} us a patch{ratio}", flush=True)
@@ -269,7 +271,7 @@ def run_cluster(faces: int, proxies: int, apart: bool) -> int:
         with cluster_of(2, place, apart) as (address, workers):
             done = []
 
-            def kill(state: tiles.State) -> None:
+            def kill(state: State) -> None:
                 if not done and (place / "work" / "join").exists():
                     workers[1].kill()
                     done.append(state)

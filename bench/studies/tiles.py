@@ -27,6 +27,7 @@ import numpy as np
 
 import isimp_engine as engine
 from isimp_engine import batch, tiles
+from isimp_engine.tiles import steps
 from isimp_engine.tiles.splitting import Boxes
 
 SAMPLES = 3_000_000  # places on the polygons that distances are measured to
@@ -71,7 +72,7 @@ def judge(mesh: engine.Mesh, label: np.ndarray) -> tuple[float, float, int]:
     count = int(label.max()) + 1
     sums = np.stack([np.bincount(label[kept], normal[kept, k], count) for k in range(3)], 1)
     error = 2 * (np.linalg.norm(normal[kept], axis=1).sum() - np.linalg.norm(sums, axis=1).sum())
-    faces = tiles.faces_of(mesh)
+    faces = steps.faces_of(mesh)
     own = label[faces.mesh_face]
     near = np.where(faces.neighbour >= 0, own[faces.neighbour], own[:, None])
     return error, float(faces.length[near != own[:, None]].sum() / 2), len(np.unique(label[kept]))
@@ -185,7 +186,7 @@ import isimp_engine as engine
 peak = lambda: 1024 * int(next(line for line in open("/proc/self/status") if line.startswith("VmHWM")).split()[1])
 path, threads = sys.argv[1], int(sys.argv[2])
 before, wall, cpu = peak(), time.perf_counter(), time.process_time()
-arrays = engine.read_polygons(path, threads=threads)
+arrays = engine.reading.read_polygons(path, threads=threads)
 wall, cpu, faces = time.perf_counter() - wall, time.process_time() - cpu, len(arrays[2])
 over = peak() - before - sum(array.nbytes for array in arrays)
 size = os.path.getsize(path)

@@ -2,7 +2,6 @@
 
 from . import _process as _process  # isort: skip  (before all that takes long to load)
 
-import warnings  # isort: skip
 from typing import TYPE_CHECKING  # isort: skip
 
 from . import _carried as _carried  # isort: skip  (before the module whose lack it explains)
@@ -13,6 +12,7 @@ from . import guided as guided
 from . import guides as guides
 from . import nearer as nearer
 from . import openings as openings
+from . import regions as regions
 from . import replay as replay
 from . import within as within
 from ._core import (
@@ -33,16 +33,12 @@ from ._core import (
     add_proxy,
     add_worst,
     align_planes,
-    all_statistics,
     backends,
-    barrier_faces,
     clean,
-    close_openings,
     delete_least,
     delete_proxy,
     erase_faces,
     even_borders,
-    expected_polygons,
     grow_region,
     improve,
     leave_out_regions,
@@ -51,36 +47,29 @@ from ._core import (
     merge_cheapest,
     merge_flat,
     merge_regions,
-    opening_length,
-    opening_lengths,
     paint_faces,
     partition,
     partition_from,
     polygonize,
-    region_fits,
-    region_sides,
-    region_statistics,
     regularise,
     release_round,
-    round_part_at,
     set_segments,
     shrink_region,
     split_along,
     split_region,
-    triangulate,
     unlock_regions,
 )
+from ._old_names import by_old_name
 from .exporting import write
-from .reading import read, read_polygons
+from .reading import read
+from .recipe import RecipeError
 from .result import Result, simplify
 from .texturing import (
     Texture,
     TexturedSoup,
     TextureLayer,
-    corner_sources,
     read_textured,
     texture,
-    uv_islands,
     write_textured,
 )
 
@@ -96,6 +85,7 @@ __all__ = [
     "Partition",
     "PartitionOptions",
     "PolygonMesh",
+    "RecipeError",
     "RegulariseOptions",
     "Result",
     "Texture",
@@ -106,17 +96,12 @@ __all__ = [
     "add_proxy",
     "add_worst",
     "align_planes",
-    "all_statistics",
     "backends",
-    "barrier_faces",
     "clean",
-    "close_openings",
-    "corner_sources",
     "delete_least",
     "delete_proxy",
     "erase_faces",
     "even_borders",
-    "expected_polygons",
     "grow_region",
     "improve",
     "leave_out_regions",
@@ -125,49 +110,35 @@ __all__ = [
     "merge_cheapest",
     "merge_flat",
     "merge_regions",
-    "opening_length",
-    "opening_lengths",
     "paint_faces",
     "partition",
     "partition_from",
     "polygonize",
     "read",
-    "read_polygons",
     "read_textured",
-    "region_fits",
-    "region_sides",
-    "region_statistics",
     "regularise",
     "release_round",
-    "round_part_at",
     "set_segments",
     "shrink_region",
     "simplify",
     "split_along",
     "split_region",
     "texture",
-    "triangulate",
     "unlock_regions",
-    "uv_islands",
     "write",
     "write_textured",
 ]
 
 if not TYPE_CHECKING:  # else every name would be one for type checkers
-    _RENAMED = {
+    _OLD = {name: f"regions.{name}" for name in regions.__all__}
+    _OLD |= {name: f"texturing.{name}" for name in ("corner_sources", "uv_islands")}
+    _OLD |= {
         "explode_round": "release_round",
-        "patch_of": "round_part_at",
-        "separated_faces": "barrier_faces",
         "with_segments": "set_segments",
+        "read_polygons": "reading.read_polygons",
     }
-
-    def __getattr__(name: str) -> object:
-        """The functions by their names of earlier versions."""
-        if name not in _RENAMED:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        warnings.warn(f"{__name__}.{name} is now {_RENAMED[name]}", DeprecationWarning, stacklevel=2)
-        return globals()[_RENAMED[name]]
-
+    _OLD |= {"patch_of": "regions.round_part_at", "separated_faces": "regions.barrier_faces"}
+    __getattr__ = by_old_name(__name__, _OLD)
 
 for _name in __all__:
     if isinstance(_thing := globals()[_name], type) and _thing.__module__.endswith("._core"):

@@ -79,11 +79,11 @@ class Model(Regions):
         """The region of each face of the scan, -1 for none."""
         return labels(self.source, self.mesh, self.partition.face_region)
 
-    def write(self, path: str | PathLike[str], job: Job | None = None, **given: Any) -> dict[str, Any]:
+    def write(self, path: str | PathLike[str], **given: Any) -> dict[str, Any]:
         """Write the polygons without their texture; see `exporting.write`."""
         known: dict[str, Any] = {"surfaces": self.surfaces, "partition": self.partition, "mesh": self.mesh}
         known |= {"crs": self.settings.crs, "unit": self.settings.unit}
-        return exporting.write(path, self.polygons, job, **known | given)
+        return exporting.write(path, self.polygons, **known | given)
 
     def report(self) -> dict[str, Any]:
         """Inputs, settings and numbers of the result."""
@@ -194,4 +194,4 @@ def _textured(wanted: Texturing, source: Source, mesh: Mesh, found: Within, thre
         occlusion_distance=wanted.occlusion or None,
         threads=threads,
     )
-    return texture(mesh, found.partition, found.polygons, source.soup, options, job)
+    return texture(mesh, found.partition, found.polygons, source.soup, options, job=job)

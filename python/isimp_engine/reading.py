@@ -177,7 +177,7 @@ def _named(path: str | PathLike[str], job: Job | None) -> AbstractContextManager
 
 
 def read(
-    path: str | PathLike[str], job: Job | None = None, *, threads: int = 0
+    path: str | PathLike[str], *, job: Job | None = None, threads: int = 0
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Read the triangles of a PLY, OBJ, STL or OFF file, polygons cut into triangles; also .gz and .zst of them.
 

@@ -59,12 +59,12 @@ class Result:
         """Inputs, options and numbers of the result, as `isimp simplify --report` writes them."""
         return self._model.report() | {"seconds": self._seconds}
 
-    def write(self, path: str | PathLike[str], job: Job | None = None) -> None:
+    def write(self, path: str | PathLike[str], *, job: Job | None = None) -> None:
         """Write the polygons, with their texture if there is one, as `write` and `write_textured` do."""
         if self.texture is None:
-            self._model.write(path, job)
+            self._model.write(path, job=job)
         else:
-            write_textured(path, self.polygons, self.texture, job)
+            write_textured(path, self.polygons, self.texture, job=job)
 
     def __repr__(self) -> str:
         return f"<Result: {len(self.polygons.loop_start):,} polygons of {self.partition.region_count:,} regions>"
@@ -102,7 +102,7 @@ def simplify(
     strict: raise InvalidInput where a click finds no face; else it is left out, and the report has it (`clicks`).
     options: all others of the command by their names (`clutter="box"`, `angle=30`, `seed=2`), every field of
     PartitionOptions, MeshingOptions and CleanOptions, and the arrays weights, borders, cuts, part and base.
-    Raises InvalidInput (the scan, or options that do not fit it), FileError, recipes.RecipeError, Cancelled, or
+    Raises InvalidInput (the scan, or options that do not fit it), FileError, RecipeError, Cancelled, or
     TypeError for an option that does not exist.
     """
     if unknown := options.keys() - option_names() - MARKS:

@@ -87,10 +87,10 @@ def _triangles(vertices: NDArray[Any], faces: Any) -> tuple[NDArray[Any], NDArra
 
 def load(path: Path, job: Job | None, threads: int = 0, textured: bool = False) -> Source:
     if path.suffix.lower() in GLTF:
-        return _of_soup(read_textured(path, job), path)
+        return _of_soup(read_textured(path, job=job), path)
     vertices, loops, loop_start = read_polygons(path, job, threads=threads)
     triangles, polygon = cut(vertices, loops, loop_start)
-    shown = read_textured(path, job, threads=threads) if textured else None
+    shown = read_textured(path, job=job, threads=threads) if textured else None
     return Source(vertices, triangles, polygon, len(loop_start), path, shown)
 
 

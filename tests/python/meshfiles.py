@@ -111,7 +111,7 @@ TRIANGLES = {**POLYGONS, "ascii.stl": stl_ascii, "binary.stl": stl_binary}
 def read_rows(path, rows, end="\n", threads=0):
     """The engine's result for a file of these lines."""
     path.write_bytes(end.join(rows).encode())
-    return engine.read_polygons(path, threads=threads)
+    return engine.reading.read_polygons(path, threads=threads)
 
 
 def assert_same(found, wanted):

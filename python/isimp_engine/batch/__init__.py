@@ -9,28 +9,18 @@
 A second call skips scans that are done. docs/scale.md describes the rows and the folders.
 """
 
+from typing import TYPE_CHECKING
+
+from .._old_names import by_old_name
 from ..children.clusters import Cluster
 from ..children.errors import BatchError
-from ..children.nursery import Ending, Limits, Nursery, NurseryEnded
 from ..children.runner import Children
-from .run import Outcome, State, run
-from .scans import Scan, estimated_faces, find_scans, needed_mb
-from .table import read_rows
+from .run import run
 
-__all__ = [
-    "BatchError",
-    "Children",
-    "Cluster",
-    "Ending",
-    "Limits",
-    "Nursery",
-    "NurseryEnded",
-    "Outcome",
-    "Scan",
-    "State",
-    "estimated_faces",
-    "find_scans",
-    "needed_mb",
-    "read_rows",
-    "run",
-]
+__all__ = ["BatchError", "Children", "Cluster", "run"]
+
+if not TYPE_CHECKING:
+    _OLD = {name: f"children.nursery.{name}" for name in ("Ending", "Limits", "Nursery", "NurseryEnded")}
+    _OLD |= {name: f"batch.run.{name}" for name in ("Outcome", "State")}
+    _OLD |= {name: f"batch.scans.{name}" for name in ("Scan", "estimated_faces", "find_scans", "needed_mb")}
+    __getattr__ = by_old_name(__name__, _OLD | {"read_rows": "batch.table.read_rows"})

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import triangulate
+from .._core import triangulate
 
 Array = NDArray[Any]
 

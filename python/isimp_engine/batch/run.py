@@ -111,7 +111,8 @@ def run(
 ) -> Outcome:
     """Simplify many scans, each in a child process. Scans that an earlier run did are skipped.
 
-    inputs: a folder, a pattern, a list of scans or several of these; see `find_scans`.
+    inputs: a path or a pattern with `*`, `?`, `[...]` or `**`, or a list of them. A folder stands for all files in
+            it and in its folders, without hidden ones. A file of another kind is a list: one path on each line.
     output: the folder for results.jsonl, results.html and the results, which have the scans' names and folders.
     options: options of `isimp simplify`, with _ in place of -: {"proxies": 500, "leave_out": 0.0}.
     recipe: the file or the values of a recipe. `options` have precedence.
@@ -120,10 +121,12 @@ def run(
     retry_failed: repeat scans that failed before.
     labels, reports: also write NAME.labels.npy and NAME.report.json, as `isimp simplify` does.
     pictures: draw each scan next to its result, for results.html.
-    work: "module:function" in place of `work.simplify`, for the work on each scan; see `Nursery`.
-    watch: called after each scan, and several times a second.
+    work: "module:function" in place of `work.simplify`, for the work on each scan.
+    watch: called after each scan, and several times a second, with numbers of scans: `done`, `failed`, `scans`,
+           `before` (done by earlier runs), the names of the `running` ones, `seconds` and the `share` that is done.
 
-    A failed scan is a row; see `read_rows`. Raises BatchError if the batch as a whole can't be run. KeyboardInterrupt
+    Returns `rows`, the row of each scan, and `failed`, those of failed ones. A row is a dict, as in results.jsonl.
+    Raises BatchError if the batch as a whole can't be run. KeyboardInterrupt
     passes through; rows that were written stay, and the next run continues from them.
     """
     children = children or Children()

@@ -10,9 +10,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ..batch import BatchError, Children, Outcome, State
+from ..batch import BatchError, Children
 from ..batch import run as run_batch
 from ..batch.page import NAME, defects, in_order, totals
+from ..batch.run import Outcome, State
 from ..batch.table import NAME as ROWS
 from ..children.clusters import KINDS, checked
 from .ending import Terminated, deferrable

@@ -12,10 +12,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..batch import BatchError, Children
-from ..tiles import Outcome, State, TileFailed, TilesError
+from ..tiles import TileFailed, TilesError
 from ..tiles import run as run_tiles
 from ..tiles.plan import DETAIL
-from ..tiles.run import TILE_FACES
+from ..tiles.run import TILE_FACES, Outcome, State
 from . import words
 from .batch import add_workers, children_of
 from .ending import Terminated, terminable

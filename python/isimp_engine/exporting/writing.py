@@ -21,8 +21,8 @@ UNITS = ("m", "mm")  #: units of STEP files
 def write(
     path: str | PathLike[str],
     polygons: PolygonMesh,
-    job: Job | None = None,
     *,
+    job: Job | None = None,
     crs: int | None = None,
     version: str = "2.0",
     like: str | PathLike[str] | None = None,

@@ -90,6 +90,7 @@ def texture(
     poly: PolygonMesh,
     source: TexturedSoup,
     options: TextureOptions | None = None,
+    *,
     job: Job | None = None,
     previous: Texture | None = None,
 ) -> Texture:

@@ -13,7 +13,7 @@ from .soup import TexturedSoup
 KINDS = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
 
 
-def read_textured(path: str | PathLike[str], job: Job | None = None, *, threads: int = 0) -> TexturedSoup:
+def read_textured(path: str | PathLike[str], *, job: Job | None = None, threads: int = 0) -> TexturedSoup:
     """Read a scan with UVs, images and colours.
 
     OBJ with its MTL file (map_Kd, map_Pr, map_Pm, map_Ke, norm and their numbers; colours after the coordinates of

@@ -130,7 +130,9 @@ def files_of(path: Path, poly: PolygonMesh, made: Texture, job: Job | None = Non
     return files
 
 
-def write_textured(path: str | PathLike[str], poly: PolygonMesh, made: Texture, job: Job | None = None) -> list[Path]:
+def write_textured(
+    path: str | PathLike[str], poly: PolygonMesh, made: Texture, *, job: Job | None = None
+) -> list[Path]:
     """Write polygons with their texture; returns the files that were written.
 
     OBJ keeps the n-gons and has an MTL file and PNG images of the same name; images of several tiles are UDIM images

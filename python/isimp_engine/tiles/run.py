@@ -82,7 +82,10 @@ def run(
               batch.Children. None: this machine, without limits.
     group: largest number of tiles in a group. A scan of more tiles is merged by groups: no process has the whole graph.
     options: detail, tolerance, noise, snap, smooth, leave_out and seed of PartitionOptions, planar of MeshingOptions.
-    watch: called after each step of a tile, and several times a second.
+    watch: called after each step of a tile, and several times a second, with the name of the `step`, the tiles
+           `done` of all `tiles`, and `seconds`.
+
+    Returns `output` and `report`, the numbers that docs/scale.md describes.
 
     The result is the same, bit for bit, for any number of workers and after any number of interrupted runs.
     Raises TilesError (wrong usage) or TileFailed (a tile can't be read, too little memory). KeyboardInterrupt passes

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import read_polygons
 from ..file_faces import cut
-from ..reading import plain
+from ..reading import plain, read_polygons
 from .store import save, tile_name
 
 _CHUNK = 1 << 20  # faces that are processed together

@@ -13,9 +13,9 @@ from .. import (
     InvalidInput,
     Mesh,
     clean,
-    read_polygons,
 )
 from ..file_faces import cut, largest_shares
+from ..reading import read_polygons
 from . import borders, grouped, meshing, steps, tileset
 from .splitting import split_scan
 from .store import MADE, load, of_tile, save, save_values, tile_name

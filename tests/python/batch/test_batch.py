@@ -16,6 +16,7 @@ import shapes
 from batches import ENVIRONMENT, ODD, isimp, rows_by_name, scan, wait_for, whys
 from isimp_engine import batch
 from isimp_engine.batch import table
+from isimp_engine.children import nursery
 from isimp_engine.cli.batch import Terminated, deferrable
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs fork")
@@ -220,7 +221,7 @@ def test_a_driver_that_is_killed_twice_loses_only_running_scans(tmp_path, monkey
         pids = [int(line.split()[1]) for line in starts.read_text().splitlines()]
         wait_for(lambda: not any(map(is_running, pids)), 5)  # noqa: B023
         for made in out.glob("*.obj"):
-            assert len(engine.read_polygons(made)[2]) == 6, "no file is half-written"
+            assert len(engine.reading.read_polygons(made)[2]) == 6, "no file is half-written"
     monkeypatch.setenv("ODD_WORK_LOG", str(starts))
     outcome = batch.run(tmp_path / "in", out, work=ODD)
     assert len(outcome.rows) == 8
@@ -315,11 +316,11 @@ def test_lines_that_are_no_rows_are_left_out(scans, tmp_path, log):
     batch.run(scans, out, work=ODD)
     rows = out / "results.jsonl"
     rows.write_text("\x00\x00\n[1]\n{}\n" + rows.read_text())
-    assert len(batch.read_rows(out)) == 3
+    assert len(batch.table.read_rows(out)) == 3
     assert len(batch.run(scans, out, work=ODD).rows) == 3
     assert len(log()) == 3
     assert len(rows_by_name(out)) == 3
-    assert batch.read_rows(tmp_path / "nowhere") == []
+    assert batch.table.read_rows(tmp_path / "nowhere") == []
 
 
 def test_one_driver_a_folder(scans, tmp_path):
@@ -339,13 +340,13 @@ def test_one_driver_a_folder(scans, tmp_path):
 
 def test_a_pipeline_of_ones_own_may_use_the_children(tmp_path):
     (tmp_path / "part").mkdir()
-    with batch.Nursery(ODD) as children:
-        ending = children.run({"input": "crash.ply"}, tmp_path / "part", batch.Limits(seconds=60))
+    with nursery.Nursery(ODD) as children:
+        ending = children.run({"input": "crash.ply"}, tmp_path / "part", nursery.Limits(seconds=60))
         assert ending.why == "ended by signal 11"
         task = {"input": "hang.ply"}
-        ending = children.run(task, tmp_path / "part", batch.Limits(seconds=0.1))
+        ending = children.run(task, tmp_path / "part", nursery.Limits(seconds=0.1))
         assert ending.why == "over the time limit of 0.1 s"
-        children.start(5, task, tmp_path / "part", batch.Limits())
+        children.start(5, task, tmp_path / "part", nursery.Limits())
         children.stop(5)
         found = []
         wait_for(lambda: found.extend(children.endings(1)) or found)
@@ -355,12 +356,12 @@ def test_a_pipeline_of_ones_own_may_use_the_children(tmp_path):
 def test_children_end_silently_when_their_parent_has_ended(tmp_path, capfd):
     for number in range(3):
         (tmp_path / str(number)).mkdir()
-    with batch.Nursery(ODD) as children:
-        children.start(0, {"input": "hang.ply"}, tmp_path / "0", batch.Limits())
-    with batch.Nursery(ODD) as children:
-        children.start(1, {"input": "hang.ply"}, tmp_path / "1", batch.Limits())
+    with nursery.Nursery(ODD) as children:
+        children.start(0, {"input": "hang.ply"}, tmp_path / "0", nursery.Limits())
+    with nursery.Nursery(ODD) as children:
+        children.start(1, {"input": "hang.ply"}, tmp_path / "1", nursery.Limits())
         wait_for((tmp_path / "1" / "stderr.txt").exists)
-        children.start(2, {"input": "crash.ply"}, tmp_path / "2", batch.Limits())
+        children.start(2, {"input": "crash.ply"}, tmp_path / "2", nursery.Limits())
     assert capfd.readouterr().err == ""
 
 

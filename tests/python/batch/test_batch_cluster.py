@@ -122,4 +122,4 @@ def test_jobs_of_this_machine_do_a_batch(tmp_path):
     environment = ENVIRONMENT | {"PYTHONPATH": os.pathsep.join(path)}
     done = subprocess.run([*map(str, command)], env=environment, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
-    assert [row["status"] for row in batch.read_rows(tmp_path / "out")] == ["ok", "ok"]
+    assert [row["status"] for row in batch.table.read_rows(tmp_path / "out")] == ["ok", "ok"]

@@ -81,7 +81,7 @@ def test_rows_are_as_of_this_machine(cluster, tmp_path):
         "hang.ply": "over the time limit of 2 s",
         "large.ply": "over the memory limit of 300 MB",
     }
-    assert len(engine.read_polygons(tmp_path / "out" / "sub" / "good.obj")[2]) == 6
+    assert len(engine.reading.read_polygons(tmp_path / "out" / "sub" / "good.obj")[2]) == 6
     assert batch.run(scans, tmp_path / "out", work=ODD).before == 6, "another run needs no cluster"
 
 
@@ -111,7 +111,7 @@ def test_an_interrupt_ends_children_on_the_workers(cluster, tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         batch.run(scans, tmp_path / "out", work=ODD, children=batch.Children(dask=address), watch=interrupt)
-    assert batch.read_rows(tmp_path / "out") == []
+    assert batch.table.read_rows(tmp_path / "out") == []
     for name in ("hang.ply", "hang2.ply"):
         (scans / name).rename(scans / name.replace("hang", "good"))
     rows = batch.run(scans, tmp_path / "out", work=ODD, children=batch.Children(dask=address)).rows

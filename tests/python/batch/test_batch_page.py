@@ -15,6 +15,7 @@ import shapes
 from batches import ENVIRONMENT, scan
 from isimp_engine import batch
 from isimp_engine.batch import page, picture
+from isimp_engine.batch.run import State
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs fork")
 
@@ -74,9 +75,9 @@ def test_pictures_of_bad_meshes():
 def test_progress_has_rate_and_time_left():
     from isimp_engine.cli.batch import duration, progress
 
-    state = batch.State(scans=1200, before=100, done=20, failed=2, running=["b/x.ply", "c.ply"], seconds=60, share=0.1)
+    state = State(scans=1200, before=100, done=20, failed=2, running=["b/x.ply", "c.ply"], seconds=60, share=0.1)
     assert progress(state) == "120 of 1,200, 2 failed, 20.0 a minute, 9 min left: b/x.ply, c.ply"
-    assert progress(batch.State(scans=3, before=0)) == "0 of 3"
+    assert progress(State(scans=3, before=0)) == "0 of 3"
     assert [duration(s) for s in (5.2, 89, 91, 7500)] == ["5 s", "89 s", "2 min", "2 h 05 min"]
 
 

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs f
 
 
 def found(inputs, **keywords):
-    return {scan.name: scan.output for scan in batch.find_scans(inputs, **keywords)}
+    return {scan.name: scan.output for scan in batch.scans.find_scans(inputs, **keywords)}
 
 
 def test_scans_of_a_folder(scans):
@@ -81,7 +81,7 @@ def test_names_of_any_kind(tmp_path):
     outcome = batch.run(tmp_path / "in", tmp_path / "out")
     assert not outcome.failed
     assert len(outcome.rows) == 6
-    assert {row["name"] for row in batch.read_rows(tmp_path / "out")} == {*names, Path(raw).name}
+    assert {row["name"] for row in batch.table.read_rows(tmp_path / "out")} == {*names, Path(raw).name}
     assert all(Path(row["output"]).is_file() for row in outcome.rows)
     text = (tmp_path / "out" / "results.html").read_text()
     assert "<b>" not in text
@@ -142,13 +142,13 @@ def test_faces_are_estimated_by_header_and_size(tmp_path):
     vertices, triangles = shapes.cube(10)
     for kind, write in meshfiles.TRIANGLES.items():
         write(tmp_path / kind, vertices, triangles.tolist())
-        assert 0.3 * len(triangles) <= batch.estimated_faces(tmp_path / kind) <= 4 * len(triangles), kind
+        assert 0.3 * len(triangles) <= batch.scans.estimated_faces(tmp_path / kind) <= 4 * len(triangles), kind
     lie = tmp_path / "lie.ply"
     lie.write_bytes(b"ply\nformat binary_little_endian 1.0\nelement face 4000000000\nend_header\n")
-    assert batch.estimated_faces(lie) < 10
-    assert batch.estimated_faces(tmp_path / "nowhere.ply") == 0
-    assert batch.needed_mb(0, 0) > 10
-    assert batch.needed_mb(10**6, 2 * 10**7) > 200
+    assert batch.scans.estimated_faces(lie) < 10
+    assert batch.scans.estimated_faces(tmp_path / "nowhere.ply") == 0
+    assert batch.scans.needed_mb(0, 0) > 10
+    assert batch.scans.needed_mb(10**6, 2 * 10**7) > 200
 
 
 def test_as_many_at_once_as_cores_and_memory_allow(tmp_path, monkeypatch):

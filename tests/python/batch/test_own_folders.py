@@ -12,6 +12,7 @@ import tilesets
 from batches import ODD
 from isimp_engine import batch, folders, tiles
 from isimp_engine.batch import page, table
+from isimp_engine.batch.run import Outcome
 from isimp_engine.cli import batch as command
 from isimp_engine.folders import MARK, NotOwn, Own
 
@@ -138,12 +139,12 @@ def test_rows_may_hold_anything(tmp_path, status):
     lines = [json.dumps(row) for row in rows] + ["[" * 100_000 + "]" * 100_000, '{"name": "z", "status": "ok"}']
     (tmp_path / "results.jsonl").write_text("\n".join(lines) + "\n")
     (tmp_path / ".isimp-batch").mkdir()
-    found = batch.read_rows(tmp_path)
+    found = batch.table.read_rows(tmp_path)
     assert len(found) > 0.8 * len(rows)
     assert found[-1]["name"] == "z"
     page.write(tmp_path, found, tmp_path)
     assert "<b>" not in (tmp_path / "results.html").read_text()
-    outcome = batch.Outcome(found, len(found), 0, cut_short=False)
+    outcome = Outcome(found, len(found), 0, cut_short=False)
     said = "\n".join(command.summary(outcome, tmp_path, False))
     os.fsencode(said)
     assert all(table._is_key(row["key"]) or row["key"] == "" for row in found)

@@ -66,7 +66,9 @@ def test_simplify_does_the_whole_job(scan, tmp_path, name):
     mesh = engine.clean(*engine.read(scan))
     part = engine.partition(mesh, engine.PartitionOptions(proxies=20))
     poly = engine.polygonize(mesh, part)
-    for written, expected in zip(engine.read_polygons(out), (poly.vertices, poly.loops, poly.loop_start), strict=True):
+    for written, expected in zip(
+        engine.reading.read_polygons(out), (poly.vertices, poly.loops, poly.loop_start), strict=True
+    ):
         np.testing.assert_array_equal(written, expected)
     values = np.load(labels)
     assert values.dtype == np.int32
@@ -146,8 +148,8 @@ def test_a_polygon_of_several_regions_has_the_largest_ones_label(tmp_path):
     meshfiles.obj(tmp_path / "a.obj", np.concatenate([rim, [[3, 0, 0]]]), [list(range(12)), [0, 12, 1]])
     done = isimp("simplify", tmp_path / "a.obj", tmp_path / "o.obj", "--proxies=11", "--labels", tmp_path / "l.npy")
     assert done.returncode == 0, done.stderr
-    vertices, loops, loop_start = engine.read_polygons(tmp_path / "a.obj")
-    triangles, polygon = engine.triangulate(vertices, loops, loop_start)
+    vertices, loops, loop_start = engine.reading.read_polygons(tmp_path / "a.obj")
+    triangles, polygon = engine.regions.triangulate(vertices, loops, loop_start)
     mesh = engine.clean(vertices, triangles)
     regions = engine.partition(mesh, engine.PartitionOptions(proxies=11)).face_region
     corners = vertices[triangles]

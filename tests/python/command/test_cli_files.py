@@ -115,7 +115,7 @@ def test_closed_streams_change_nothing_else(scan, tmp_path, closed):
     for name, status in (("o.ply", 0), ("o.fbx", 2)):
         command = ["sh", "-c", line, sys.executable, scan, tmp_path / name]
         assert subprocess.run(command, env=ENVIRONMENT, timeout=60).returncode == status
-    assert engine.read_polygons(tmp_path / "o.ply")[2].shape == (9,)
+    assert engine.reading.read_polygons(tmp_path / "o.ply")[2].shape == (9,)
 
 
 @posix

@@ -71,7 +71,7 @@ def simplified(folder, scan, recipe, *flags):
     out, report = folder / "o.ply", folder / "r.json"
     recipe = ["--recipe", str(folder / "recipe.json"), *flags]
     status = main(["simplify", str(scan), str(out), "--report", str(report), "--quiet", *recipe])
-    return (engine.read_polygons(out), json.loads(report.read_text())) if status == 0 else None
+    return (engine.reading.read_polygons(out), json.loads(report.read_text())) if status == 0 else None
 
 
 KINDS = [kind for kind in rcp.KINDS.values() if kind not in ("partition", "mesh", "texture")]

@@ -28,7 +28,7 @@ def scan(tmp_path):
 def test_gz_gives_the_arrays_of_the_plain_file_and_leaves_nothing_behind(scan, monkeypatch, tmp_path):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     before = sorted(os.listdir(tmp_path))
-    for read in (engine.read, engine.read_polygons):
+    for read in (engine.read, engine.reading.read_polygons):
         for one, other in zip(read(scan[0]), read(scan[1]), strict=True):
             np.testing.assert_array_equal(one, other)
     assert sorted(os.listdir(tmp_path)) == before

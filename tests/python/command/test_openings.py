@@ -101,8 +101,8 @@ def test_the_pinholes_of_a_house_are_filled(tmp_path):
 def test_the_length_needs_a_region():
     mesh = engine.clean(*shapes.room(0))
     with pytest.raises(engine.InvalidInput, match="regions must be at least 1, got 0"):
-        engine.opening_length(mesh, 0)
-    assert engine.opening_length(mesh, 30) > engine.opening_length(mesh, 3000) > 0
+        engine.regions.opening_length(mesh, 0)
+    assert engine.regions.opening_length(mesh, 30) > engine.regions.opening_length(mesh, 3000) > 0
 
 
 def test_the_add_on_closes_them_too_and_edits_the_closed_mesh():
@@ -168,10 +168,10 @@ def test_openings_of_a_repaired_mesh_are_closed_as_by_a_repair_of_the_arrays(shi
     vertices = np.append(vertices, vertices[:1], axis=0) + shift  # one vertex that no face uses
     plain = engine.clean(vertices, np.append(triangles, triangles[:1], axis=0))
     options = engine.CleanOptions(fill_holes=9.0, cut_handles=9.0)
-    kept = np.array([engine.close_openings(plain, options).openings[0]["center"]])
+    kept = np.array([engine.regions.close_openings(plain, options).openings[0]["center"]])
     for keep in (None, kept):
         whole = engine.clean(vertices, np.append(triangles, triangles[:1], axis=0), options, keep=keep)
-        closed = engine.close_openings(plain, options, keep=keep)
+        closed = engine.regions.close_openings(plain, options, keep=keep)
         for name in ("vertices", "triangles", "source_face", "source_vertex"):
             assert np.array_equal(getattr(closed, name), getattr(whole, name))
         assert closed.report == whole.report
@@ -180,9 +180,9 @@ def test_openings_of_a_repaired_mesh_are_closed_as_by_a_repair_of_the_arrays(shi
         assert any(o["kept"] for o in closed.openings) == (keep is not None)
     assert plain.report["euler"] == -32, "the mesh that was given stays"
     with pytest.raises(engine.InvalidInput, match="fill_holes must be a length, at least 0"):
-        engine.close_openings(plain, engine.CleanOptions(fill_holes=-1.0))
+        engine.regions.close_openings(plain, engine.CleanOptions(fill_holes=-1.0))
     with pytest.raises(engine.InvalidInput, match="not finite"):
-        engine.close_openings(plain, options, keep=np.full((1, 3), np.nan))
+        engine.regions.close_openings(plain, options, keep=np.full((1, 3), np.nan))
 
 
 def test_covers_belong_to_the_adjacent_face():

@@ -133,7 +133,7 @@ def test_the_command_and_batches_regularise_as_a_recipe_says(tmp_path):
     part = engine.partition(mesh, engine.PartitionOptions(proxies=110, adaptivity=0.25))
     part = engine.regularise(mesh, part, engine.RegulariseOptions(angle=6.0))
     poly = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True, join_junctions=rcp.Mesh().join_junctions))
-    np.testing.assert_array_equal(engine.read_polygons(out)[1], poly.loops)
+    np.testing.assert_array_equal(engine.reading.read_polygons(out)[1], poly.loops)
 
     outcome = batch.run(scan, tmp_path / "models", recipe=path, format="obj")
     assert outcome.rows[0]["polygons"] == len(poly.loop_start)
@@ -195,7 +195,9 @@ def test_the_command_does_the_steps(scan, tmp_path):
     part = engine.improve(mesh, engine.add_worst(mesh, part, 2))
     poly = engine.polygonize(mesh, part, engine.MeshingOptions(flatten=5, join_junctions=0.0))
     assert len(np.unique(part.face_region)) == 12
-    for written, expected in zip(engine.read_polygons(out), (poly.vertices, poly.loops, poly.loop_start), strict=True):
+    for written, expected in zip(
+        engine.reading.read_polygons(out), (poly.vertices, poly.loops, poly.loop_start), strict=True
+    ):
         np.testing.assert_array_equal(written, expected)
     said = json.loads(report.read_text())
     assert said["regions"] == 12

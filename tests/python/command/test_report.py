@@ -104,7 +104,7 @@ def noisy():
 
 def soup(poly):
     """The polygons as triangles, (vertices, triangles, polygon of each)."""
-    return poly.vertices, *engine.triangulate(poly.vertices, poly.loops, poly.loop_start)
+    return poly.vertices, *engine.regions.triangulate(poly.vertices, poly.loops, poly.loop_start)
 
 
 def test_areas_equal_trimesh():

@@ -20,7 +20,7 @@ def house() -> House:
 
 def largest(mesh: engine.Mesh, part: engine.Partition, axis: int) -> list[int]:
     """The regions that face along an axis within ten degrees, the largest first."""
-    normal, _, _, area = engine.region_fits(mesh, part)
+    normal, _, _, area = engine.regions.region_fits(mesh, part)
     facing = np.flatnonzero(abs(normal[:, axis]) > 0.985)
     found: list[int] = facing[np.argsort(-area[facing], kind="stable")].tolist()
     return found
@@ -71,7 +71,7 @@ def test_what_needs_more_than_is_allowed_is_refused_with_both_numbers(
     mesh, part = house
     wall = largest(mesh, part, 0)[0]
     up = (0.3, 0.0, 1.0)
-    normal, _, spread, _ = engine.region_fits(mesh, part)
+    normal, _, spread, _ = engine.regions.region_fits(mesh, part)
     wanted = normal[wall] - np.array(up) * (normal[wall] @ up) / (np.array(up) @ up)
     wanted /= np.linalg.norm(wanted)
     adds = np.sqrt(wanted @ spread[wall] @ wanted - normal[wall] @ spread[wall] @ normal[wall])

@@ -29,7 +29,7 @@ def closest(p, corners):
 def test_places_are_the_closest_of_the_own_region():
     vertices, triangles = shapes.bumpy(10)
     mesh, part, poly = made(vertices, triangles, 8)
-    triangle, weights = engine.corner_sources(mesh, part, poly, vertices, triangles)
+    triangle, weights = engine.texturing.corner_sources(mesh, part, poly, vertices, triangles)
     assert triangle.shape == (len(poly.loops),)
     assert np.allclose(weights.sum(axis=1), 1, atol=1e-5)
     assert weights.min() > -1e-5
@@ -52,7 +52,7 @@ def test_both_sides_of_a_thin_plate_keep_their_values():
     side = np.arange(len(triangles)) // (2 * 6 * 6)
     part = engine.partition_from(mesh, side.astype(np.int32)[mesh.source_face])
     poly = engine.polygonize(mesh, part)
-    triangle, _ = engine.corner_sources(mesh, part, poly, vertices, triangles)
+    triangle, _ = engine.texturing.corner_sources(mesh, part, poly, vertices, triangles)
     ends = np.append(poly.loop_start, len(poly.loops))
     assert np.array_equal(side[triangle], np.repeat(poly.polygon_region, np.diff(ends)))
 
@@ -66,7 +66,7 @@ def test_repairs_and_far_places(threads):
     triangles[::5] = triangles[::5, ::-1]
     mesh, part, poly = made(vertices, triangles, 6, engine.CleanOptions(fill_holes=3))
     assert mesh.report["filled_holes"] == 1
-    triangle, weights = engine.corner_sources(mesh, part, poly, vertices, triangles, threads=threads)
+    triangle, weights = engine.texturing.corner_sources(mesh, part, poly, vertices, triangles, threads=threads)
     assert triangle.min() >= 0
     assert np.abs(places(vertices, triangles, triangle, weights) - poly.vertices[poly.loops]).max() < 1e-3
 
@@ -76,11 +76,11 @@ def test_parts_must_belong_together_and_it_can_be_cancelled():
     mesh, part, poly = made(vertices, triangles, 6)
     other = engine.clean(*shapes.plane(4))
     with pytest.raises(engine.InvalidInput):
-        engine.corner_sources(other, part, poly, *shapes.plane(4))
+        engine.texturing.corner_sources(other, part, poly, *shapes.plane(4))
     job = engine.Job()
     job.cancel()
     with pytest.raises(engine.Cancelled):
-        engine.corner_sources(mesh, part, poly, vertices, triangles, job)
+        engine.texturing.corner_sources(mesh, part, poly, vertices, triangles, job)
 
 
 def seamed_plane(n=10):
@@ -94,10 +94,10 @@ def seamed_plane(n=10):
 
 def test_islands_end_where_uvs_jump():
     _, triangles, uv, right = seamed_plane()
-    islands = engine.uv_islands(triangles, uv)
+    islands = engine.texturing.uv_islands(triangles, uv)
     assert sorted(np.unique(islands)) == [np.flatnonzero(~right)[0], np.flatnonzero(right)[0]]
     assert len(np.unique(islands[right])) == len(np.unique(islands[~right])) == 1
-    alone = engine.uv_islands(triangles, uv + 10.0 * np.arange(len(uv))[:, None, None])
+    alone = engine.texturing.uv_islands(triangles, uv + 10.0 * np.arange(len(uv))[:, None, None])
     assert np.array_equal(alone, np.arange(len(uv)))
 
 
@@ -108,12 +108,12 @@ def test_a_polygon_across_two_islands_takes_the_larger_one():
     poly = engine.polygonize(mesh, part)
 
     def carried(**options):
-        triangle, weights = engine.corner_sources(mesh, part, poly, vertices, triangles, **options)
+        triangle, weights = engine.texturing.corner_sources(mesh, part, poly, vertices, triangles, **options)
         return np.einsum("lc,lcn->ln", weights, uv[triangle]), triangle
 
     across, _ = carried()
     assert np.ptp(across[:, 0]) > 5  # the error without it
-    within, triangle = carried(islands=engine.uv_islands(triangles, uv))
+    within, triangle = carried(islands=engine.texturing.uv_islands(triangles, uv))
     assert right[triangle].all()
     assert within[:, 0].min() >= 5.4 - 1e-6
     assert np.allclose(within[within[:, 0] > 5.99][:, 1], poly.vertices[poly.loops][within[:, 0] > 5.99][:, 1])
@@ -125,10 +125,10 @@ def test_islands_and_uvs_of_other_shapes_are_refused():
     mesh, part, poly = made(vertices, triangles, 6)
     for islands in (np.arange(3), np.zeros((count, 1), np.int32), np.zeros(count)):
         with pytest.raises(engine.InvalidInput, match=rf"islands must have the shape \({count},\) and integers"):
-            engine.corner_sources(mesh, part, poly, vertices, triangles, islands=islands)
+            engine.texturing.corner_sources(mesh, part, poly, vertices, triangles, islands=islands)
     for uv in (np.zeros((3, 3, 2)), np.zeros((count, 2)), 0.0, np.full((count, 3, 2), "a")):
         with pytest.raises(engine.InvalidInput, match=rf"uv must have the shape \({count}, 3, 2\) and numbers, got \("):
-            engine.uv_islands(triangles, uv)
+            engine.texturing.uv_islands(triangles, uv)
     for other in (triangles.ravel(), triangles * 1.0, 3):
         with pytest.raises(engine.InvalidInput, match=r"triangles must have the shape \(T, 3\) and integers, got \("):
-            engine.uv_islands(other, np.zeros((count, 3, 2)))
+            engine.texturing.uv_islands(other, np.zeros((count, 3, 2)))

@@ -286,14 +286,14 @@ def test_a_pickle_of_damaged_round_parts_gives_no_object(mesh, part):
 
 def test_segments_and_explode(mesh, part):
     face = int(part.region_seed[part.curved[0].regions[0]])
-    assert engine.round_part_at(mesh, part, face) == 0
+    assert engine.regions.round_part_at(mesh, part, face) == 0
     nine = engine.set_segments(mesh, part, face, 9)
     assert nine.region_count == 11
     assert len(nine.curved[0].regions) == 9
     loose = engine.release_round(mesh, nine, face)
     assert loose.curved == []
     assert np.array_equal(loose.face_region, nine.face_region)
-    assert engine.round_part_at(mesh, loose, face) is None
+    assert engine.regions.round_part_at(mesh, loose, face) is None
     with pytest.raises(engine.InvalidInput, match=f"face {face} is in no round part"):
         engine.set_segments(mesh, loose, face, 9)
     with pytest.raises(engine.InvalidInput, match=r"segments must be in \[3, 256\], got 2"):

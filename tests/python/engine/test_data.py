@@ -25,7 +25,7 @@ SCANS = [
 def test_a_scan_becomes_a_manifold_with_a_label_for_each_face(data, tmp_path, name):
     out, labels, report = tmp_path / "o.ply", tmp_path / "l.npy", tmp_path / "r.json"
     flags = ["--quiet", "--labels", str(labels), "--report", str(report)]
-    faces = len(engine.read_polygons(data / name)[2])
+    faces = len(engine.reading.read_polygons(data / name)[2])
     assert main(["simplify", str(data / name), str(out), "--proxies", str(min(200, faces)), *flags]) == 0
     said, values = json.loads(report.read_text()), np.load(labels)
     assert said["input"]["faces"] == faces == len(values)
@@ -34,7 +34,7 @@ def test_a_scan_becomes_a_manifold_with_a_label_for_each_face(data, tmp_path, na
     assert max(values) < said["regions"]
     assert said["output"]["manifold"] is True
     assert said["output"]["closed"] == said["mesh"]["closed"] or said["partition"]["parts_left_out"]
-    vertices, loops, loop_start = engine.read_polygons(out)
+    vertices, loops, loop_start = engine.reading.read_polygons(out)
     assert (len(vertices), len(loops), len(loop_start)) == tuple(
         said["output"][key] for key in ("vertices", "corners", "polygons")
     )

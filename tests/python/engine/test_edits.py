@@ -146,7 +146,7 @@ def test_a_cut_parts_faces_by_the_side_of_the_line():
         (lambda m, p: engine.lock_regions(m, p, np.zeros(0, int)), "there is no face: name one of each region to lock"),
         (lambda m, p: engine.grow_region(m, p, 0, 0), "rings must be at least 1, got 0"),
         (lambda m, p: engine.merge_regions(m, p, 0, 800), r"face must be in \[0, 800\), got 800"),
-        (lambda m, p: engine.region_statistics(m, p, 800), r"face must be in \[0, 800\), got 800"),
+        (lambda m, p: engine.regions.region_statistics(m, p, 800), r"face must be in \[0, 800\), got 800"),
     ],
 )
 def test_impossible_edits_are_named(mesh, part, call, message):
@@ -155,7 +155,7 @@ def test_impossible_edits_are_named(mesh, part, call, message):
 
 
 def test_statistics_add_up(mesh, part):
-    everything = engine.all_statistics(mesh, part)
+    everything = engine.regions.all_statistics(mesh, part)
     assert [s["region"] for s in everything] == list(range(REGIONS))
     assert sum(s["faces"] for s in everything) == len(mesh.triangles)
     assert sum(s["error"] for s in everything) == pytest.approx(part.error)
@@ -165,26 +165,32 @@ def test_statistics_add_up(mesh, part):
         heights = corners @ part.region_normal[s["region"]]
         assert np.ptp(heights) / 2 <= s["distance_max"] + 1e-12 <= np.ptp(heights) + 2e-12
         assert 0 < s["distance_rms"] < s["distance_max"]
-    assert engine.region_statistics(mesh, part, 17) == everything[part.face_region[17]]
+    assert engine.regions.region_statistics(mesh, part, 17) == everything[part.face_region[17]]
     assert list(everything[0]) == struct_fields("interact/statistics.h", "RegionStatistics")
 
 
 def test_sides_of_regions_agree_with_their_statistics(mesh, part):
     vertices, triangles, region = (np.asarray(a) for a in (mesh.vertices, mesh.triangles, part.face_region))
-    everything = engine.all_statistics(mesh, part)
-    area, normal = engine.region_sides(vertices, triangles, region, REGIONS)
+    everything = engine.regions.all_statistics(mesh, part)
+    area, normal = engine.regions.region_sides(vertices, triangles, region, REGIONS)
     assert area == pytest.approx([s["area"] for s in everything])
     length = np.linalg.norm(normal, axis=1)
     assert (length <= area * (1 + 1e-9)).all()
     assert normal / length[:, None] == pytest.approx(np.asarray(part.region_normal), abs=1e-5)
-    single, _ = engine.region_sides(vertices.astype(np.float32), triangles[::-1], region[::-1], REGIONS + 1)
+    single, _ = engine.regions.region_sides(vertices.astype(np.float32), triangles[::-1], region[::-1], REGIONS + 1)
     assert single == pytest.approx([*area, 0.0], rel=1e-4)
     with pytest.raises(engine.InvalidInput, match="must be in"):
-        engine.region_sides(vertices, triangles, region, REGIONS - 1)
+        engine.regions.region_sides(vertices, triangles, region, REGIONS - 1)
 
 
 def test_they_can_be_cancelled(mesh, part):
-    for call in (engine.improve, engine.even_borders, engine.add_worst, engine.merge_cheapest, engine.all_statistics):
+    for call in (
+        engine.improve,
+        engine.even_borders,
+        engine.add_worst,
+        engine.merge_cheapest,
+        engine.regions.all_statistics,
+    ):
         job = engine.Job()
         job.cancel()
         with pytest.raises(engine.Cancelled):

@@ -19,7 +19,7 @@ REASONS = ("unconnected", "pinches", "holes", "handles", "closed", "repair")
 
 def foreseen(mesh, **options):
     part = engine.partition(mesh, engine.PartitionOptions(**options))
-    return engine.expected_polygons(mesh, part), engine.polygonize(mesh, part).report
+    return engine.regions.expected_polygons(mesh, part), engine.polygonize(mesh, part).report
 
 
 @pytest.mark.parametrize("proxies", [30, 100, 300])
@@ -47,7 +47,7 @@ def test_what_is_flat_and_simple_is_foreseen_exactly():
 def test_a_partition_of_another_mesh_is_refused():
     mesh, other = engine.clean(*shapes.cube(4)), engine.clean(*shapes.cube(5))
     with pytest.raises(engine.InvalidInput, match="made for another mesh"):
-        engine.expected_polygons(other, engine.partition(mesh, engine.PartitionOptions(proxies=6)))
+        engine.regions.expected_polygons(other, engine.partition(mesh, engine.PartitionOptions(proxies=6)))
 
 
 def test_the_report_has_it_and_info_can_leave_the_meshing_out(tmp_path):
@@ -95,6 +95,6 @@ def test_it_does_not_depend_on_the_order_of_faces():
     order = np.random.default_rng(2).permutation(len(triangles))
     other = engine.clean(vertices, triangles[order])
     same = engine.partition_from(other, part.face_region[order])
-    assert engine.expected_polygons(other, same)["polygons"] == pytest.approx(
-        engine.expected_polygons(mesh, part)["polygons"], rel=0.1
+    assert engine.regions.expected_polygons(other, same)["polygons"] == pytest.approx(
+        engine.regions.expected_polygons(mesh, part)["polygons"], rel=0.1
     )

@@ -68,7 +68,7 @@ def test_the_command_merges_and_reports(tmp_path):
     found = np.load(labels)
     assert len(found) == 300
     assert np.bincount(found).tolist() == [50] * 6
-    vertices, _, start = engine.read_polygons(out)
+    vertices, _, start = engine.reading.read_polygons(out)
     assert len(start) == 6
     assert {tuple(v) for v in vertices.tolist()} == {(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)}
 
@@ -80,7 +80,7 @@ def test_an_angle_can_be_given(tmp_path):
     for angle in ([], ["10"]):
         out = tmp_path / "out.ply"
         assert isimp("simplify", source, out, "--flat", *angle).returncode == 0
-        counts.append(len(engine.read_polygons(out)[2]))
+        counts.append(len(engine.reading.read_polygons(out)[2]))
     assert counts[0] > 2 * counts[1]
 
 

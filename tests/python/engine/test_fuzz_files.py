@@ -14,6 +14,7 @@ import hostile
 import isimp_engine as engine
 from isimp_engine import batch, recipes
 from isimp_engine.batch import page
+from isimp_engine.batch.run import Outcome
 from isimp_engine.cli import batch as command
 from isimp_engine.texturing.images import decode
 from isimp_engine.tiles import tileset
@@ -38,9 +39,9 @@ def read_tileset(path):
 
 def read_rows(folder):
     (folder / ".isimp-batch").mkdir(exist_ok=True)
-    found = batch.read_rows(folder)
+    found = batch.table.read_rows(folder)
     page.write(folder, found, folder)
-    outcome = batch.Outcome(found, len(found), 0, cut_short=False)
+    outcome = Outcome(found, len(found), 0, cut_short=False)
     os.fsencode("\n".join(command.summary(outcome, folder, False)))
 
 

@@ -23,7 +23,7 @@ def faces(loops, loop_start):
 def test_polygons_keep_the_files_order_and_number(tmp_path, kind):
     path = tmp_path / kind
     meshfiles.POLYGONS[kind](path, HOUSE, WALLS)
-    vertices, loops, loop_start = engine.read_polygons(path)
+    vertices, loops, loop_start = engine.reading.read_polygons(path)
     assert (vertices.dtype, loops.dtype, loop_start.dtype) == (np.float64, np.int32, np.int32)
     np.testing.assert_array_equal(vertices, HOUSE)
     assert faces(loops, loop_start) == WALLS
@@ -51,12 +51,12 @@ def test_the_number_of_threads_changes_nothing(tmp_path, threads):
     points, read = engine.read(path, threads=threads)
     np.testing.assert_array_equal(points, vertices.astype(np.float32))
     np.testing.assert_array_equal(read, triangles)
-    loops, loop_start = engine.read_polygons(path, threads=threads)[1:]
+    loops, loop_start = engine.reading.read_polygons(path, threads=threads)[1:]
     np.testing.assert_array_equal(loops.reshape(-1, 3), triangles)
     np.testing.assert_array_equal(loop_start, np.arange(0, len(loops), 3))
 
 
-@pytest.mark.parametrize("call", [engine.read, engine.read_polygons])
+@pytest.mark.parametrize("call", [engine.read, engine.reading.read_polygons])
 def test_fewer_threads_than_none_are_refused(tmp_path, call):
     path = tmp_path / "a.ply"
     meshfiles.ply_ascii(path, HOUSE, WALLS)
@@ -69,7 +69,7 @@ def test_the_command_cuts_polygons_as_the_engine_does(tmp_path, polygons):
     path = tmp_path / "a.ply"
     meshfiles.ply_ascii(path, HOUSE, polygons)
     source = load(path, engine.Job())
-    triangles, polygon = engine.triangulate(*engine.read_polygons(path))
+    triangles, polygon = engine.regions.triangulate(*engine.reading.read_polygons(path))
     assert source.faces == len(polygons)
     assert (source.triangles.dtype, source.polygon.dtype) == (np.int32, np.int32)
     np.testing.assert_array_equal(source.triangles, triangles)
@@ -95,8 +95,8 @@ def test_returned_arrays_belong_to_the_caller(tmp_path):
 def test_n_gons_are_cut_and_name_their_polygon(tmp_path):
     path = tmp_path / "a.obj"
     meshfiles.obj(path, HOUSE, WALLS)
-    polygons = engine.read_polygons(path)
-    triangles, source = engine.triangulate(*polygons)
+    polygons = engine.reading.read_polygons(path)
+    triangles, source = engine.regions.triangulate(*polygons)
     np.testing.assert_array_equal(source, [0, 0, 0, 1, 1, 2])
     np.testing.assert_array_equal(triangles, engine.read(path)[1])
     corners = np.array(HOUSE, float)[triangles]
@@ -119,7 +119,7 @@ def test_n_gons_are_cut_and_name_their_polygon(tmp_path):
 )
 def test_triangulate_refuses_invalid_polygons(arrays, said):
     with pytest.raises(engine.InvalidInput, match=said):
-        engine.triangulate(*arrays)
+        engine.regions.triangulate(*arrays)
 
 
 def test_a_file_without_faces_has_none(tmp_path):
@@ -208,7 +208,7 @@ def test_written_files_are_read_back_the_same(tmp_path, poly, name):
     path = tmp_path / name
     path.write_text("an older file")
     engine.write(path, poly)
-    vertices, loops, loop_start = engine.read_polygons(path)
+    vertices, loops, loop_start = engine.reading.read_polygons(path)
     np.testing.assert_array_equal(vertices, poly.vertices)
     np.testing.assert_array_equal(loops, poly.loops)
     np.testing.assert_array_equal(loop_start, poly.loop_start)
@@ -228,7 +228,7 @@ def test_reading_and_writing_can_be_cancelled(tmp_path, poly):
     meshfiles.ply_ascii(path, HOUSE, WALLS)
     job = engine.Job()
     job.cancel()
-    for act in (lambda: engine.read(path, job), lambda: engine.write(tmp_path / "b.ply", poly, job)):
+    for act in (lambda: engine.read(path, job=job), lambda: engine.write(tmp_path / "b.ply", poly, job=job)):
         with pytest.raises(engine.Cancelled):
             act()
     assert os.listdir(tmp_path) == ["a.ply"]
@@ -256,5 +256,5 @@ def test_a_link_where_the_draft_would_be_is_not_followed(tmp_path, poly):
     engine.write(place, poly)
     assert not elsewhere.exists()
     assert not place.is_symlink()
-    np.testing.assert_array_equal(engine.read_polygons(place)[1], poly.loops)
+    np.testing.assert_array_equal(engine.reading.read_polygons(place)[1], poly.loops)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["o.ply", "o.ply.part", "o.ply.part2"]

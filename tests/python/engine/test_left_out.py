@@ -72,7 +72,7 @@ def compare(all_faces, some_faces, options: dict, leave_out: float) -> None:
             for mesh, p in zip((one, other), parts, strict=True)
         ]
         same_polygons(*made)
-    assert engine.expected_polygons(one, parts[0]) == engine.expected_polygons(other, parts[1])
+    assert engine.regions.expected_polygons(one, parts[0]) == engine.regions.expected_polygons(other, parts[1])
     regular = [engine.regularise(mesh, part) for mesh, part in zip((one, other), parts, strict=True)]
     assert np.array_equal(regular[0].region_normal, regular[1].region_normal)
     same_polygons(*[engine.polygonize(mesh, part) for mesh, part in zip((one, other), regular, strict=True)])

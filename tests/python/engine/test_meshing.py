@@ -340,7 +340,7 @@ def test_polygons_of_a_bulge_are_not_inside_it():
         a, b, c = np.asarray(vertices)[np.asarray(triangles).T]
         return (a * np.cross(b, c)).sum() / 6
 
-    triangles, _ = engine.triangulate(poly.vertices, poly.loops, poly.loop_start)
+    triangles, _ = engine.regions.triangulate(poly.vertices, poly.loops, poly.loop_start)
     assert volume(poly.vertices, triangles) == pytest.approx(volume(mesh.vertices, mesh.triangles), rel=0.05)
 
 

@@ -112,8 +112,8 @@ def changed(thing, **values):
 
 def test_the_judge_of_partitions_sees_what_is_wrong(model, monkeypatch):
     surface, part, _ = model
-    known = engine.all_statistics(surface.mesh, part)
-    monkeypatch.setattr(engine, "all_statistics", lambda mesh, part: known)
+    known = engine.regions.all_statistics(surface.mesh, part)
+    monkeypatch.setattr(engine.regions, "all_statistics", lambda mesh, part: known)
 
     def texts(**values):
         return " ".join(judging.partition_findings(surface, changed(part, **values)))

@@ -26,7 +26,7 @@ STAR = [(np.cos(a) * r, np.sin(a) * r, 2) for a, r in zip(np.arange(10) * np.pi 
 
 def encoded(*points):
     places, start = rings_of(points)
-    triangles, polygon = engine.triangulate(places, np.arange(len(places)), start)
+    triangles, polygon = engine.regions.triangulate(places, np.arange(len(places)), start)
     return places, start, *ngons.fans(places, start, triangles, polygon)
 
 

@@ -110,11 +110,11 @@ def test_it_can_be_cancelled_and_its_progress_grows():
     part = engine.partition_from(mesh, regions.astype(np.int32)[mesh.source_face])
     poly = engine.polygonize(mesh, part)
     job = engine.Job()
-    engine.texture(mesh, part, poly, soup, engine.TextureOptions(size=256, occlusion=True), job)
+    engine.texture(mesh, part, poly, soup, engine.TextureOptions(size=256, occlusion=True), job=job)
     assert 0.95 < job.progress <= 1
     job.cancel()
     with pytest.raises(engine.Cancelled):
-        engine.texture(mesh, part, poly, soup, engine.TextureOptions(size=256, occlusion=True), job)
+        engine.texture(mesh, part, poly, soup, engine.TextureOptions(size=256, occlusion=True), job=job)
 
 
 def test_it_is_written_and_read_again(tmp_path):

@@ -274,12 +274,12 @@ def test_no_region_crosses_a_barrier(method):
     assert part.region_count == 2
     more = engine.add_proxy(mesh, part, int(np.flatnonzero(left)[0]))
     assert not set(more.face_region[left]) & set(more.face_region[~left])
-    apart = engine.barrier_faces(mesh, more)
+    apart = engine.regions.barrier_faces(mesh, more)
     assert apart.shape == (len(barriers), 2)
     assert (left[apart].sum(axis=1) == 1).all()
     shared = [set(triangles[a]) & set(triangles[b]) for a, b in apart]
     assert {frozenset(pair) for pair in barriers} == set(map(frozenset, shared))
-    assert engine.barrier_faces(mesh, engine.partition(mesh, options(proxies=2))).shape == (0, 2)
+    assert engine.regions.barrier_faces(mesh, engine.partition(mesh, options(proxies=2))).shape == (0, 2)
 
 
 def test_kept_data_of_a_mesh_is_separate_for_each_guides(sheet):
@@ -423,7 +423,7 @@ def error_of(mesh, part, weights=1.0):
 
 def check_error(mesh, part, weights=1.0):
     assert part.error == pytest.approx(error_of(mesh, part, weights), rel=2e-4)
-    every = engine.all_statistics(mesh, part)
+    every = engine.regions.all_statistics(mesh, part)
     assert part.error == pytest.approx(sum(each["error"] for each in every), rel=1e-9)
 
 

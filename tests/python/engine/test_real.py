@@ -193,7 +193,7 @@ def test_stair_steps_of_a_grid_are_smoothed_within_half_a_cell():
     assert abs(after - 21) <= 2
     assert abs(exact - 21) <= 2
     copy = pickle.loads(pickle.dumps(mesh))  # noqa: S301
-    for same in (mesh, copy, engine.close_openings(mesh, engine.CleanOptions())):
+    for same in (mesh, copy, engine.regions.close_openings(mesh, engine.CleanOptions())):
         part = engine.partition(same, engine.PartitionOptions())
         assert part.report["noise"] == pytest.approx(0.12 * mesh.report["cell"])
         assert abs(part.region_count - 21) <= 2
@@ -277,7 +277,7 @@ def test_a_hole_in_a_wall_is_closed_where_another_stays_open():
     mesh = pierced_wall(0.2)
     lengths = engine.openings.lengths(mesh, 6)
     assert lengths.holes < 0.6 < 0.8 < lengths.flat_holes
-    assert engine.opening_lengths(mesh, 6) == (lengths.holes, lengths.handles)
+    assert engine.regions.opening_lengths(mesh, 6) == (lengths.holes, lengths.handles)
     assert mesh.report["border_loops"] == 4
     closed = engine.openings.closed_for(mesh, 6)
     assert closed.report["filled_holes"] == 1  # not the ends of the tube, nor the rim of the wall

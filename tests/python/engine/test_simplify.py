@@ -119,7 +119,7 @@ def test_the_faces_of_the_polygons_are_lists_and_triangles(files):
     assert [len(face) for face in faces] == [4] * 6
     assert all(face.dtype == np.int32 for face in faces)
     np.testing.assert_array_equal(np.concatenate(faces), poly.loops)
-    np.testing.assert_array_equal(triangles, engine.triangulate(poly.vertices, poly.loops, poly.loop_start)[0])
+    np.testing.assert_array_equal(triangles, engine.regions.triangulate(poly.vertices, poly.loops, poly.loop_start)[0])
     assert triangles.shape == (12, 3)
 
 

@@ -25,7 +25,7 @@ def street(count):
 def largest_gain(mesh, part):
     """The decrease of the error by the best split of a region, in units of 16 t^2."""
     unit = 16 * max(part.tolerance, 3.5 * part.noise) ** 2
-    errors = [region["error"] for region in engine.all_statistics(mesh, part)]
+    errors = [region["error"] for region in engine.regions.all_statistics(mesh, part)]
     seeds = [int(part.region_seed[r]) for r, error in enumerate(errors) if error > MOST * unit]
     return max((part.error - engine.split_region(mesh, part, seed).error for seed in seeds), default=0) / unit
 

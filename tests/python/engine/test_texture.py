@@ -309,7 +309,7 @@ def test_obj_and_glb_are_read_back_the_same(made_plane):
     folder, poly, made = made_plane
     files = engine.write_textured(folder / "out.obj", poly, made)
     assert sorted(f.name for f in files) == ["out.mtl", "out.obj", "out.png", "out_normal.png"]
-    _, loops, starts = engine.read_polygons(folder / "out.obj")
+    _, loops, starts = engine.reading.read_polygons(folder / "out.obj")
     assert np.array_equal(loops, poly.loops)
     assert np.array_equal(starts, poly.loop_start)
     assert engine.write_textured(folder / "out.glb", poly, made) == [folder / "out.glb"]

@@ -19,7 +19,7 @@ def test_distances_are_the_least_to_any_triangle(monkeypatch):
     mesh = engine.Mesh(*shapes.torus(40, 20))
     part = engine.partition(mesh, engine.PartitionOptions(bound=0.1))
     polygons = engine.polygonize(mesh, part)
-    triangles, _ = engine.triangulate(polygons.vertices, polygons.loops, polygons.loop_start)
+    triangles, _ = engine.regions.triangulate(polygons.vertices, polygons.loops, polygons.loop_start)
     corners = polygons.vertices[triangles]
     wanted = [within._to_triangles(np.broadcast_to(v, (len(corners), 3)), corners).min() for v in mesh.vertices]
     np.testing.assert_array_equal(within.scan_distances(mesh, part, polygons), wanted)

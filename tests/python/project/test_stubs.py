@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import isimp_engine as engine
-from isimp_engine import _core, texturing
+from isimp_engine import _core, regions, texturing
 
 ROOT = Path(__file__).resolve().parents[3]
 STUB = ast.parse((ROOT / "python/isimp_engine/_core.pyi").read_text())
@@ -22,8 +22,10 @@ def public(names):
 def test_the_stub_and_the_package_have_the_modules_names():
     named = {node.name for node in CLASSES + FUNCTIONS}
     assert named == public(vars(_core))
-    assert named | {"__version__"} | set(texturing.__all__) | {"Result", "simplify"} == set(engine.__all__)
-    for name in named - {"read", "read_polygons", "write"}:  # the package's take more kinds of files
+    private = set(regions.__all__) | {"corner_sources", "read_polygons", "uv_islands"}
+    of_python = set(texturing.__all__) | {"RecipeError", "Result", "__version__", "simplify"}
+    assert (named | of_python) - private == set(engine.__all__)
+    for name in named - private - {"read", "write"}:  # the package's take more kinds of files
         assert getattr(engine, name) is getattr(_core, name)
 
 
@@ -51,20 +53,3 @@ def test_a_function_of_the_stub_has_the_parameters_of_the_real_one(node):
 def test_files_made_from_the_table_of_options_are_up_to_date(generate):
     assert generate.with_classes(generate.STUB.read_text()) == generate.STUB.read_text(), "run scripts/generate.py"
     assert generate.data() == generate.DATA.read_text(), "run scripts/generate.py"
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("explode_round", "release_round"),
-        ("with_segments", "set_segments"),
-        ("patch_of", "round_part_at"),
-        ("separated_faces", "barrier_faces"),
-    ],
-)
-def test_earlier_names_work_and_name_the_new_ones(old, new):
-    with pytest.warns(DeprecationWarning, match=f"{old} is now {new}"):
-        assert getattr(engine, old) is getattr(engine, new)
-    assert old not in engine.__all__
-    with pytest.raises(AttributeError, match="no attribute 'no_such_name'"):
-        engine.no_such_name  # noqa: B018

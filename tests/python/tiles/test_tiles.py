@@ -16,6 +16,7 @@ import shapes
 import tilesets
 from batches import ENVIRONMENT, isimp, wait_for
 from isimp_engine import batch, tiles
+from isimp_engine.tiles import steps
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="tiles need fork")
 
@@ -64,7 +65,7 @@ def check_that_no_border_of_regions_follows_a_border_of_tiles(whole, parts, labe
     for k, (_, _, own) in enumerate(parts):
         tile[own] = k
     mesh = engine.Mesh(*whole)
-    neighbour = tiles.faces_of(mesh)
+    neighbour = steps.faces_of(mesh)
     f = np.repeat(neighbour.mesh_face, 3)
     g = neighbour.neighbour.ravel()
     f, g = f[g >= 0], neighbour.mesh_face[g[g >= 0]]
@@ -130,10 +131,10 @@ def test_merging_takes_the_cheapest_pair_at_any_number_of_nodes():
     tilt = np.random.default_rng(2).normal(scale=0.1, size=400)
     sums = np.stack([np.sin(tilt), 0 * tilt, np.cos(tilt), np.full(400, 2.0), np.full(400, 9.0)], 1)
     pairs = np.stack([np.arange(399), np.arange(1, 400)], 1).astype(np.int32)
-    found = tiles.Components(np.zeros(400, np.int32), np.array([1], np.int32), 0, 0.0)
-    merges = tiles.merge_inside(sums, pairs, np.zeros(399), found, np.zeros(400), 40)
-    one_by_one = tiles.labels_after(400, merges, np.inf)
-    assert (tiles.merge(sums, pairs, np.zeros(399), found, 40) == one_by_one).all()
+    found = steps.Components(np.zeros(400, np.int32), np.array([1], np.int32), 0, 0.0)
+    merges = steps.merge_inside(sums, pairs, np.zeros(399), found, np.zeros(400), 40)
+    one_by_one = steps.labels_after(400, merges, np.inf)
+    assert (steps.merge(sums, pairs, np.zeros(399), found, 40) == one_by_one).all()
 
 
 @pytest.mark.parametrize(("columns", "rows"), [(1, 1), (3, 2)])
@@ -157,7 +158,7 @@ def test_a_tolerance_is_a_length_and_its_number_is_said(tmp_path):
 
 
 def test_the_open_border_is_complete(four):
-    vertices, loops, start = engine.read_polygons(four[0].with_name("out.ply"))
+    vertices, loops, start = engine.reading.read_polygons(four[0].with_name("out.ply"))
     ends = {}
     for q in np.split(loops, start[1:]):
         for a, b in zip(q, np.roll(q, -1), strict=True):
@@ -247,7 +248,7 @@ def test_vertices_inside_edges_of_another_tile_are_put_into_them(tmp_path):
     assert report["unmatched_edges"] == 3 * 8 + 3 * 24
     assert len(np.load(tmp_path / "labels" / "tile_00.npy")) == 128
     assert report["output"]["polygons"] == 2
-    vertices, loops, start = engine.read_polygons(tmp_path / "a.obj")
+    vertices, loops, start = engine.reading.read_polygons(tmp_path / "a.obj")
     assert len(vertices) == 6, "the two sheets share an edge"
     assert sorted(np.diff(np.append(start, len(loops)))) == [4, 4]
 
@@ -260,7 +261,7 @@ def test_map_coordinates_stay(tmp_path, whole):
     tiles.run(folder, tmp_path / "a.obj", proxies=P)
     report = tiles.run(there, tmp_path / "b.obj", proxies=P).report
     assert report["unmatched_edges"] == 4 * 48
-    a, b = engine.read_polygons(tmp_path / "a.obj"), engine.read_polygons(tmp_path / "b.obj")
+    a, b = engine.reading.read_polygons(tmp_path / "a.obj"), engine.reading.read_polygons(tmp_path / "b.obj")
     assert b[0].min(0) == pytest.approx(offset + a[0].min(0), abs=0.2)
     assert report["output"]["manifold"]
     assert report["output"]["polygons"] <= P + 3

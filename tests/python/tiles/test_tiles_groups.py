@@ -11,7 +11,7 @@ import shapes
 import tilesets
 from batches import ENVIRONMENT, wait_for
 from isimp_engine import batch, machine, tiles
-from isimp_engine.tiles import grouped
+from isimp_engine.tiles import grouped, steps
 from isimp_engine.tiles.store import values_of
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="tiles need fork")
@@ -146,43 +146,43 @@ def strip(tilt):
 def test_merges_at_a_common_price_are_those_of_one_piece():
     tilt = np.array([0, 0.01, 0.3, 0.02, 0.01, 0.4, 0.02, 0.03])
     sums, pairs = strip(tilt)
-    found = tiles.Components(np.zeros(8, np.int32), np.array([1], np.int32), 0, 0.0)
-    whole = tiles.merge(sums, pairs, np.zeros(7), found, 3)
+    found = steps.Components(np.zeros(8, np.int32), np.array([1], np.int32), 0, 0.0)
+    whole = steps.merge(sums, pairs, np.zeros(7), found, 3)
     parts, price = [], []
     for own, at_border in ((slice(0, 4), 3), (slice(4, 8), 0)):
         border = np.zeros(4, bool)
         border[at_border] = True
-        part = tiles.Components(found.component[own], found.need, 0, 0.0)
-        merges = tiles.merge_inside(sums[own], pairs[:3], np.zeros(3), part, border, 1)
+        part = steps.Components(found.component[own], found.need, 0, 0.0)
+        merges = steps.merge_inside(sums[own], pairs[:3], np.zeros(3), part, border, 1)
         assert (np.diff(merges.price) >= 0).all()
         parts.append(merges)
         price.append(merges.price)
-    at = tiles.common_price(price, 8, 4)
-    labels = [tiles.labels_after(4, each, at) for each in parts]
+    at = steps.common_price(price, 8, 4)
+    labels = [steps.labels_after(4, each, at) for each in parts]
     both = np.append(labels[0], labels[1] + labels[0].max() + 1).astype(np.int32)
-    rest, near, lengths = tiles.contracted(both, sums, pairs, np.ones(7))
+    rest, near, lengths = steps.contracted(both, sums, pairs, np.ones(7))
     assert len(rest) == 4
     assert rest.sum(0) == pytest.approx(sums.sum(0))
     assert lengths.tolist() == [1.0] * 3
-    left = tiles.Components(np.zeros(4, np.int32), found.need, 0, 0.0)
-    assert tiles.merge(rest, near, 0 * lengths, left, 3)[both].tolist() == whole.tolist() == [0, 0, 1, 1, 1, 2, 2, 2]
+    left = steps.Components(np.zeros(4, np.int32), found.need, 0, 0.0)
+    assert steps.merge(rest, near, 0 * lengths, left, 3)[both].tolist() == whole.tolist() == [0, 0, 1, 1, 1, 2, 2, 2]
 
 
 def test_nodes_at_the_border_of_a_group_do_not_merge_with_each_other():
     sums, pairs = strip(np.array([0, 0, 0, 0.001]))
-    found = tiles.Components(np.zeros(4, np.int32), np.array([1], np.int32), 0, 0.0)
-    merges = tiles.merge_inside(sums, pairs, np.zeros(3), found, [1, 1, 0, 0], 1)
-    assert tiles.labels_after(4, merges, np.inf).tolist() == [0, 1, 1, 1]
-    assert len(tiles.merge_inside(sums, pairs, np.zeros(3), found, [1, 1, 0, 0], 3).price) == 1
-    assert len(tiles.merge_inside(sums, pairs, np.zeros(3), found, [0, 0, 0, 0], 1, 0.0).price) == 0
+    found = steps.Components(np.zeros(4, np.int32), np.array([1], np.int32), 0, 0.0)
+    merges = steps.merge_inside(sums, pairs, np.zeros(3), found, [1, 1, 0, 0], 1)
+    assert steps.labels_after(4, merges, np.inf).tolist() == [0, 1, 1, 1]
+    assert len(steps.merge_inside(sums, pairs, np.zeros(3), found, [1, 1, 0, 0], 3).price) == 1
+    assert len(steps.merge_inside(sums, pairs, np.zeros(3), found, [0, 0, 0, 0], 1, 0.0).price) == 0
 
 
 def test_a_small_part_of_a_plane_counts_as_all_of_it():
     sums, pairs = strip(np.array([0, 0.3]))
     sums[0, :4] *= 0.01
-    found = tiles.Components(np.zeros(2, np.int32), np.array([1], np.int32), 0, 0.0)
-    alone = tiles.merge_inside(sums, pairs, np.zeros(1), found, [0, 0], 1).price[0]
-    part = tiles.merge_inside(sums, pairs, np.zeros(1), found, [1, 0], 1).price[0]
+    found = steps.Components(np.zeros(2, np.int32), np.array([1], np.int32), 0, 0.0)
+    alone = steps.merge_inside(sums, pairs, np.zeros(1), found, [0, 0], 1).price[0]
+    part = steps.merge_inside(sums, pairs, np.zeros(1), found, [1, 0], 1).price[0]
     assert part == pytest.approx(1 - np.cos(0.3))
     assert alone < 0.02 * part
 
@@ -190,14 +190,14 @@ def test_a_small_part_of_a_plane_counts_as_all_of_it():
 def test_prices_leave_no_fewer_than_wanted():
     prices = [np.array([1.0, 2.0, 2.0]), np.array([2.0, 5.0])]
     for nodes, target, below in ((10, 10, 0), (10, 9, 1), (10, 7, 1), (10, 6, 4), (10, 5, 5), (10, 1, 5)):
-        price = tiles.common_price(prices, nodes, target)
+        price = steps.common_price(prices, nodes, target)
         assert sum((each < price).sum() for each in prices) == below
 
 
 def test_what_does_not_fit_is_refused():
     sums, pairs = strip(np.zeros(3))
-    found = tiles.Components(np.zeros(3, np.int32), np.array([1], np.int32), 0, 0.0)
+    found = steps.Components(np.zeros(3, np.int32), np.array([1], np.int32), 0, 0.0)
     with pytest.raises(ValueError, match="`border` must have one value for each node"):
-        tiles.merge_inside(sums, pairs, np.zeros(2), found, [0, 0], 1)
+        steps.merge_inside(sums, pairs, np.zeros(2), found, [0, 0], 1)
     with pytest.raises(ValueError, match="pair 0 names node 7"):
-        tiles.merge_inside(sums, pairs + 7, np.zeros(2), found, [0, 0, 0], 1)
+        steps.merge_inside(sums, pairs + 7, np.zeros(2), found, [0, 0, 0], 1)

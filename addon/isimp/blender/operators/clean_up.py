@@ -83,7 +83,7 @@ def without_slivers(context, scan, recipe, share: float) -> tuple:
     """Return (the recipe with small regions merged, their number); see slivers.py."""
     arrays = reading.read(context, scan, recipe.layers())
     label = reading.regions(scan, arrays, recipe)
-    area, normal = engine.region_sides(
+    area, normal = engine.regions.region_sides(
         arrays.vertices, arrays.triangles, label[arrays.triangle_face], int(label.max(initial=-1)) + 1
     )
     locked = runtime.get().session.locked_regions(arrays, recipe)

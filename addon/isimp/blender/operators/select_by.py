@@ -87,7 +87,7 @@ class ISIMP_OT_select_by(SelectOperator, bpy.types.Operator):
     def chosen(self, scan, arrays, regions) -> np.ndarray:
         """Return (R,) bool: the regions to select."""
         label, count = regions[arrays.triangle_face], int(regions.max(initial=-1)) + 1
-        area, normal = engine.region_sides(arrays.vertices, arrays.triangles, label, count)
+        area, normal = engine.regions.region_sides(arrays.vertices, arrays.triangles, label, count)
         length, there = np.linalg.norm(normal, axis=1), area > 0
         if self.by == "SIZE":
             return there & (area < 0.01 * self.share * area.sum())
