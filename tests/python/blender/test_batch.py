@@ -169,6 +169,15 @@ def test_a_recipe_defines_the_steps(tmp_path):
     assert len(bpy.context.view_layer.objects.active.data.polygons) == 7
 
 
+def test_a_click_without_a_face_at_its_place_is_left_out(tmp_path):
+    export(".ply", tmp_path / "cube.ply")
+    places = {"size": 3.5, "count": 12, "faces": [3], "points": [[9, 9, 9]], "normals": [[0, 0, 1]], "widths": [0.5]}
+    (tmp_path / "r.json").write_text(json.dumps(RECIPE | {"places": places}))
+    assert run(tmp_path / "cube.ply", tmp_path / "out.blend", "--recipe", tmp_path / "r.json") == 0
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out.blend"))
+    assert len(bpy.context.view_layer.objects.active.data.polygons) == 6
+
+
 @pytest.mark.parametrize(
     ("change", "more", "message"),
     [

@@ -43,8 +43,6 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
         self._lost = 0
         if recipe.places is not None:
             recipe, self._lost = placed(reading.read(context, scan), recipe)
-        if self._lost and self.strict:
-            raise ValueError(messages.lost(self._lost))
         return recipe
 
     def warnings(self, context, scan, before):
