@@ -273,16 +273,16 @@ def test_the_hover_text_has_the_angle_of_a_plane():
 
     scan = parted()
     bpy.context.scene.unit_settings.system = "METRIC"
-    ground = under.ground(bpy.context, wait=True)
+    ground = under.ground_of(bpy.context, bpy.context.object, wait=True)
     unit, label = bpy.context.scene.unit_settings, scans.regions(scan)
     top, side = label[face_along(scan, 0, 0, 1)], label[face_along(scan, 1, 0, 0)]
     assert ground.told(unit, top).endswith("° off level; snapping moves 1.7 cm")
     assert "1.7° off upright" in ground.told(unit, side)
     scan.rotation_euler = (0, np.pi / 4, 0)
     bpy.context.view_layer.update()
-    assert "off" not in under.ground(bpy.context, wait=True).told(unit, top)
+    assert "off" not in under.ground_of(bpy.context, bpy.context.object, wait=True).told(unit, top)
     scan.rotation_euler = (0, 0, 0)
     bpy.context.view_layer.update()
     OPS.align(face=face_along(scan, 0, 0, 1), to="level")
-    told = under.ground(bpy.context, wait=True).told(unit, top)
+    told = under.ground_of(bpy.context, bpy.context.object, wait=True).told(unit, top)
     assert told.endswith("plane fixed")

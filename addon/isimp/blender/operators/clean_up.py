@@ -13,7 +13,6 @@ from ...language import said
 from .. import reading
 from ..controls.properties import PartitionSettings
 from ..scene import mesh_io, runtime, targets
-from ..work import panel_changes
 from ..work.modal import RecipeOperator
 from ..work.scene_outcome import show_regions
 
@@ -46,8 +45,8 @@ class ISIMP_OT_symmetrise(_CleanUp, bpy.types.Operator):
     def problem(cls, context, scan):
         return targets.needs_steps(scan)
 
-    def wanted(self, context, scan):
-        recipe = panel_changes.recipe_of(context, scan).without_mesh()
+    def wanted(self, context, target):
+        recipe = target.recipe.without_mesh()
         index, step = recipe.whole()
         if step is None:
             raise mesh_io.Unusable(said("No step is a partition of the whole scan: press Partition first."))
@@ -71,9 +70,9 @@ class ISIMP_OT_merge_slivers(_CleanUp, bpy.types.Operator):
         subtype="PERCENTAGE",
     )
 
-    def wanted(self, context, scan):
-        before = panel_changes.recipe_of(context, scan).without_mesh()
-        recipe, count = without_slivers(context, scan, before, 0.01 * self.share)
+    def wanted(self, context, target):
+        before = target.recipe.without_mesh()
+        recipe, count = without_slivers(context, target.scan, before, 0.01 * self.share)
         if not count:
             raise mesh_io.Unusable(said("No region is that small."))
         return recipe

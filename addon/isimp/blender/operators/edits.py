@@ -8,7 +8,6 @@ from ... import messages
 from ... import recipe as rcp
 from ...language import own, said
 from ..scene import mesh_io, targets
-from ..work import panel_changes
 from ..work.modal import RecipeOperator
 from ..work.scene_outcome import show_regions
 from .proxies import AtFaces
@@ -39,8 +38,8 @@ class ISIMP_OT_merge(_Edit, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
-    def wanted(self, context, scan):
-        faces = [self.face, self.other] if self.other >= 0 else self.each(scan)
+    def wanted(self, context, target):
+        faces = [self.face, self.other] if self.other >= 0 else self.each(target.scan)
         if len(faces) < 2:
             raise mesh_io.Unusable(
                 said(
@@ -48,7 +47,7 @@ class ISIMP_OT_merge(_Edit, bpy.types.Operator):
                     "both in Edit Mode."
                 )
             )
-        recipe = panel_changes.recipe_of(context, scan)
+        recipe = target.recipe
         for other in faces[1:]:
             recipe = recipe.then(rcp.MergeRegions(face=faces[0], other=other))
         return recipe
@@ -60,9 +59,9 @@ class ISIMP_OT_split(_Edit, bpy.types.Operator):
     bl_idname = "isimp.split"
     bl_label = "Split Region"
 
-    def wanted(self, context, scan):
-        recipe = panel_changes.recipe_of(context, scan)
-        for face in self.each(scan):
+    def wanted(self, context, target):
+        recipe = target.recipe
+        for face in self.each(target.scan):
             recipe = recipe.then(rcp.SplitRegion(face=face))
         return recipe
 
@@ -83,9 +82,9 @@ class ISIMP_OT_lock(_Edit, bpy.types.Operator):
         free = said("Allow changes to the regions of the selected faces again, and make polygons of left-out regions")
         return free if properties.unlock else said(cls.__doc__)
 
-    def wanted(self, context, scan):
+    def wanted(self, context, target):
         step = rcp.UnlockRegions if self.unlock else rcp.LockRegions
-        return panel_changes.recipe_of(context, scan).then(step(faces=tuple(self.each(scan))))
+        return target.recipe.then(step(faces=tuple(self.each(target.scan))))
 
     def told(self, before, numbers):
         return messages.locked(numbers)
@@ -102,9 +101,9 @@ class ISIMP_OT_leave_out(_Edit, bpy.types.Operator):
 
     box: BoolProperty(name="Box", description="A box replaces each group of adjacent regions", options={"SKIP_SAVE"})
 
-    def wanted(self, context, scan):
-        step = rcp.LeaveOutRegions(faces=tuple(self.each(scan)), box=self.box)
-        return panel_changes.recipe_of(context, scan).then(step)
+    def wanted(self, context, target):
+        step = rcp.LeaveOutRegions(faces=tuple(self.each(target.scan)), box=self.box)
+        return target.recipe.then(step)
 
     def told(self, before, numbers):
         return messages.left_out(numbers)
@@ -127,9 +126,9 @@ class ISIMP_OT_grow(_Edit, bpy.types.Operator):
         shrink = said("Shrink each region with a selected face: its neighbours take the faces along its border")
         return shrink if properties.shrink else said(cls.__doc__)
 
-    def wanted(self, context, scan):
-        recipe = panel_changes.recipe_of(context, scan)
-        for face in self.each(scan):
+    def wanted(self, context, target):
+        recipe = target.recipe
+        for face in self.each(target.scan):
             recipe = recipe.then(self.step(face, self.rings, self.shrink))
         return recipe
 
@@ -161,9 +160,9 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
     def problem(cls, context, scan):
         return targets.needs_regions(scan)
 
-    def wanted(self, context, scan):
-        recipe = panel_changes.recipe_of(context, scan)
-        for onto, faces in self.strokes(scan):
+    def wanted(self, context, target):
+        recipe = target.recipe
+        for onto, faces in self.strokes(target.scan):
             recipe = recipe.then(self.step(onto, faces))
         return recipe
 
@@ -194,11 +193,11 @@ class ISIMP_OT_cut_region(AtFaces, bpy.types.Operator):
     line: FloatVectorProperty(name="Line", description="Start and end point", size=6, options={"SKIP_SAVE"})
     direction: FloatVectorProperty(name="Direction", description="View direction", size=3, options={"SKIP_SAVE"})
 
-    def wanted(self, context, scan):
+    def wanted(self, context, target):
         line, sight = (tuple(self.line[:3]), tuple(self.line[3:])), tuple(self.direction)
         sight = sight if any(sight) else ()
-        step = rcp.CutRegion(face=self.faces(scan)[0], line=line, direction=sight)
-        return panel_changes.recipe_of(context, scan).then(step)
+        step = rcp.CutRegion(face=self.faces(target.scan)[0], line=line, direction=sight)
+        return target.recipe.then(step)
 
 
 class _ByError(RecipeOperator):
@@ -221,8 +220,8 @@ class _Times(_ByError):
 
     times: IntProperty(name="Times", description="Number of edits", default=1, min=1, soft_max=50)
 
-    def wanted(self, context, scan):
-        return panel_changes.recipe_of(context, scan).then(self.step(times=self.times))
+    def wanted(self, context, target):
+        return target.recipe.then(self.step(times=self.times))
 
 
 class ISIMP_OT_add_worst(_Times, bpy.types.Operator):
@@ -255,8 +254,8 @@ class ISIMP_OT_improve(_ByError, bpy.types.Operator):
     bl_idname = "isimp.improve"
     bl_label = "Improve"
 
-    def wanted(self, context, scan):
-        return panel_changes.recipe_of(context, scan).then(rcp.Improve())
+    def wanted(self, context, target):
+        return target.recipe.then(rcp.Improve())
 
 
 class ISIMP_OT_even_borders(RecipeOperator, bpy.types.Operator):
@@ -279,8 +278,8 @@ class ISIMP_OT_even_borders(RecipeOperator, bpy.types.Operator):
     def problem(cls, context, scan):
         return targets.needs_regions(scan)
 
-    def wanted(self, context, scan):
-        return panel_changes.recipe_of(context, scan).then(rcp.EvenBorders(strength=self.strength))
+    def wanted(self, context, target):
+        return target.recipe.then(rcp.EvenBorders(strength=self.strength))
 
     show = staticmethod(show_regions)
 

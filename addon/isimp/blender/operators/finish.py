@@ -26,12 +26,12 @@ class ISIMP_OT_make_editable(Meshing, bpy.types.Operator):
 
     slivers: BoolProperty(name="Merge Slivers", description="Merge small regions with a neighbour first", default=True)
 
-    def wanted(self, context, scan):
-        recipe = super().wanted(context, scan)
+    def wanted(self, context, target):
+        recipe = super().wanted(context, target)
         if not self.slivers:
             return recipe
         last = [step for step in recipe.steps if isinstance(step, (rcp.Mesh, rcp.Texture))]
-        made = without_slivers(context, scan, recipe.without_mesh(), 0.1)[0]
+        made = without_slivers(context, target.scan, recipe.without_mesh(), 0.1)[0]
         for step in last:
             made = made.then(step)
         return made

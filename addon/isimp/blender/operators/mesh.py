@@ -5,7 +5,6 @@ from ... import recipe as rcp
 from ..controls import settings, up_direction
 from ..scene import targets
 from ..texturing import texture
-from ..work import panel_changes
 from ..work.modal import RecipeOperator
 from ..work.scene_outcome import show_polygons
 
@@ -29,12 +28,12 @@ class Meshing(RecipeOperator, settings.MeshSettings):
     def problem(cls, context, scan):
         return targets.needs_regions(scan)
 
-    def wanted(self, context, scan):
-        before = panel_changes.recipe_of(context, scan)
-        first = up_direction.first(context, scan) if self.regularise else None
+    def wanted(self, context, target):
+        before = target.recipe
+        first = up_direction.first(context, target.scan) if self.regularise else None
         recipe = (before if first is None else before.regularised(first)).then(settings.to_step(rcp.Mesh, self))
-        if self.keep_texture and texture.is_textured(scan):
-            last = texture.last_step(targets.result_of(context.scene, scan))
+        if self.keep_texture and texture.is_textured(target.scan):
+            last = texture.last_step(targets.result_of(context.scene, target.scan))
             recipe = recipe.then(before.texture() or last or rcp.Texture())
         return recipe
 
@@ -66,9 +65,9 @@ class ISIMP_OT_flatten(Meshing, bpy.types.Operator):
     bl_label = "Flatten Anyway"
     adjusted = ("chord_tolerance", "regularise")
 
-    def wanted(self, context, scan):
+    def wanted(self, context, target):
         self.planar, self.planar_most = True, 1.0
-        return super().wanted(context, scan)
+        return super().wanted(context, target)
 
 
 CLASSES = (ISIMP_OT_mesh, ISIMP_OT_flatten)

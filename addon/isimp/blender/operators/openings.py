@@ -6,7 +6,6 @@ from bpy.props import BoolProperty, FloatVectorProperty
 from ... import messages
 from ...language import said
 from ..scene import mesh_io, targets
-from ..work import panel_changes
 from ..work.modal import RecipeOperator
 from ..work.scene_outcome import show_regions
 
@@ -31,8 +30,8 @@ class ISIMP_OT_keep_opening(RecipeOperator, bpy.types.Operator):
     def problem(cls, context, scan):
         return targets.needs_regions(scan)
 
-    def wanted(self, context, scan):
-        recipe = panel_changes.recipe_of(context, scan).without_mesh()
+    def wanted(self, context, target):
+        recipe = target.recipe.without_mesh()
         index, step = recipe.whole()
         if step is None or not step.close_openings:
             raise mesh_io.Unusable(said("No opening was closed: switch Close Openings on and press Partition."))

@@ -50,10 +50,10 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         usual = said(cls.__doc__)
         return f"{usual}. {messages.will_drop(edits)}" if edits else usual
 
-    def wanted(self, context, scan):
+    def wanted(self, context, target):
         step = settings.to_step(rcp.Partition, self)
         if self.part:
-            faces = self._faces(scan)
+            faces = self._faces(target.scan)
             if not len(faces):
                 raise mesh_io.Unusable(
                     said("No face is selected: select the faces to partition in Edit Mode (Tab, then 3).")
@@ -62,7 +62,7 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         given = [name for name in rcp.COUNTS if self.properties.is_property_set(name)]
         if len(given) == 1 and not self.properties.is_property_set("count_by"):
             step = dataclasses.replace(step, count_by=given[0])
-        before = rcp.Recipe() if targets.needs_regions(scan) else store.load(scan)
+        before = rcp.Recipe() if targets.needs_regions(target.scan) else store.load(target.scan)
         regularises = context.window_manager.isimp.regularise_first
         self._dropped = 0 if self.part else messages.hand_edits(before, regularises)
         if (last := before.whole()[1]) is not None and not self.part:  # openings kept by the user stay open

@@ -12,7 +12,6 @@ from ..controls import settings, up_direction
 from ..controls.properties import AlignSettings
 from ..scene import mesh_io, targets
 from ..texts import text
-from ..work import panel_changes
 from ..work.scene_outcome import show_regions
 from .edits import _Edit
 
@@ -45,11 +44,11 @@ class ISIMP_OT_regularise(_Planes, settings.RegulariseSettings, bpy.types.Operat
     def problem(cls, context, scan):
         return targets.needs_regions(scan)
 
-    def wanted(self, context, scan):
-        step = up_direction.of_scan(settings.to_step(rcp.Regularise, self), scan)
+    def wanted(self, context, target):
+        step = up_direction.of_scan(settings.to_step(rcp.Regularise, self), target.scan)
         if step.up == "region":
-            step = dataclasses.replace(step, face=self.faces(scan)[0])
-        return panel_changes.recipe_of(context, scan).then(step)
+            step = dataclasses.replace(step, face=self.faces(target.scan)[0])
+        return target.recipe.then(step)
 
 
 class ISIMP_OT_align(_Planes, bpy.types.Operator):
@@ -70,17 +69,17 @@ class ISIMP_OT_align(_Planes, bpy.types.Operator):
     def description(cls, context, properties):
         return said(_DESCRIPTIONS[properties.to])
 
-    def wanted(self, context, scan):
-        faces = self._led(scan, self.each(scan))
+    def wanted(self, context, target):
+        faces = self._led(target.scan, self.each(target.scan))
         if len(faces) < 2 and self.to in _WITH_LEAD:
             several = own(
                 "Only one region is selected: select faces of two or more. The region of the active face leads."
             )
             raise mesh_io.Unusable(said(several))
         up = settings.to_step(rcp.Regularise, settings.group(context, rcp.Regularise))
-        recipe = panel_changes.recipe_of(context, scan)
+        recipe = target.recipe
         step = rcp.AlignPlanes(faces=tuple(faces), to=self.to, length=round(self.length, 6))
-        return recipe.then(up_direction.of_scan(up_direction.as_last(step, up, recipe), scan))
+        return recipe.then(up_direction.of_scan(up_direction.as_last(step, up, recipe), target.scan))
 
     def _led(self, scan, faces: list) -> list:
         """Return the faces, the leading region's first. It is the last clicked, the active or the largest region."""

@@ -8,7 +8,6 @@ from ... import messages
 from ... import recipe as rcp
 from ...language import own, said
 from ..scene import mesh_io, pointed, selection, targets
-from ..work import panel_changes
 from ..work.modal import RecipeOperator
 from ..work.scene_outcome import show_regions
 
@@ -45,13 +44,10 @@ class AtFaces(RecipeOperator):
             missing = own("No face is selected: click one in face select mode (press 3)")
         return missing
 
-    def invoke(self, context, event):
-        scan, problem = targets.find(context)
-        is_open = self.face < 0 and not self.chosen and not problem
-        if is_open and scan.mode == "OBJECT" and not bpy.app.background:
-            self.choose(pointed.faces(scan))
-            self._pressed_on = scan.name
-        return super().invoke(context, event)
+    def press(self, target):
+        if self.face < 0 and not self.chosen and not target.problem and target.scan.mode == "OBJECT":
+            self.choose(pointed.faces(target.scan))
+            self._pressed_on = target.scan.name
 
     def choose(self, faces) -> None:
         """Sets the faces to edit, in place of the selected ones."""
@@ -104,12 +100,12 @@ class ISIMP_OT_add_proxy(AtFaces, bpy.types.Operator):
     bl_idname = "isimp.add_proxy"
     bl_label = "Add Region"
 
-    def wanted(self, context, scan):
-        faces = self.faces(scan)
+    def wanted(self, context, target):
+        faces = self.faces(target.scan)
         if len(faces) > _MOST_FACES:
             text = own("{faces} are selected, and each would become a region: select at most {most}.")
             raise mesh_io.Unusable(said(text, faces=messages.count(len(faces), "face"), most=_MOST_FACES))
-        recipe = panel_changes.recipe_of(context, scan)
+        recipe = target.recipe
         for face in faces:
             recipe = recipe.then(rcp.AddProxy(face=face))
         return recipe
@@ -121,9 +117,9 @@ class ISIMP_OT_delete_proxy(AtFaces, bpy.types.Operator):
     bl_idname = "isimp.delete_proxy"
     bl_label = "Delete Region"
 
-    def wanted(self, context, scan):
-        faces, regions = self.faces(scan), mesh_io.read_regions(scan)
-        recipe, gone = panel_changes.recipe_of(context, scan), set()
+    def wanted(self, context, target):
+        faces, regions = self.faces(target.scan), mesh_io.read_regions(target.scan)
+        recipe, gone = target.recipe, set()
         for face in faces:
             region = int(regions[face]) if face < len(regions) else -1
             if region < 0 or region not in gone:

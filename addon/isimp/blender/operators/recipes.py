@@ -36,13 +36,13 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
     def keeps_failed(self):
         return not self.strict
 
-    def wanted(self, context, scan):
+    def wanted(self, context, target):
         recipe = Recipe.from_json(self.recipe)
         if not recipe.active():
             raise ValueError(said("The recipe has no active step."))
         self._lost = 0
         if recipe.places is not None:
-            recipe, self._lost = placed(reading.read(context, scan), recipe)
+            recipe, self._lost = placed(reading.read(context, target.scan), recipe)
         return recipe
 
     def warnings(self, context, scan, before):
@@ -65,8 +65,8 @@ class ISIMP_OT_take_back(RecipeOperator, bpy.types.Operator):
     def problem(cls, context, scan):
         return "" if store.kept(scan) is not None else own("There are no kept steps that this version can read")
 
-    def wanted(self, context, scan):
-        return store.kept(scan)
+    def wanted(self, context, target):
+        return store.kept(target.scan)
 
     show = staticmethod(scene_outcome.show_outcome)
 

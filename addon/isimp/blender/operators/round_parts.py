@@ -4,7 +4,6 @@ import bpy
 from bpy.props import EnumProperty, IntProperty
 
 from ... import recipe as rcp
-from ..work import panel_changes
 from .edits import _Edit
 
 
@@ -30,10 +29,10 @@ class ISIMP_OT_make_round(_Edit, bpy.types.Operator):
         default="fit",
     )
 
-    def wanted(self, context, scan):
+    def wanted(self, context, target):
         kind = "" if self.kind == "fit" else self.kind
-        step = rcp.RoundRegions(faces=tuple(self.each(scan)), kind=kind)
-        return panel_changes.recipe_of(context, scan).then(step)
+        step = rcp.RoundRegions(faces=tuple(self.each(target.scan)), kind=kind)
+        return target.recipe.then(step)
 
 
 class ISIMP_OT_round_segments(_Edit, bpy.types.Operator):
@@ -54,9 +53,9 @@ class ISIMP_OT_round_segments(_Edit, bpy.types.Operator):
         soft_max=16,
     )
 
-    def wanted(self, context, scan):
-        step = rcp.RoundSegments(face=self.faces(scan)[0], segments=self.segments, rings=self.rings)
-        return panel_changes.recipe_of(context, scan).then(step)
+    def wanted(self, context, target):
+        step = rcp.RoundSegments(face=self.faces(target.scan)[0], segments=self.segments, rings=self.rings)
+        return target.recipe.then(step)
 
 
 class ISIMP_OT_explode_round(_Edit, bpy.types.Operator):
@@ -65,8 +64,8 @@ class ISIMP_OT_explode_round(_Edit, bpy.types.Operator):
     bl_idname = "isimp.explode_round"
     bl_label = "Explode"
 
-    def wanted(self, context, scan):
-        return panel_changes.recipe_of(context, scan).then(rcp.ExplodeRound(face=self.faces(scan)[0]))
+    def wanted(self, context, target):
+        return target.recipe.then(rcp.ExplodeRound(face=self.faces(target.scan)[0]))
 
 
 CLASSES = (ISIMP_OT_make_round, ISIMP_OT_round_segments, ISIMP_OT_explode_round)

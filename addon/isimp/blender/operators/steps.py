@@ -11,7 +11,7 @@ from ...recipe import Recipe
 from ..controls import settings
 from ..scene import mesh_io, store, targets
 from ..view import display
-from ..work import panel_changes, scene_outcome
+from ..work import scene_outcome
 from ..work.modal import RecipeOperator
 
 
@@ -25,8 +25,8 @@ class _AtStep(RecipeOperator):
     def problem(cls, context, scan):
         return targets.needs_steps(scan)
 
-    def wanted(self, context, scan):
-        steps = list(panel_changes.recipe_of(context, scan).steps)
+    def wanted(self, context, target):
+        steps = list(target.recipe.steps)
         if self.step >= len(steps):
             raise ValueError(messages.no_step(self.step, len(steps)))
         return Recipe(tuple(self.changed(steps)))

@@ -21,14 +21,14 @@ class ISIMP_OT_texture(RecipeOperator, settings.TextureSettings, bpy.types.Opera
     def problem(cls, context, scan):
         return "" if targets.result_of(context.scene, scan) else targets.NO_RESULT
 
-    def wanted(self, context, scan):
-        recipe = store.load(scan)
+    def wanted(self, context, target):
+        recipe = store.load(target.scan)
         if recipe is None or not recipe.ends_in_mesh():
             raise mesh_io.Unusable(said(messages.REGIONS_CHANGED))
         return recipe.then(settings.to_step(rcp.Texture, self))
 
-    def _begin(self, context):
-        work = super()._begin(context)
+    def _begin(self, context, target):
+        work = super()._begin(context, target)
         if work is not None and work.untextured:
             self.report({"ERROR"}, work.untextured)
             return None

@@ -129,7 +129,7 @@ class ModalTool:
             self.report({"INFO"}, f"{said(messages.RESULT_TOOL)}.")
             return False
         problem = problem or targets.needs_regions(scan)
-        self._ground = under.ground(context, wait=True) if not problem else None
+        self._ground = under.ground_of(context, scan, wait=True) if not problem else None
         if self._ground is None:
             self.report({"INFO"}, nothing_here(problem))
         return self._ground is not None

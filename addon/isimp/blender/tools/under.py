@@ -167,12 +167,18 @@ def _known(context, obj):
     return runtime.get().session.known(reading.read(context, obj, recipe.layers(), again=True), recipe)
 
 
-def ground(context, wait: bool = False):
-    """Return the Ground of the active scan; None while it is not ready. wait: waits for the preparation."""
-    current = runtime.get()
+def ground(context):
+    """Return the Ground of the active scan; None while it is not ready."""
     scan, problem = targets.find(context)
-    if problem or context.view_layer.objects.active != scan or not mesh_io.state_of(scan):
+    seen = not problem and context.view_layer.objects.active == scan
+    return ground_of(context, scan) if seen else None
+
+
+def ground_of(context, scan, wait: bool = False):
+    """Return the Ground of a scan; None while it is not ready. wait: waits for the preparation."""
+    if not mesh_io.state_of(scan):
         return None
+    current = runtime.get()
     known = current.ground
     if known is None or not _fits(known, scan):
         try:

@@ -109,28 +109,36 @@ def _tick():
     if current.running is not None or current.live.work is not None or current.live.held:
         return _TICK
     scan = scan_shown(context)
-    key = _missing(context, scan) if scan is not None else None
+    key = None if scan is None else _missing(context, scan)
     if current.sketching is not None:
-        wanted, task = current.sketching
-        if task.status is Status.RUNNING and wanted == key:
+        if current.sketching[1].status is Status.RUNNING and current.sketching[0] == key:
             return _TICK
-        current.stop_sketching()
-        if task.status is not Status.STOPPED:
-            _keep(wanted, task.result or sketch.Sketch(reason=str(task.error)))
-            key = _missing(context, scan) if scan is not None else None
-    if key is None:
-        return None
+        _take(current)
+        key = None if scan is None else _missing(context, scan)
+    return None if key is None else _start(context, scan, key)
+
+
+def _take(current) -> None:
+    """Stores the finished sketch, or ends one that is no longer wanted."""
+    wanted, task = current.sketching
+    current.stop_sketching()
+    if task.status is not Status.STOPPED:
+        _keep(wanted, task.result or sketch.Sketch(reason=str(task.error)))
+
+
+def _start(context, scan, key):
+    """Starts a sketch when its scan is read."""
+    current, recipe = runtime.get(), None
     if current.live.shown_of(scan) is None:
-        layers = store.load(scan).layers()
-        if not reading.ready(context, scan, layers, reading.SPAN):
+        recipe = store.load(scan)
+        if not reading.ready(context, scan, recipe.layers(), reading.SPAN):
             return _TICK
     try:
-        recipe, arrays, regions = _seen(context, scan)
+        recipe, arrays, regions = _seen(context, scan, recipe)
     except mesh_io.Unusable as problem:
         _keep(_key(context, scan), sketch.Sketch(reason=str(problem)))
         return None
-    session = current.session
-    meshing, first = key[3] or (None, None)
+    session, (meshing, first) = current.session, key[3] or (None, None)
     task = Task(lambda watch: sketch.draw(session, arrays, regions, recipe, meshing, watch, first))
     current.sketching = (key, task)
     return _TICK
@@ -154,12 +162,14 @@ def _rest():
     return None
 
 
-def _seen(context, scan):
-    """Return recipe, arrays and regions of a visible scan, or of its preview. Raises Unusable."""
+def _seen(context, scan, recipe):
+    """Return recipe, arrays and regions of a visible scan, or of its preview. Raises Unusable.
+
+    recipe: as stored; None: there is a preview.
+    """
     shown = runtime.get().live.shown_of(scan)
     if shown is not None:
         return shown.work.recipe, shown.work.scan, shown.work.task.result.face_region
-    recipe = store.load(scan)
     arrays = reading.read(context, scan, recipe.layers())
     return recipe, arrays, reading.regions(scan, arrays, recipe)
 

@@ -19,6 +19,7 @@ from ..drawing import late
 from ..scene import result, runtime, store, targets
 from ..view import overlay
 from . import modal, panel_changes, preview, scene_outcome
+from .target import Target
 
 log = logging.getLogger("isimp")
 _SETTLED = 0.3  # seconds without a change
@@ -47,10 +48,10 @@ def _tick():
     if scan is None:
         panel_changes.interrupt(context)
         return None
+    if live.work is not None and live.work.task.status is Status.RUNNING:
+        live.work.read_on(context, _TICK)
+        return _TICK
     if live.work is not None:
-        if live.work.task.status is Status.RUNNING:
-            live.work.read_on(context, _TICK)
-            return _TICK
         work, live.work = live.work, None
         if not _take_up(context, work) or runtime.get().running is not None:  # an operator bakes a texture
             return None
@@ -60,24 +61,34 @@ def _tick():
         log.info("%s", error)
         live.pending = False
         return None
+    return _show(context, scan, kept, changed)
+
+
+def _show(context, scan, kept, changed):
+    """Starts the preview of changed settings, or writes it after a pause. kept: the stored recipe."""
+    live = runtime.get().live
     if changed == kept and live.shown is not None:  # the setting has its former value again
         live.shown = None
         overlay.redraw()
     wanted = visible(context, scan, changed)
     rested = time.monotonic() - live.touched > _SETTLED
     if changed == kept or (live.shown is not None and live.shown.work.recipe == wanted):
-        if rested and live.shown is not None and not live.shown.work.is_ready():
-            return _TICK
-        if rested:
-            live.pending = False
-            if live.shown is not None:
-                settle()
-        return None if rested else _TICK
+        return _rest(live) if rested else _TICK
     if rested or not wanted.ends_in_mesh():
         runtime.get().stop_sketching()
         live.work = preview.Work(context, scan, wanted, live.shown, again=live.shown is not None)
         live.work.start()
     return _TICK
+
+
+def _rest(live):
+    """Writes the preview, if there is one and its data are ready, and ends."""
+    if live.shown is not None and not live.shown.work.is_ready():
+        return _TICK
+    live.pending = False
+    if live.shown is not None:
+        settle()
+    return None
 
 
 def visible(context, scan, recipe):
@@ -115,8 +126,8 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
 
     keeps_failed = names_steps = True
 
-    def wanted(self, context, scan):
-        return visible(context, scan, panel_changes.recipe_of(context, scan))
+    def wanted(self, context, target):
+        return visible(context, target.scan, target.recipe)
 
     show = staticmethod(scene_outcome.show_outcome)
 
@@ -125,8 +136,8 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
 
     def invoke(self, context, event):
         if runtime.get().live.shown is None:
-            scan, problem = targets.find(context)
-            recipe = None if problem else self.wanted(context, scan)
+            target = Target(context)
+            recipe = None if target.problem else self.wanted(context, target)
             has_texture = recipe is not None and recipe.texture() is not None
             return super().invoke(context, event) if has_texture else self.execute(context)
         self._work = runtime.get().live.shown.work

@@ -23,6 +23,7 @@ from ..texts import text
 from ..texturing import texture
 from ..view import overlay
 from . import panel_changes, scene_outcome
+from .target import Target
 
 log = logging.getLogger("isimp")
 _AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
@@ -179,14 +180,14 @@ class RecipeOperator:
         return []
 
     def execute(self, context):
-        self._gather(context)
-        state = self._execute_one(context)
-        while self._turn_to_next(context):
-            state |= self._execute_one(context)
+        target, state = self._gather(context, Target(context)), set()
+        while target is not None:
+            state |= self._execute_one(context, target)
+            target = self._next_target(context)
         return self._conclude(context, state)
 
-    def _execute_one(self, context):
-        work = self._begin(context)
+    def _execute_one(self, context, target):
+        work = self._begin(context, target)
         if work is None:
             return {"CANCELLED"}
         work.read_on(context)
@@ -199,12 +200,15 @@ class RecipeOperator:
     def invoke(self, context, event):
         if bpy.app.background:
             return self.execute(context)
-        self._gather(context)
-        self._state = set()
-        return self._invoke_one(context)
+        target, self._state = self._gather(context, Target(context)), set()
+        self.press(target)
+        return self._invoke_one(context, target)
 
-    def _invoke_one(self, context):
-        self._work, self._writing, self._before = self._begin(context), None, None
+    def press(self, target) -> None:
+        """Takes what is chosen when a button is pressed."""
+
+    def _invoke_one(self, context, target):
+        self._work, self._writing, self._before = self._begin(context, target), None, None
         if self._work is None:
             return self._next(context, {"CANCELLED"})
         self._work.start()
@@ -215,27 +219,27 @@ class RecipeOperator:
         self._state = getattr(self, "_state", set()) | state
         task = self._work.task if self._work is not None else None
         stopped = task is not None and isinstance(task.error, Stopped)
-        if not stopped and self._turn_to_next(context):
-            return self._invoke_one(context)
+        if not stopped and (target := self._next_target(context)) is not None:
+            return self._invoke_one(context, target)
         return self._conclude(context, self._state)
 
-    def _gather(self, context) -> None:
-        """Collects the selected scans to run on after the active one."""
-        first, _ = targets.find(context)
+    def _gather(self, context, first):
+        """Collects the selected scans to run on after the first target, which is returned."""
         others = targets.selected(context) if self.does_all and context.mode == "OBJECT" else []
-        others = [obj for obj in others if obj != first and first is not None]
+        others = [obj for obj in others if obj != first.scan and first.scan is not None]
         self._waiting = [obj.name for obj in others if not self.problem(context, obj)]
         self._skipped = [obj.name for obj in others if obj.name not in self._waiting]
         self._done = []
+        return first
 
-    def _turn_to_next(self, context) -> bool:
-        """Makes the next waiting scan the active object. Returns False if none is left."""
+    def _next_target(self, context):
+        """Makes the next waiting scan the active object, and returns it; None if none is left."""
         while self._waiting:
             scan = bpy.data.objects.get(self._waiting.pop(0))
             if scan is not None and scan.name in context.view_layer.objects:
                 scene_outcome.bring_to_front(context, scan, None)
-                return True
-        return False
+                return Target(context)
+        return None
 
     def _conclude(self, context, state):
         """Selects all shown objects if there are several, and ends."""
@@ -312,15 +316,14 @@ class RecipeOperator:
             runtime.get().running = None
         _show_progress(context, None)
 
-    def _begin(self, context):
-        scan, problem = targets.find(context)
-        if problem:
-            self.report({"ERROR"}, problem)
+    def _begin(self, context, target):
+        if target.problem:
+            self.report({"ERROR"}, target.problem)
             return None
         panel_changes.interrupt(context)
         try:
-            work = Work(context, scan, self.wanted(context, scan))
-            work.read_texture(scan)
+            work = Work(context, target.scan, self.wanted(context, target))
+            work.read_texture(target.scan)
         except (mesh_io.Unusable, ValueError) as problem:
             self.report({"ERROR"}, str(problem))
             return None
@@ -380,18 +383,10 @@ class RecipeOperator:
         before = store.numbers(obj) if self._before is None else self._before
         kept = self.show(context, obj, work, outcome) or []
         panel_changes.follow(context)
-        self._done = [*self._done, context.view_layer.objects.active.name]
+        shown = context.view_layer.objects.active
+        self._done = [*self._done, shown.name]
         self.report({"INFO"}, self.told(before, outcome.numbers))
-        if not context.view_layer.objects.active.visible_get():
-            self.report({"WARNING"}, messages.hidden(context.view_layer.objects.active.name))
-        if _was_edited(before, work, outcome):
-            self.report({"WARNING"}, said(messages.SCAN_EDITED))
-        if work.untextured:
-            self.report({"WARNING"}, said("The result has no texture: {why}", why=work.untextured))
-        for name, why in kept:
-            hidden = bpy.data.objects[name].hide_get()
-            self.report({"WARNING"}, messages.kept(name, why, hidden, context.view_layer.objects.active.name))
-        for warning in self.warnings(context, obj, before):
+        for warning in (*_warnings(shown, before, work, outcome, kept), *self.warnings(context, obj, before)):
             self.report({"WARNING"}, warning)
         return {"FINISHED"}
 
@@ -401,6 +396,18 @@ class RecipeOperator:
             text = own("'{name}' was changed or removed meanwhile: the result was discarded.")
             self.report({"WARNING"}, said(text, name=work.name))
         return obj
+
+
+def _warnings(shown, before: dict, work, outcome, kept: list):
+    """Yields warnings about a finished work. shown: the active object. kept: (name, reason) of kept results."""
+    if not shown.visible_get():
+        yield messages.hidden(shown.name)
+    if _was_edited(before, work, outcome):
+        yield said(messages.SCAN_EDITED)
+    if work.untextured:
+        yield said("The result has no texture: {why}", why=work.untextured)
+    for name, why in kept:
+        yield messages.kept(name, why, bpy.data.objects[name].hide_get(), shown.name)
 
 
 def _was_edited(before: dict, work, outcome) -> bool:
