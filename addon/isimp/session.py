@@ -161,14 +161,6 @@ class Session:
         triangle, weights = engine.texturing.corner_sources(*args, islands=islands, threads=self.threads)
         return np.asarray(triangle), np.asarray(weights)
 
-    def region_at(self, scan: Scan, outcome: Outcome, face: int) -> dict:
-        """Return `engine.regions.region_statistics` of the region of one of the user's faces.
-
-        Raises ValueError if there is no such face, or it is in no region. Cost: linear in the size of the region.
-        """
-        repaired = self.prepare(scan, repair=outcome.repair)
-        return engine.regions.region_statistics(repaired.mesh, outcome.partition, repaired.faces.triangle_at(face))
-
     def region_fits(self, scan: Scan, outcome: Outcome) -> tuple:
         """Return `engine.regions.region_fits` of an outcome; cached for the last one."""
         if self._fits[0] is not outcome.partition:

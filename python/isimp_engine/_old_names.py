@@ -11,7 +11,7 @@ def by_old_name(package: str, new: Mapping[str, str]) -> Callable[[str], object]
     def thing(name: str) -> object:
         if name not in new:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        module, _, now = f"isimp_engine.{new[name]}".rpartition(".")
+        module, _, now = f"{__package__}.{new[name]}".rpartition(".")
         is_what = "is private from the next version on:" if "." in new[name] else "is now"
         warnings.warn(f"{package}.{name} {is_what} {module}.{now}", DeprecationWarning, stacklevel=2)
         found: object = getattr(import_module(module), now)

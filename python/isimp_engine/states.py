@@ -87,7 +87,8 @@ def partitioned(wanted: Split, source: Source, meshes: Meshes, steps: Steps, bef
         if lengths.hold_for(part.region_count):
             return State(repaired, part, Made(options, guides))
         regions = part.region_count
-        meshes.forget(repaired)
+        if lengths:
+            meshes.forget(repaired)
         del repaired, guides, part  # their memory is needed
 
 

@@ -14,7 +14,6 @@ from ._core import (
     PartitionOptions,
     PolygonMesh,
     _BoundSearch,
-    _distances_to_triangles,
     _scan_distances,
     _tightened,
     polygonize,
@@ -198,20 +197,3 @@ def _within_triangles(mesh: Mesh, part: Partition, meshing: MeshingOptions, made
             break
     assert best is not None  # the first try always sets it
     return Within(*best, None, None, search.tries, search.most)
-
-
-def partition_within(
-    mesh: Mesh,
-    options: PartitionOptions,
-    meshing: MeshingOptions | None = None,
-    job: Job | None = None,
-    guides: Guides | None = None,
-) -> Within:
-    """Regions and their polygons. With a bound, the scan is within SLACK times it of them, if possible."""
-    made = Made(options, guides)
-    return polygonize_within(mesh, partition_guided(mesh, options, job, guides), meshing, job, made)
-
-
-def _to_triangles(p: Points, corners: Points) -> Points:
-    """(K,) distance of each point from its triangle: to its plane where that is met inside, else to its sides."""
-    return _distances_to_triangles(p, np.reshape(corners, (-1, 3)))

@@ -123,7 +123,6 @@ def test_the_add_on_closes_them_too_and_edits_the_closed_mesh():
     edited = session.replay(scan, steps.then(rcp.AddProxy(face=face)))
     assert edited.repair == outcome.repair
     assert edited.numbers["regions"] == REGIONS + 1
-    assert session.region_at(scan, edited, face)["area"] > 0
     with pytest.raises(StepFailed, match="left out by the repair"):
         session.replay(scan, steps.then(rcp.AddProxy(face=int(np.flatnonzero(gone)[0]))))
 

@@ -10,7 +10,7 @@ import isimp_engine as engine
 from bench.generators import known_shapes, real_scans
 from bench.quality import real
 from isimp_engine.cli import main
-from isimp_engine.within import TriangleSearch, partition_within, triangles_of
+from isimp_engine.within import TriangleSearch, triangles_of
 from shapes import bumpy, cube, joined, plane, voxels
 
 
@@ -120,8 +120,7 @@ def test_a_round_rim_is_not_ragged():
 
 @pytest.mark.parametrize("most", [60, 400])
 def test_a_budget_of_triangles_is_kept_and_used(most):
-    mesh = engine.Mesh(*bumpy(60))
-    found = partition_within(mesh, engine.PartitionOptions(triangles=most))
+    found = engine.simplify(bumpy(60), triangles=most)
     assert 0.9 * most <= triangles_of(found.polygons) <= most
 
 

@@ -5,13 +5,24 @@ import pytest
 
 import isimp_engine as engine
 import shapes
-from isimp_engine import within
+from isimp_engine import _core, within
+
+
+def to_triangles(points, corners):
+    """(K,) distance of each point from its triangle."""
+    return _core._distances_to_triangles(np.ascontiguousarray(points), np.reshape(corners, (-1, 3)))
+
+
+def partition_within(mesh, options):
+    """Regions and their polygons, which keep a bound too."""
+    part = engine.partition(mesh, options)
+    return within.polygonize_within(mesh, part, made=within.Made(options))
 
 
 def test_distances_are_to_planes_sides_and_corners():
     corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]] * 4)
     points = np.array([[0.2, 0.2, 3.0], [0.5, -2, 0], [4, 0, 4], [0.2, 0.2, 0]])
-    np.testing.assert_allclose(within._to_triangles(points, corners), [3, 2, 5, 0])
+    np.testing.assert_allclose(to_triangles(points, corners), [3, 2, 5, 0])
 
 
 def test_distances_are_the_least_to_any_triangle(monkeypatch):
@@ -21,7 +32,7 @@ def test_distances_are_the_least_to_any_triangle(monkeypatch):
     polygons = engine.polygonize(mesh, part)
     triangles, _ = engine.regions.triangulate(polygons.vertices, polygons.loops, polygons.loop_start)
     corners = polygons.vertices[triangles]
-    wanted = [within._to_triangles(np.broadcast_to(v, (len(corners), 3)), corners).min() for v in mesh.vertices]
+    wanted = [to_triangles(np.broadcast_to(v, (len(corners), 3)), corners).min() for v in mesh.vertices]
     np.testing.assert_array_equal(within.scan_distances(mesh, part, polygons), wanted)
     rough = within.scan_distances(mesh, part, polygons, enough=0.05)
     assert (rough >= wanted).all()
@@ -48,7 +59,7 @@ def test_a_cube_is_where_its_polygons_are():
 @pytest.mark.parametrize("bound", [0.01, 0.03, 0.08])
 def test_the_polygons_keep_one_and_a_half_times_the_bound(bound):
     mesh = engine.Mesh(*shapes.torus(120, 60))
-    result = within.partition_within(mesh, engine.PartitionOptions(bound=bound))
+    result = partition_within(mesh, engine.PartitionOptions(bound=bound))
     assert result.distance <= 1.5 * bound
     away = within.scan_distances(mesh, result.partition, result.polygons)
     assert result.distance >= np.nanmax(away) - 1e-12
@@ -84,6 +95,6 @@ def test_one_job_shows_how_far_all_the_tries_are(monkeypatch):
 
 def test_without_a_bound_nothing_is_measured():
     mesh = engine.Mesh(*shapes.cube(6))
-    result = within.partition_within(mesh, engine.PartitionOptions(proxies=6))
+    result = partition_within(mesh, engine.PartitionOptions(proxies=6))
     assert (result.partition.region_count, result.distance, result.allowed) == (6, None, None)
     assert "scan_distance" not in result.report

@@ -6,33 +6,19 @@ import bpy
 import numpy as np
 from bpy.props import EnumProperty, FloatProperty
 
-from ... import messages, slivers
 from ... import recipe as rcp
+from ... import slivers
 from ...engine import engine
 from ...language import said
 from .. import reading
 from ..controls.properties import PartitionSettings
 from ..scene import mesh_io, runtime, targets
 from ..work.modal import RecipeOperator
-from ..work.scene_outcome import show_regions
 
 _AXES = PartitionSettings.__annotations__["symmetry"].keywords["items"]
 
 
-class _CleanUp(RecipeOperator):
-    """Mixin of the operators of this module."""
-
-    @classmethod
-    def problem(cls, context, scan):
-        return targets.needs_regions(scan)
-
-    show = staticmethod(show_regions)
-
-    def told(self, before, numbers):
-        return messages.changed(before, numbers)
-
-
-class ISIMP_OT_symmetrise(_CleanUp, bpy.types.Operator):
+class ISIMP_OT_symmetrise(RecipeOperator, bpy.types.Operator):
     """Mirror the regions across the scan's X axis, as far as the scan is symmetric. Edits run again"""
 
     bl_idname = "isimp.symmetrise"
@@ -53,7 +39,7 @@ class ISIMP_OT_symmetrise(_CleanUp, bpy.types.Operator):
         return recipe.replaced(index, dataclasses.replace(step, symmetry=self.axis))
 
 
-class ISIMP_OT_merge_slivers(_CleanUp, bpy.types.Operator):
+class ISIMP_OT_merge_slivers(RecipeOperator, bpy.types.Operator):
     """Merge each small region with the neighbour whose plane is most like its own. Locked regions stay"""
 
     bl_idname = "isimp.merge_slivers"

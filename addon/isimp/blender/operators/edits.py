@@ -9,7 +9,6 @@ from ... import recipe as rcp
 from ...language import own, said
 from ..scene import mesh_io, targets
 from ..work.modal import RecipeOperator
-from ..work.scene_outcome import show_regions
 from .proxies import AtFaces
 
 
@@ -200,21 +199,8 @@ class ISIMP_OT_cut_region(AtFaces, bpy.types.Operator):
         return target.recipe.then(step)
 
 
-class _ByError(RecipeOperator):
-    """Mixin of edits at places chosen by the error."""
-
-    @classmethod
-    def problem(cls, context, scan):
-        return targets.needs_regions(scan)
-
-    show = staticmethod(show_regions)
-
-    def told(self, before, numbers):
-        return messages.changed(before, numbers)
-
-
-class _Times(_ByError):
-    """Mixin of edits at the N best places."""
+class _Times(RecipeOperator):
+    """Mixin of edits at the N places that the error chooses."""
 
     adjusted = ("times",)
 
@@ -248,7 +234,7 @@ class ISIMP_OT_merge_cheapest(_Times, bpy.types.Operator):
     step = rcp.MergeCheapest
 
 
-class ISIMP_OT_improve(_ByError, bpy.types.Operator):
+class ISIMP_OT_improve(RecipeOperator, bpy.types.Operator):
     """Move regions to places where they lower the error more, until it no longer falls. Their number stays"""
 
     bl_idname = "isimp.improve"
@@ -274,14 +260,8 @@ class ISIMP_OT_even_borders(RecipeOperator, bpy.types.Operator):
         subtype="FACTOR",
     )
 
-    @classmethod
-    def problem(cls, context, scan):
-        return targets.needs_regions(scan)
-
     def wanted(self, context, target):
         return target.recipe.then(rcp.EvenBorders(strength=self.strength))
-
-    show = staticmethod(show_regions)
 
     def told(self, before, numbers):
         return messages.evened(numbers)

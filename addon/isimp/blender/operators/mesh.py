@@ -24,10 +24,6 @@ class Meshing(RecipeOperator, settings.MeshSettings):
         default=False,
     )
 
-    @classmethod
-    def problem(cls, context, scan):
-        return targets.needs_regions(scan)
-
     def wanted(self, context, target):
         before = target.recipe
         first = up_direction.first(context, target.scan) if self.regularise else None

@@ -5,9 +5,8 @@ from bpy.props import BoolProperty, FloatVectorProperty
 
 from ... import messages
 from ...language import said
-from ..scene import mesh_io, targets
+from ..scene import mesh_io
 from ..work.modal import RecipeOperator
-from ..work.scene_outcome import show_regions
 
 
 class ISIMP_OT_keep_opening(RecipeOperator, bpy.types.Operator):
@@ -26,18 +25,12 @@ class ISIMP_OT_keep_opening(RecipeOperator, bpy.types.Operator):
         again = said("Close an opening again that was kept open")
         return again if properties.close else said(cls.__doc__)
 
-    @classmethod
-    def problem(cls, context, scan):
-        return targets.needs_regions(scan)
-
     def wanted(self, context, target):
         recipe = target.recipe.without_mesh()
         index, step = recipe.whole()
         if step is None or not step.close_openings:
             raise mesh_io.Unusable(said("No opening was closed: switch Close Openings on and press Partition."))
         return recipe.replaced(index, step.keeping(self.place, keep=not self.close))
-
-    show = staticmethod(show_regions)
 
     def told(self, before, numbers):
         return messages.kept_open(numbers)

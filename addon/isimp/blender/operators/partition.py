@@ -11,7 +11,6 @@ from ..controls import settings, units
 from ..scene import mesh_io, pointed, selection, store, targets
 from ..texts import text
 from ..work.modal import RecipeOperator
-from ..work.scene_outcome import show_regions
 
 _DETAIL = units.SHOWN[rcp.Partition]["detail_percent"]
 
@@ -50,6 +49,10 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         usual = said(cls.__doc__)
         return f"{usual}. {messages.will_drop(edits)}" if edits else usual
 
+    @classmethod
+    def problem(cls, context, scan):
+        return ""
+
     def wanted(self, context, target):
         step = settings.to_step(rcp.Partition, self)
         if self.part:
@@ -81,8 +84,6 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         if not faces:
             raise mesh_io.Unusable(f"{said(pointed.NONE)}.")
         return np.flatnonzero(np.isin(regions, regions[faces]))
-
-    show = staticmethod(show_regions)
 
     def warnings(self, context, scan, before):
         lines = [] if before else text.lost_detail(scan, context.scene.unit_settings)  # on the first Partition only

@@ -12,7 +12,6 @@ from ..controls import settings, up_direction
 from ..controls.properties import AlignSettings
 from ..scene import mesh_io, targets
 from ..texts import text
-from ..work.scene_outcome import show_regions
 from .edits import _Edit
 
 _TO = AlignSettings.__annotations__["to"].keywords
@@ -21,8 +20,6 @@ _WITH_LEAD = ("parallel", "perpendicular", "coplanar")
 
 class _Planes(_Edit):
     """Mixin of the operators of this module."""
-
-    show = staticmethod(show_regions)
 
     @property
     def _unit(self):

@@ -9,7 +9,6 @@ from ... import recipe as rcp
 from ...language import own, said
 from ..scene import mesh_io, pointed, selection, targets
 from ..work.modal import RecipeOperator
-from ..work.scene_outcome import show_regions
 
 _MOST_FACES = 100
 _MOST_REGIONS = 20  # most regions that an edit changes if all faces are selected
@@ -87,11 +86,6 @@ class AtFaces(RecipeOperator):
         regions, face = mesh_io.read_regions(scan), int(found[1])
         number = int(regions[face]) if face < len(regions) else -1
         return said("Region {number}: {why}", number=number, why=told) if number >= 0 else told
-
-    show = staticmethod(show_regions)
-
-    def told(self, before, numbers):
-        return messages.changed(before, numbers)
 
 
 class ISIMP_OT_add_proxy(AtFaces, bpy.types.Operator):

@@ -12,7 +12,6 @@ from ...recipe import Recipe
 from ...session import placed, with_places
 from .. import reading
 from ..scene import mesh_io, store, targets
-from ..work import scene_outcome
 from ..work.modal import RecipeOperator
 
 _FILTER = {"default": "*.json", "options": {"HIDDEN"}}
@@ -36,6 +35,10 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
     def keeps_failed(self):
         return not self.strict
 
+    @classmethod
+    def problem(cls, context, scan):
+        return ""
+
     def wanted(self, context, target):
         recipe = Recipe.from_json(self.recipe)
         if not recipe.active():
@@ -47,8 +50,6 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
 
     def warnings(self, context, scan, before):
         return [messages.lost(self._lost)] if self._lost else []
-
-    show = staticmethod(scene_outcome.show_outcome)
 
     def told(self, before, numbers):
         return messages.partitioned(numbers)
@@ -67,11 +68,6 @@ class ISIMP_OT_take_back(RecipeOperator, bpy.types.Operator):
 
     def wanted(self, context, target):
         return store.kept(target.scan)
-
-    show = staticmethod(scene_outcome.show_outcome)
-
-    def told(self, before, numbers):
-        return messages.changed(before, numbers)
 
 
 class _HasRecipe:

@@ -31,11 +31,6 @@ class _AtStep(RecipeOperator):
             raise ValueError(messages.no_step(self.step, len(steps)))
         return Recipe(tuple(self.changed(steps)))
 
-    show = staticmethod(scene_outcome.show_outcome)
-
-    def told(self, before, numbers):
-        return messages.changed(before, numbers)
-
 
 class ISIMP_OT_step_switch(_AtStep, bpy.types.Operator):
     """Switch this step on or off"""

@@ -11,14 +11,13 @@ import time
 
 import bpy
 
-from ... import messages
 from ...session import StepFailed
 from ...task import Status
 from .. import reading
 from ..drawing import late
 from ..scene import result, runtime, store, targets
 from ..view import overlay
-from . import modal, panel_changes, preview, scene_outcome
+from . import modal, panel_changes, preview
 from .target import Target
 
 log = logging.getLogger("isimp")
@@ -126,13 +125,12 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
 
     keeps_failed = names_steps = True
 
+    @classmethod
+    def problem(cls, context, scan):
+        return ""
+
     def wanted(self, context, target):
         return visible(context, target.scan, target.recipe)
-
-    show = staticmethod(scene_outcome.show_outcome)
-
-    def told(self, before, numbers):
-        return messages.changed(before, numbers)
 
     def invoke(self, context, event):
         if runtime.get().live.shown is None:

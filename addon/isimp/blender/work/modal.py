@@ -137,7 +137,7 @@ class Work:
 class RecipeOperator:
     """Mixin of operators that change the recipe of a scan and show its outcome.
 
-    A subclass defines the new recipe (`wanted`), how to show the outcome (`show`) and the report (`told`).
+    A subclass defines the new recipe (`wanted`), and how it differs from an edit of regions.
     """
 
     bl_options = {"REGISTER", "UNDO"}
@@ -173,7 +173,14 @@ class RecipeOperator:
     @classmethod
     def problem(cls, context, scan) -> str:
         """Return why this operator cannot run; empty if it can."""
-        return ""
+        return targets.needs_regions(scan)
+
+    #: Shows an outcome on the scan, and returns the kept results
+    show = staticmethod(scene_outcome.show_outcome)
+
+    def told(self, before: dict, numbers: dict) -> str:
+        """Return the report. before, numbers: of the former and of the present regions."""
+        return messages.changed(before, numbers)
 
     def warnings(self, context, scan, before: dict) -> list:
         """Return warnings about the scan. before: the numbers of the former regions."""
