@@ -87,18 +87,9 @@ class Model(Regions):
 
     def report(self) -> dict[str, Any]:
         """Inputs, settings and numbers of the result."""
-        source, settings, part, closed = self.source, self.settings, self.partition, self.repaired.closed
+        settings, part, closed = self.settings, self.partition, self.repaired.closed
         recipe = settings.recipe
-        return {
-            "isimp": __version__,
-            "input": {
-                "path": source.path and str(source.path),
-                "vertices": len(source.vertices),
-                "faces": source.faces,
-                "triangles": len(source.triangles),
-            },
-            "repair": self.repaired.counts,
-            "repaired_at": self.repaired.places,
+        return {"isimp": __version__, **self.repaired.as_dict()} | {
             "closed_below": closed.fill_holes if closed else None,
             "openings": openings_of(self.mesh),
             "mesh": facts(self.mesh),

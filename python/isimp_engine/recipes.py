@@ -12,13 +12,16 @@ from . import recipe as rcp
 from ._core import RegulariseOptions
 from .recipe import COUNTS, Recipe, RecipeError
 
-__all__ = ["COUNTS", "Recipe", "RecipeError", "options_of", "parsed", "read", "recipe_of", "regularise_options"]
+__all__ = ["COUNTS", "Recipe", "RecipeError"]
 
 #: settings of a partition that refer to data of an object in Blender
 _OF_BLENDER = ("weights", "borders", *rcp.MARKS)
 
 
-def recipe_of(given: Recipe | str | PathLike[str] | dict[str, Any]) -> Recipe:
+RecipeLike = Recipe | str | PathLike[str] | dict[str, Any]
+
+
+def recipe_of(given: RecipeLike) -> Recipe:
     """The recipe of a caller: in a file, or as a JSON value. Raises RecipeError or OSError."""
     if isinstance(given, Recipe):
         return _checked(given)

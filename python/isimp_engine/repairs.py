@@ -70,14 +70,14 @@ class Repaired:
         found: dict[str, int] = self.mesh.report["repairs"]
         return found
 
-    @property
-    def places(self) -> dict[str, list[int]]:
-        """Where each repair was made first: faces are the scan's."""
+    def as_dict(self) -> dict[str, Any]:
+        """The scan, its repairs, and where each was made first, for reports: faces are the scan's."""
         polygon = self.source.polygon
-        return {
+        places = {
             key: found if key.endswith("vertices") else [int(face) for face in dict.fromkeys(polygon[found])]
             for key, found in self.mesh.report["repaired_at"].items()
         }
+        return {"input": self.source.as_dict(), "repair": self.counts, "repaired_at": places}
 
 
 class Meshes:

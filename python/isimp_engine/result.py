@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import recipes
 from ._core import Job, Mesh, Partition, PolygonMesh, RegulariseOptions
 from .jobs import OneJob
 from .marks import MARKS, marks_of
 from .pipeline import Model, make_model, make_regions, require_texture
+from .recipes import RecipeLike
 from .settings import ANY_DISTANCE, LIKE_THE_SCAN, option_names, settings_of
 from .source import source_of
 from .texturing import Texture, write_textured
@@ -83,7 +83,7 @@ def simplify(
     curved: bool = False,
     texture: int | bool | None = None,
     keep_openings: bool = False,
-    recipe: recipes.Recipe | str | PathLike[str] | dict[str, Any] | None = None,
+    recipe: RecipeLike | None = None,
     strict: bool = False,
     job: Job | None = None,
     **options: Any,
@@ -121,7 +121,7 @@ def simplify(
         "keep_openings": keep_openings,
         "strict": strict,
     }
-    settings = settings_of(given, None if recipe is None else recipes.recipe_of(recipe))
+    settings = settings_of(given, recipe)
     steps = OneJob(job)
     with steps("read") as own:
         source = source_of(scan, own, settings.partition.threads, textured=settings.texture is not None)

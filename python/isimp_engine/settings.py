@@ -8,7 +8,7 @@ from typing import Any
 from ._core import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions, RegulariseOptions
 from .exporting import UNITS
 from .recipe import COUNTS
-from .recipes import Recipe
+from .recipes import Recipe, RecipeLike, recipe_of
 from .recipes import options_of as options_of_recipe
 
 Place = tuple[float, float, float]
@@ -91,11 +91,12 @@ def option_names() -> frozenset[str]:
     return frozenset({"materials", "crs", "unit", "strict"} | own | engine | set(snapping()))
 
 
-def settings_of(options: Mapping[str, Any], recipe: Recipe | None) -> Settings:
+def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) -> Settings:
     """The settings of options by their names, and a recipe, whose options come after them. None: not given.
 
-    Raises OptionError.
+    Raises OptionError, RecipeError or OSError.
     """
+    recipe = None if recipe is None else recipe_of(recipe)
     given = _with_recipe({name: value for name, value in options.items() if value is not None}, recipe)
     snaps = dict.fromkeys(snapping(), ("regularise", "it is about its planes"))
     for name, (needed, reason) in (_NEEDS | snaps).items():

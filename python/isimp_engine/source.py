@@ -40,6 +40,11 @@ class Source:
         face = self.polygon if self.mesh is None else self.mesh.source_face
         return Surface(self.vertices, self.triangles, face, self.faces)
 
+    def as_dict(self) -> dict[str, Any]:
+        """Its file and numbers, for reports."""
+        numbers = {"vertices": len(self.vertices), "faces": self.faces, "triangles": len(self.triangles)}
+        return {"path": self.path and str(self.path)} | numbers
+
     @cached_property
     def triangle_edges(self) -> Edges:
         """(E, 2) triangles that share an edge, (E, 2) the vertices of that edge."""

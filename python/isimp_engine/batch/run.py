@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .. import FileError, __version__, exporting, recipes
+from .. import FileError, __version__, exporting
 from ..children.errors import BatchError
 from ..children.nursery import SIMPLIFY, Ending
 from ..children.runner import Assignment, Children, Workers, clear, endings
@@ -305,8 +305,8 @@ def _checked_options(options: dict[str, Any], recipe: str | os.PathLike[str] | d
         if name not in known:
             raise BatchError(f"there is no option '{name}'; there are {', '.join(sorted(known))}")
     try:
-        return settings_of(options, None if recipe is None else recipes.recipe_of(recipe))
-    except (UsageError, recipes.RecipeError, ValueError, TypeError) as error:
+        return settings_of(options, recipe)
+    except (UsageError, ValueError, TypeError) as error:
         raise BatchError(str(error).splitlines()[0]) from None
 
 

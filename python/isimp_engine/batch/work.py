@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-from .. import recipes
 from ..cli import simplify as command
 from ..cli.command import EXPECTED, problem
 from ..cli.options import settings_of
@@ -20,12 +19,11 @@ def simplify(task: dict[str, Any], folder: Path) -> dict[str, Any]:
     made = folder / MADE
     made.mkdir()
     source, output = Path(task["input"]), made / task["output"]
-    recipe = None if task["recipe"] is None else recipes.parsed(task["recipe"])
     try:
         one = Simplification(
             source,
             output,
-            settings_of(task["options"], recipe),
+            settings_of(task["options"], task["recipe"]),
             labels=output.with_suffix(".labels.npy") if task["labels"] else None,
             report=output.with_suffix(".report.json") if task["reports"] else None,
             quiet=True,

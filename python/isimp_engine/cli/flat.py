@@ -83,10 +83,7 @@ def _merge(task: Simplification, angle: float) -> None:
                 outputs.write(task.labels, lambda path: save_array(path, labels(source, mesh, region)))
         report = {
             "isimp": __version__,
-            "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
-            | {"triangles": len(source.triangles)},
-            "repair": repaired.counts,
-            "repaired_at": repaired.places,
+            **repaired.as_dict(),
             "mesh": facts(mesh),
             "options": {"flat": angle},
             "regions": int(poly.report["regions"]),

@@ -14,22 +14,19 @@ from ..source import Source, facts, load
 from . import words
 from .errors import flag
 from .files import show
-from .options import recipe_of, settings_of
+from .options import settings_of
 from .progress import Steps
 
 
 def run(arguments: argparse.Namespace) -> None:
-    settings = settings_of(vars(arguments), recipe_of(arguments))
+    settings = settings_of(vars(arguments), arguments.recipe)
     source = load(arguments.input, Job(), settings.clean.threads)
     meshes = Meshes()
     repaired = meshes.repaired(source, Repair.by(settings.clean, settings.kept_places), Steps(show=False))
     mesh = repaired.mesh
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     report = {
-        "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
-        | {"triangles": len(source.triangles)},
-        "repair": repaired.counts,
-        "repaired_at": repaired.places,
+        **repaired.as_dict(),
         "mesh": facts(mesh) | {"box": [low.tolist(), high.tolist()]},
         "result": None if arguments.mesh_only else result(settings, source, meshes, arguments.estimate),
     }

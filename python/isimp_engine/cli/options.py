@@ -132,19 +132,11 @@ def _grid(text: str) -> float | None:
 _grid.__name__ = "grid: auto, off or a length"  # in argparse's message
 
 
-def recipe_of(arguments: argparse.Namespace) -> recipes.Recipe | None:
-    """Read the recipe of the command line."""
-    if arguments.recipe is None:
-        return None
-    try:
-        return recipes.read(arguments.recipe)
-    except recipes.RecipeError as error:
-        raise UsageError(str(error)) from None
-
-
-def settings_of(options: Mapping[str, Any], recipe: recipes.Recipe | None) -> Settings:
+def settings_of(options: Mapping[str, Any], recipe: recipes.RecipeLike | None) -> Settings:
     """The settings of a command line and its recipe. Nothing else reads the arguments of `simplify_options`."""
     try:
         return settings.settings_of(options, recipe)
     except OptionError as error:
         raise UsageError(error.shown(flag)) from None
+    except recipes.RecipeError as error:
+        raise UsageError(str(error)) from None

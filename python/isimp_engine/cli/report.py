@@ -10,7 +10,7 @@ from ..source import load
 from . import words
 from .errors import UsageError
 from .files import Outputs, check_all, show
-from .options import recipe_of, settings_of
+from .options import settings_of
 from .progress import Steps, wanted
 
 
@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> None:
         raise UsageError(f"{arguments.output}: is a file; OUTPUT_FOLDER must be a folder")
     if arguments.output.exists():
         check_all([arguments.output / name for name in reports.NAMES], [arguments.input])
-    settings = settings_of(vars(arguments), recipe_of(arguments))
+    settings = settings_of(vars(arguments), arguments.recipe)
     steps = Steps(wanted(arguments.quiet))
     with steps("read") as job:
         source = load(arguments.input, job, settings.partition.threads)

@@ -21,7 +21,7 @@ from . import closing, lods, texturing, words
 from .errors import UsageError
 from .files import STDOUT, Outputs, check_all, show
 from .guiding import guide_files
-from .options import recipe_of, settings_of
+from .options import settings_of
 from .progress import Steps, wanted
 from .task import Simplification
 
@@ -36,7 +36,7 @@ class Done:
 
 def task_of(arguments: argparse.Namespace) -> Simplification:
     """The run that a command line describes."""
-    settings = settings_of(vars(arguments), recipe_of(arguments))
+    settings = settings_of(vars(arguments), arguments.recipe)
     if arguments.lods is not None:
         lods.check(arguments)
     return Simplification(
