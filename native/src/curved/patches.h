@@ -9,8 +9,8 @@
 
 namespace isimp::curved {
 
-/// Cells may be that much worse by squared distance than the regions before.
-inline constexpr double kWorse = 1.2;
+/// Cells may be that much worse by squared distance than the regions before, whose borders go by distances too.
+inline constexpr double kWorse = 1.7;
 
 /// A curved patch before it is cut.
 struct RoundPatch {
