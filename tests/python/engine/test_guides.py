@@ -59,7 +59,7 @@ def test_seams_of_a_cube_are_kept_by_regions_and_polygons(method):
     assert on_seam.sum() >= 4
     assert length == pytest.approx(4)
     moved = polygons.vertices[on_seam]
-    np.testing.assert_allclose(moved[:, 0], 0.5, atol=0.02)
+    np.testing.assert_allclose(moved[:, 0], 0.5, atol=engine.MeshingOptions().reach * np.sqrt(3))
 
 
 def test_marked_edges_are_found_again_after_cleaning():

@@ -99,7 +99,9 @@ def test_tiles_give_as_many_regions_and_as_small_an_error_as_one_piece(tmp_path,
 @pytest.fixture(scope="module")
 def town():
     mesh = tilesets.town()
-    return mesh, judged(*mesh, engine.partition(engine.Mesh(*mesh), engine.PartitionOptions(proxies=60)).face_region)
+    return mesh, judged(
+        *mesh, engine.partition(engine.Mesh(*mesh), engine.PartitionOptions(proxies=60, metric="normals")).face_region
+    )
 
 
 @pytest.mark.parametrize(("columns", "rows"), [(1, 1), (2, 2), (4, 2)])
@@ -116,7 +118,7 @@ def test_error_and_borders_of_a_town_are_those_of_one_piece(tmp_path, town, colu
 def test_detail_weighs_borders_as_one_piece_does(tmp_path, data):
     mesh = engine.clean(*engine.read(data / "scan" / "bunny_69k.ply"))
     bunny = mesh.vertices, mesh.triangles
-    part = engine.partition(mesh, engine.PartitionOptions(detail=0.005))
+    part = engine.partition(mesh, engine.PartitionOptions(detail=0.005, metric="normals"))
     one = judged(*bunny, part.face_region)
     parts = tilesets.cut(*bunny, 2, 1)
     folder = tilesets.write(tmp_path / "in", parts)
