@@ -136,6 +136,13 @@ def test_a_report_needs_a_folder(file, tmp_path, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == [file.name]
 
 
+def test_a_report_of_steps_that_fail_says_why(file, tmp_path):
+    meshed(file)
+    OPS.step_switch("EXEC_DEFAULT", True, step=0)
+    with pytest.raises(RuntimeError, match=r"^Error: Step 2, Mesh: there are no regions yet"):
+        OPS.write_report(directory=str(tmp_path / "report"))
+
+
 def test_a_report_has_map_coordinates_and_the_scene_up(file, tmp_path):
     scan = meshed(file)
     scan.rotation_euler = (0, 0, np.pi / 2)

@@ -13,6 +13,7 @@ from ... import handover, messages
 from ... import recipe as rcp
 from ...engine import engine
 from ...language import own, said
+from ...session import StepFailed
 from .. import reading
 from ..scene import mesh_io, places, runtime, store, targets
 
@@ -63,10 +64,16 @@ class ISIMP_OT_export_building(_Model, bpy.types.Operator):
 
 
 def _replayed(context, scan, meshed):
-    """Return the prepared mesh and the outcome of the steps. meshed: makes the recipe end in a Mesh step."""
+    """Return the prepared mesh and the outcome of the steps. meshed: makes the recipe end in a Mesh step.
+
+    Raises ValueError if a step fails.
+    """
     recipe = meshed(store.load(scan) or rcp.Recipe())
     arrays, session = reading.read(context, scan, recipe.layers()), runtime.get().session
-    outcome = session.replay(arrays, recipe)
+    try:
+        outcome = session.replay(arrays, recipe)
+    except StepFailed as problem:
+        raise ValueError(messages.failed(problem, True)) from problem
     return session.prepare(arrays, repair=outcome.repair).mesh, outcome
 
 
