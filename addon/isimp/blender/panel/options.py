@@ -32,7 +32,6 @@ def _draw_regions(context, layout, panel) -> None:
     layout.prop(partition, "count_by")
     for name in ("adaptivity", "smooth"):
         layout.prop(partition, name, slider=True)
-    layout.prop(partition, "metric")
     layout.prop(partition, "weights", icon="GROUP_VERTEX")
     if partition.weights:
         layout.prop(partition, "influence", slider=True)
@@ -45,9 +44,9 @@ def _draw_regions(context, layout, panel) -> None:
     ticks.prop(panel, "live")
     if preferences.get(context).experimental:
         layout.prop(partition, "method")
-        if partition.method != "hierarchy":  # the hierarchy has no seeds
-            for name in ("seeding", "seed", "iterations"):
-                layout.prop(partition, name)
+        # The hierarchy has no seeds, the others have no metric.
+        for name in ("metric",) if partition.method == "hierarchy" else ("seeding", "seed", "iterations"):
+            layout.prop(partition, name)
 
 
 def _draw_polygons(layout, meshing) -> None:
