@@ -1,7 +1,6 @@
-"""The data stored with a scan: any content of a file gives a recipe, or one line with the reason why there is none."""
+"""The data stored with a scan give a recipe, or the text of its steps and one line why they can't be read."""
 
 import json
-import random
 import re
 
 import pytest
@@ -33,8 +32,7 @@ def test_a_sound_chain_is_read():
         ({}, "The steps of these regions are unknown"),
         ({2: (1, SECOND, "")}, "The steps of these regions are unknown: a step before the last 1 is missing"),
         ({2: (-7, SECOND, "")}, "a step before the last 1 is missing"),
-        ({2: (2, SECOND, "")}, "form a circle"),
-        ({1: (2, FIRST, ""), 2: (1, SECOND, "")}, "form a circle"),
+        ({1: (2, FIRST, ""), 2: (1, SECOND, "")}, "there are more than 20,000"),
         (
             chain(FIRST, '{"step": "future_step", "strength": 2}'),
             "step 2: 'future_step' is not a step of this version",
@@ -69,6 +67,15 @@ def test_what_cannot_be_read_is_said_in_one_line(nodes, why):
     assert re.search(why, read.problem)
     assert read.problem.isprintable()
     assert len(read.problem) <= 300
+    found = [nodes[at][1] for at in (1, 2) if at in nodes and (at == 2 or 1 in nodes)]
+    assert all(text in read.text for text in found), "what is there is kept"
+
+
+def test_steps_of_a_later_version_are_kept_as_a_recipe():
+    later = '{"step": "future_step", "face": 20}'
+    text = stored.read(2, chain(FIRST, later).get).text
+    assert later in text
+    assert Recipe.from_json(text.replace("future_step", "add_proxy")) == stored.read(2, chain(FIRST, SECOND).get).recipe
 
 
 def test_a_chain_may_be_long_and_not_without_end():
@@ -79,123 +86,23 @@ def test_a_chain_may_be_long_and_not_without_end():
 
 
 @pytest.mark.parametrize(
-    "values",
-    [
-        {"parent": "1", "step": FIRST},
-        {"parent": 1.5},
-        {"step": 7},
-        {"numbers": [1]},
-        {"parent": True},
-        {"step": b"\xff"},
-    ],
-)
-def test_a_node_of_other_types_is_none(values):
-    assert stored.node_from(values) is None
-    assert stored.node_from({"parent": 3, "step": FIRST, "more": 1}) == (3, FIRST, "")
-    assert stored.node_from({}) == (0, "", "")
-
-
-@pytest.mark.parametrize(
     ("text", "numbers"),
     [
         ("", {}),
         ("{", {}),
         pytest.param(DEEP, {}, id="deep"),
         ("[1]", {}),
-        ('{"regions": "many", "error": null, "seconds": true, "locked": 1e999}', {}),
-        ('{"regions": 9, "later": {"a": 1}}', {"regions": 9}),
         ('{"failed": 1}', {}),
-        ('{"failed": 1, "reason": "two\\nlines \\ud800"}', {"failed": 1, "reason": "two lines  "}),
         ('{"components": 3, "closed": true, "faces": 12}', {"closed": True, "faces": 12}),
         ('{"scan_distance": 1.5}', {}),
-        ('{"flaws": {"bent": [1, "x"]}, "repairs": {"cut_edges": "x"}}', {}),
         (
             '{"flaws": {"bent": [1]}, "repairs": {"cut_edges": 2}}',
             {"flaws": {"bent": [1]}, "repairs": {"cut_edges": 2}},
         ),
-        ('{"regions": 1' + "0" * 30 + "}", {}),
     ],
 )
-def test_numbers_are_read_as_far_as_they_can_be_shown(text, numbers):
+def test_numbers_are_read_as_far_as_those_shown_together_are_there(text, numbers):
     assert stored.numbers_from(text) == numbers
-
-
-def test_which_states_can_be_read():
-    nodes = chain(FIRST, SECOND, '{"step": "future_step"}', SECOND)
-    nodes |= {10: (11, FIRST, ""), 11: (10, FIRST, ""), 12: (10, SECOND, ""), 13: (99, SECOND, ""), 14: (1, SECOND, "")}
-    assert stored.readable(nodes, nodes.get) == {1, 2, 14}
-    assert stored.readable(reversed(nodes), nodes.get) == {1, 2, 14}
-    assert stored.readable([0, 99], nodes.get) == {0}
-
-
-def anything(draw, depth=0):
-    """A value of any kind that JSON can hold."""
-    kinds = [
-        None,
-        True,
-        -1,
-        0,
-        7,
-        10**12,
-        10**40,
-        0.5,
-        -1e300,
-        float("nan"),
-        float("inf"),
-        "",
-        "add_proxy",
-        "\ud800",
-        "é",
-    ]
-    if depth < 3 and draw.random() < 0.3:
-        if draw.random() < 0.5:
-            return [anything(draw, depth + 1) for _ in range(draw.randrange(4))]
-        return {draw.choice(["step", "face", "x", ""]): anything(draw, depth + 1) for _ in range(draw.randrange(4))}
-    return draw.choice(kinds)
-
-
-def a_step(draw):
-    """The text of a step: sound, with wrong values, cut off, or nothing of the kind."""
-    values = {
-        "partition": ("proxies", "detail", "tolerance", "weights", "seed", "method", "count_by", "faces", "seams"),
-        "smooth": ("faces", "rounds"),
-        "cut_region": ("face", "line", "direction"),
-        "paint": ("faces", "onto", "lock"),
-        "mesh": ("flatten", "chord_tolerance"),
-        "grow": ("face", "rings"),
-        "future_step": ("face",),
-        "add_proxy": ("face", "later"),
-    }
-    kind = draw.choice(list(values))
-    step = {"step": kind, **{name: anything(draw) for name in values[kind] if draw.random() < 0.3}}
-    text = json.dumps(draw.choice([step, step, step, anything(draw)]))
-    return draw.choice([FIRST, SECOND, SECOND, text, text, text[: draw.randrange(len(text))], "[" * 5000])
-
-
-def test_a_thousand_stored_recipes_of_all_kinds():
-    """Every one is read or refused in a line; none raises, and none runs forever."""
-    draw, read, refused = random.Random(18), 0, set()
-    for _ in range(1000):
-        ids = range(1, draw.randrange(2, 8))
-        nodes = {at: stored.node_from({"parent": at - 1, "step": a_step(draw)}) for at in ids}
-        for at in nodes:
-            if draw.random() < 0.1:
-                nodes[at] = (draw.choice([0, at, draw.randrange(9), -1, 2**31 - 1]), *nodes[at][1:])
-            values = draw.choice([anything(draw), {"regions": anything(draw), "failed": 1}])
-            numbers = draw.choice(["", json.dumps(values)])
-            nodes[at] = (*nodes[at][:2], numbers)
-        found = stored.read(draw.choice([*ids, 8]), nodes.get)
-        json.dumps(found.numbers)
-        if found.recipe is None:
-            assert found.problem.isprintable()
-            refused.add(found.problem)
-        else:
-            assert found.problem == ""
-            assert Recipe.from_json(found.recipe.to_json()) == found.recipe
-            read += 1
-    assert read > 100
-    for kind in ("form a circle", "is missing", "of this version", "has no setting", "not JSON", "must be"):
-        assert any(kind in problem for problem in refused), kind
 
 
 @pytest.mark.parametrize("rounds", [0, MOST_ROUNDS + 1, 10**6])

@@ -5,7 +5,6 @@ import pytest
 import shapes
 from isimp.recipe import AddProxy, Mesh, Partition, Recipe
 from isimp.session import Session
-from isimp.stored import numbers_from
 from session_scans import scan_of
 
 
@@ -41,8 +40,3 @@ def test_a_missing_mirror_plane_is_reported():
     numbers = Session().replay(lumpy, Recipe((Partition(proxies=300, symmetry="found"),))).numbers
     assert numbers["symmetry"] == "none"
     assert "symmetry" not in Session().replay(lumpy, Recipe((Partition(proxies=300),))).numbers
-
-
-def test_stored_numbers_name_a_plane_that_is_known():
-    assert numbers_from('{"symmetry": "oblique"}') == {"symmetry": "oblique"}
-    assert numbers_from('{"symmetry": "W", "mirrored_regions": 3}') == {}

@@ -129,7 +129,7 @@ CHANGES = [
     ("select_by", parted, {"by": "DIRECTION"}, {"by": "DIRECTION", "direction": (0.0, 1.0, 0.0)}),
 ]
 SAME = {"step_move"}  # both settings change places of the same two steps
-WITHOUT_SETTINGS = {"improve", "take_back", "keep_lod"}
+WITHOUT_SETTINGS = {"improve", "keep_lod"}
 OF_FILES = {"import_scan"}  # test_imports.py
 
 

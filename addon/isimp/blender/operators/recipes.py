@@ -7,7 +7,7 @@ import bpy
 from bpy.props import BoolProperty, StringProperty
 
 from ... import messages
-from ...language import own, said
+from ...language import said
 from ...recipe import Recipe
 from ...session import placed, with_places
 from .. import reading
@@ -53,21 +53,6 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
 
     def told(self, before, numbers):
         return messages.partitioned(numbers)
-
-
-class ISIMP_OT_take_back(RecipeOperator, bpy.types.Operator):
-    """Restore the kept steps, which another version could not read. They replace the present steps"""
-
-    bl_idname = "isimp.take_back"
-    bl_label = "Restore Kept Steps"
-    keeps_failed = names_steps = True
-
-    @classmethod
-    def problem(cls, context, scan):
-        return "" if store.kept(scan) is not None else own("There are no kept steps that this version can read")
-
-    def wanted(self, context, target):
-        return store.kept(target.scan)
 
 
 class _HasRecipe:
@@ -195,7 +180,6 @@ class ISIMP_OT_recipe_import(_TakesRecipe, bpy.types.Operator):
 
 CLASSES = (
     ISIMP_OT_replay,
-    ISIMP_OT_take_back,
     ISIMP_OT_recipe_copy,
     ISIMP_OT_recipe_paste,
     ISIMP_OT_recipe_export,

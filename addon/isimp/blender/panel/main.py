@@ -173,8 +173,6 @@ def _draw_report(context, layout, scan, numbers) -> None:
         draw_lines(context, layout, line, icon="INFO")
     for warning in text.lost_detail(scan, unit):
         draw_lines(context, layout, warning, icon="ERROR")
-    if store.kept(scan) is not None:
-        layout.operator("isimp.take_back", icon="LOOP_BACK")
 
 
 def _asks_for_round_parts(context, scan) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from ... import float_loss, view
 from ...language import own, said
 from ...session import Scan
-from . import raw_properties, runtime
+from . import runtime
 
 REGION, COLOR = "isimp_region", "isimp_color"
 DEFECT = "isimp_flaw"  # on the result's polygons: 1 for defective ones
@@ -393,16 +393,15 @@ def show_color(mesh) -> None:
     if ours is None:
         return
     if active is not None and active.name != COLOR:
-        raw_properties.move_foreign(mesh)
         mesh.isimp.user_color = active.name
     if active != ours:  # each assignment makes Blender upload the mesh again
         colors.active_color = ours
-    _render(mesh, rendered if rendered != COLOR else raw_properties.text(mesh, "user_color"))
+    _render(mesh, rendered if rendered != COLOR else mesh.isimp.user_color)
 
 
 def give_color_back(mesh) -> None:
     """Restores the colours that were active before the regions' colours."""
-    name, rendered = raw_properties.text(mesh, "user_color"), _rendered(mesh)
+    name, rendered = mesh.isimp.user_color, _rendered(mesh)
     layer = mesh.color_attributes.get(name) if name else None
     if layer is not None:
         mesh.color_attributes.active_color = layer

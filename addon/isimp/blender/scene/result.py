@@ -8,7 +8,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ...language import own
-from . import mesh_io, raw_properties, targets
+from . import mesh_io, targets
 
 _PLACE = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
 COPIED = own("copied")
@@ -46,12 +46,12 @@ def digest(obj) -> str:
 
 def is_edited(obj) -> bool:
     """Return whether a result differs from the output of Mesh, or its digest is unknown."""
-    return raw_properties.text(obj, "made") != digest(obj)
+    return obj.isimp.made != digest(obj)
 
 
 def why_kept(obj) -> str:
     """Return why Mesh must not overwrite a result; empty if it may."""
-    named = raw_properties.text(obj, "named")  # empty in files of earlier versions
+    named = obj.isimp.named  # empty in files of earlier versions
     if is_edited(obj):
         return own("edited by hand")
     if obj.data.users - obj.data.use_fake_user > 1:
@@ -83,7 +83,6 @@ def to_fill(context, scan) -> tuple:
         why = why_kept(made) if result is None else COPIED
         if why:
             kept.append((made, why))
-            raw_properties.move_foreign(made)
             made.isimp.made = targets.KEPT
         else:
             result = made
@@ -163,7 +162,7 @@ def take_materials(result, scan, outcome) -> None:
 def _moved(result):
     """Return the matrix by which the user has moved a result; None if it was not moved."""
     try:
-        placed = Matrix(json.loads(raw_properties.text(result, "placed")))
+        placed = Matrix(json.loads(result.isimp.placed))
     except (ValueError, TypeError):  # not stored, or written by another version
         return None
     if placed == result.matrix_basis or abs(placed.determinant()) < 1e-30:

@@ -8,8 +8,8 @@ Undo in Edit Mode restores layers but not properties. As the state is in a layer
 regions. As nodes are only added, the property has their steps too. Undo past the start of Edit Mode and redo can leave
 an older property; a copy in memory has the missing nodes.
 
-Nodes that this version can't read are never changed or dropped, since a later version may read them. Layers with such
-a state are renamed before others are written (see unread_layers.rename).
+Steps that this version can't read are kept as a text of the file before others replace them (see `keep`), since a
+later version may read them.
 """
 
 import json
@@ -19,11 +19,9 @@ import bpy
 from bpy.props import CollectionProperty, IntProperty, StringProperty
 
 from ... import stored
-from ...language import own, said
-from . import mesh_io, raw_properties, runtime, unread_layers
+from . import mesh_io, runtime
 
 MOST_NODES = 4000
-_NO_LIST = own("The steps can't be read: another value is in the place of their list")
 
 
 class IsimpNode(bpy.types.PropertyGroup):
@@ -66,25 +64,25 @@ def numbers(obj) -> dict:
 
 
 def read(obj) -> stored.Stored:
-    """Return the stored data of the regions on the object. It never raises, also for a damaged file."""
-    return _read(obj.data, mesh_io.state_of(obj))
-
-
-def kept(obj):
-    """Return the recipe of the layers that were renamed last, if it is readable and differs from the present one."""
-    state = unread_layers.last_state(obj)
-    recipe = _read(obj.data, state).recipe if state else None
-    return recipe if recipe is not None and recipe != load(obj) else None
-
-
-def _read(mesh, state: int) -> stored.Stored:
-    current, key = runtime.get(), (mesh.name_full, state)
+    """Return the stored data of the regions on the object."""
+    current, state = runtime.get(), mesh_io.state_of(obj)
+    key = obj.data.name_full, state
     if key not in current.stored:
-        found = _Nodes(mesh)
-        known = stored.Stored(None, problem=said(_NO_LIST)) if found.are_lost and key[1] else None
-        known = known or stored.read(key[1], found.node, current.recipes.get(key))
-        current.stored[key], current.recipes[key] = known, known.recipe
+        found = stored.read(state, _Nodes(obj.data).node, current.recipes.get(key))
+        current.stored[key], current.recipes[key] = found, found.recipe
     return current.stored[key]
+
+
+def keep(obj) -> None:
+    """Keeps steps that can't be read as a text of the file, before others replace them."""
+    steps = read(obj).text
+    if steps:
+        bpy.data.texts.new(text_name(obj)).write(steps)
+
+
+def text_name(obj) -> str:
+    """Return the name of the text that `keep` makes; Blender appends a number to one that exists."""
+    return f"{obj.name}.steps"
 
 
 def forget() -> None:
@@ -105,50 +103,37 @@ class _Nodes:
     """The nodes of a mesh by their ids. Invalid after a node is added or removed."""
 
     def __init__(self, mesh):
-        found = raw_properties.nodes(mesh)
-        self.are_lost = found is None
-        self._found = found or []
-        self.ids = [_id(node.get("name")) for node in self._found]
-        self.places = {at: place for place, at in reversed(list(enumerate(self.ids)))}  # first place of each id
+        self._found = mesh.isimp.nodes
+        self.places = {node.name: place for place, node in enumerate(self._found)}
 
     def node(self, state: int):
-        """Return (parent, step, numbers); None if there is no such node, or it is malformed."""
-        place = self.places.get(state)
-        return runtime.get().nodes.get(state) if place is None else stored.node_from(self._found[place])
-
-    def suits(self, state: int, parent: int, step: str) -> bool:
-        """Return whether an id belongs to this step, or is free for it."""
-        node = self.node(state)
-        return node[:2] == (parent, step) if node is not None else state not in self.places
-
-
-def _id(name) -> int:
-    """Return the id in the name of a node; 0, which no node has, if the name has none."""
-    is_id = isinstance(name, str) and name.isascii() and name.isdecimal() and len(name) < 12
-    return int(name) if is_id and str(int(name)) == name else 0
+        """Return (parent, step, numbers); None if there is no such node."""
+        place = self.places.get(str(state))
+        if place is None:
+            return runtime.get().nodes.get(state)
+        found = self._found[place]
+        return found.parent, found.step, found.numbers
 
 
 def save(obj, recipe, step_numbers: dict) -> int:
     """Stores the recipe on the object's mesh. Returns its state, for the layer next to the regions."""
     mesh, memory, text = obj.data, runtime.get().nodes, json.dumps(step_numbers)
-    raw_properties.move_foreign(mesh)
     state, fresh = 0, []
     found = _Nodes(mesh)
     for step in (json.dumps(step.to_dict(), sort_keys=True) for step in recipe.steps):
         parent, state = state, _state(found, state, step)
-        known = found.node(state) or (parent, step, "")
-        if state not in found.places:
-            fresh.append((state, known))
-        memory[state] = known
-    for at, node in fresh:
+        memory[state] = found.node(state) or (parent, step, "")
+        if str(state) not in found.places:
+            fresh.append(state)
+    for at in fresh:
         item = mesh.isimp.nodes.add()
-        item.name, item.parent, item.step, item.numbers = str(at), *node
-    mesh.isimp.nodes[_Nodes(mesh).places[state]].numbers = text
+        item.name, item.parent, item.step, item.numbers = str(at), *memory[at]
+    mesh.isimp.nodes[str(state)].numbers = text
     memory[state] = (*memory[state][:2], text)
     forget()
     runtime.get().recipes[mesh.name_full, state] = recipe
     if len(mesh.isimp.nodes) > runtime.get().most_nodes.get(mesh.name_full, MOST_NODES):
-        _forget_others(obj, state)
+        _forget_others(mesh, state)
         # Many nodes may have to stay, so the next search waits until their number has doubled.
         runtime.get().most_nodes[mesh.name_full] = max(MOST_NODES, 2 * len(mesh.isimp.nodes))
     return state
@@ -157,24 +142,19 @@ def save(obj, recipe, step_numbers: dict) -> int:
 def _state(found: _Nodes, parent: int, step: str) -> int:
     """Return the id of a step that follows another."""
     state = zlib.crc32(f"{parent} {step}".encode()) & 0x7FFFFFFF
-    while not state or not found.suits(state, parent, step):
+    while not state or (found.node(state) or (parent, step))[:2] != (parent, step):
         state = (state + 1) & 0x7FFFFFFF  # another step has this id
     return state
 
 
-def _forget_others(obj, state: int) -> None:
-    """Drops nodes that are not ancestors of the state, of a renamed layer's state or of an unreadable node."""
-    mesh, found = obj.data, _Nodes(obj.data)
-    good = stored.readable(found.ids, found.node)
-    heads = {state, *unread_layers.states(obj), *(at for at in found.ids if at not in good)}
-    needed = set()
-    while heads:
-        at = heads.pop()
-        if at and at not in needed:
-            needed.add(at)
-            heads.add((found.node(at) or (0,))[0])
-    for place, at in reversed(list(enumerate(found.ids))):
-        if at and at not in needed and place == found.places[at]:
+def _forget_others(mesh, state: int) -> None:
+    """Drops nodes that are not ancestors of the state."""
+    found, needed = _Nodes(mesh), set()
+    while state and str(state) not in needed:
+        needed.add(str(state))
+        state = (found.node(state) or (0,))[0]
+    for name, place in reversed(found.places.items()):
+        if name not in needed:
             mesh.isimp.nodes.remove(place)
 
 

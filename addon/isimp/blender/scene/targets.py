@@ -4,7 +4,7 @@ import bpy
 
 from ... import messages, session
 from ...language import own, said
-from . import mesh_io, raw_properties, runtime, store, unread_layers
+from . import mesh_io, runtime, store, unread_layers
 
 NO_RESULT = own("There is no result yet: press Mesh first")
 KEPT = "kept"  #: value of `isimp.made` on a result that Mesh must not overwrite, in place of a digest
@@ -27,13 +27,13 @@ _MAKES_MESH = {"CURVE", "SURFACE", "META", "FONT"}
 
 def scan_of(obj):
     """Return the scan of a result; None if it was deleted, or the object is a scan itself."""
-    wanted = raw_properties.text(obj, "scan_key") if obj is not None else ""
-    if not wanted or raw_properties.text(obj, "key"):
+    wanted = obj.isimp.scan_key if obj is not None else ""
+    if not wanted or obj.isimp.key:
         return None
-    named = bpy.data.objects.get(raw_properties.text(obj, "scan_name"))
-    if named is not None and raw_properties.text(named, "key") == wanted:
+    named = bpy.data.objects.get(obj.isimp.scan_name)
+    if named is not None and named.isimp.key == wanted:
         return named
-    return next((other for other in bpy.data.objects if raw_properties.text(other, "key") == wanted), None)
+    return next((other for other in bpy.data.objects if other.isimp.key == wanted), None)
 
 
 def result_of(scene, scan):
@@ -46,18 +46,18 @@ def results_of(scene, scan) -> list:
 
     Excludes objects that share the scan's mesh, and results that were edited by hand and kept.
     """
-    key = raw_properties.text(scan, "key")
+    key = scan.isimp.key
     if not key:
         return []
-    made = (obj for obj in scene.objects if raw_properties.text(obj, "scan_key") == key and obj.type == "MESH")
-    made = (obj for obj in made if raw_properties.text(obj, "made") != KEPT)
+    made = (obj for obj in scene.objects if obj.isimp.scan_key == key and obj.type == "MESH")
+    made = (obj for obj in made if obj.isimp.made != KEPT)
     made = [obj for obj in made if obj.data != scan.data and scan_of(obj) == scan]
     return sorted(made, key=is_copy)
 
 
 def is_copy(result) -> bool:
     """Return whether a result is a copy of another one, judged by its name."""
-    named = raw_properties.text(result, "named")
+    named = result.isimp.named
     return named not in ("", result.name) and named in bpy.data.objects
 
 
@@ -175,21 +175,20 @@ def needs_steps(scan) -> str:
 
 
 def notes(scan) -> list:
-    """Return messages about a scan: unreadable data and where they are kept, objects that share its mesh."""
-    problem, end = store.read(scan).problem, unread_layers.suffix(scan.data)
-    lines = []
-    if problem:
-        text = own("{problem}. Nothing is lost: Partition starts again and keeps this as '{name}'.")
-        lines.append(said(text, problem=problem, name=f"{mesh_io.REGION}{end}"))
+    """Return messages about a scan: unreadable steps and where they will be kept, objects that share its mesh."""
+    lines, found = [], store.read(scan)
+    if found.problem:
+        text = own("{problem}. Nothing is lost: Partition starts again and keeps this as {names}.")
+        names = [store.text_name(scan)] * bool(found.text) + [mesh_io.REGION + unread_layers.KEPT]
+        lines.append(said(text, problem=found.problem, names=", ".join(f"'{name}'" for name in names)))
     twins = [obj.name for obj in bpy.data.objects if obj.data == scan.data and obj != scan]
     if twins:
         lines.append(messages.shared(twins))
-    for name, kind in unread_layers.foreign_layers(scan.data):
+    for layer in unread_layers.foreign_layers(scan.data):
         text = own("'{name}' is no layer of iSimp's ({kind}): Partition keeps it as '{kept}'.")
-        lines.append(said(text, name=name, kind=kind, kept=f"{name}{end}"))
-    kept = unread_layers.layers(scan.data) + raw_properties.kept(scan.data) + raw_properties.kept(scan)
-    shown = ", ".join(f"'{name}'" for name in kept if not name.startswith(".")) or ", ".join(kept)
-    return [*lines, said("Kept, as it could not be read: {names}", names=shown)] if kept else lines
+        kind, kept = f"{layer.data_type} of {layer.domain}", layer.name + unread_layers.KEPT
+        lines.append(said(text, name=layer.name, kind=kind, kept=kept))
+    return lines
 
 
 def needs_regions(scan) -> str:

@@ -3,7 +3,6 @@
 from contextlib import suppress
 
 import bpy
-from idprop.types import IDPropertyGroup
 
 from ..scene import mesh_io, runtime, targets
 from ..texturing import texture
@@ -20,25 +19,18 @@ def _viewports(context):
                         yield window.screen, f"{index}", space
 
 
-def _is_ours(screen) -> bool:
-    """Return whether the property on a screen is the add-on's or missing, not a foreign one of its name."""
-    return isinstance(screen.get(_KEPT, None), IDPropertyGroup | None)
-
-
 def _kept(screen) -> dict:
     """Return the former colour type of each viewport of a screen. Keys with ".set" have the type set by the add-on."""
-    kept = screen.get(_KEPT)
-    return kept.to_dict() if isinstance(kept, IDPropertyGroup) else {}
+    return screen[_KEPT].to_dict() if _KEPT in screen else {}
 
 
 def show(context, kind: str = "VERTEX") -> None:
     """Sets the colour type of Solid shading in all viewports. VERTEX: colours of regions. TEXTURE: images."""
     for screen, place, space in _viewports(context):
         if space.shading.color_type != kind:
-            if _is_ours(screen):
-                kept = _kept(screen)
-                before = kept[place] if _is_set(kept, place, space) else space.shading.color_type
-                screen[_KEPT] = kept | {place: before, f"{place}.set": kind}
+            kept = _kept(screen)
+            before = kept[place] if _is_set(kept, place, space) else space.shading.color_type
+            screen[_KEPT] = kept | {place: before, f"{place}.set": kind}
             space.shading.color_type = kind
 
 
@@ -62,7 +54,7 @@ def give_back(context) -> None:
             with suppress(TypeError):  # this version has no such colour type
                 space.shading.color_type = kept[place]
     for window in context.window_manager.windows:
-        if _KEPT in window.screen and _is_ours(window.screen):
+        if _KEPT in window.screen:
             del window.screen[_KEPT]
 
 

@@ -7,15 +7,16 @@ import bpy
 
 from ... import messages, stored
 from ..drawing import late
-from ..scene import mesh_io, raw_properties, result, store, targets, transfer, unread_layers
+from ..scene import mesh_io, result, store, targets, transfer, unread_layers
 from ..texts import text
 from ..texturing import texture
 from ..view import display, overlay, quick_start
 
 
 def _save(scan, work, numbers: dict) -> int:
-    """Stores the recipe and returns its state. Unreadable layers are renamed first, and stay in the file."""
-    unknown = not mesh_io.state_of(scan) and unread_layers.has_regions(scan.data)
+    """Stores the recipe and returns its state. Steps and layers that can't be read are kept elsewhere first."""
+    store.keep(scan)
+    unknown = not mesh_io.state_of(scan) and mesh_io.own_layer(scan.data, mesh_io.REGION) is not None
     unread_layers.rename(scan, regions_too=bool(store.read(scan).problem) or unknown)
     state = store.save(scan, work.recipe, numbers)
     work.states |= {mesh_io.state_of(scan), state}
@@ -55,8 +56,6 @@ def show_polygons(context, scan, work, outcome):
     state = _save(scan, work, outcome.numbers)
     _write(scan, work, outcome, state)
     made, kept = result.to_fill(context, scan)
-    for obj in (scan, made):
-        raw_properties.move_foreign(obj)
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
     made.isimp.scan_key, made.isimp.scan_name = scan.isimp.key, scan.name
     slid = transfer.values_of_keys(made)
@@ -124,7 +123,7 @@ def bring_to_front(context, shown, hidden) -> None:
         other.select_set(False)
     if hidden is not None:
         hide(context, hidden)
-    if raw_properties.text(shown, "unrendered"):
+    if shown.isimp.unrendered:
         shown.hide_render, shown.isimp.unrendered = False, ""
     if shown.name in context.view_layer.objects:
         shown.hide_viewport = False
@@ -136,7 +135,6 @@ def bring_to_front(context, shown, hidden) -> None:
 def hide(context, obj) -> None:
     """Hides an object in viewports and renders. `bring_to_front` reverts both."""
     if not obj.hide_render:
-        raw_properties.move_foreign(obj)
         obj.hide_render, obj.isimp.unrendered = True, "yes"
     if obj.name in context.view_layer.objects:
         obj.hide_set(True)
