@@ -15,8 +15,6 @@ from .outcome import EXACT, Outcome
 from .task import Stopped, Watch
 
 ALONG_AN_AXIS = 0.94  #: cosine of the largest angle (20 degrees) between an axis and a normal along it
-#: numbers about a bound that would bring the regions of a drawn model nearer to it
-NEARER = ("nearer_bound", "nearer_regions", "nearer_times")
 
 
 def engine_call(watch: Watch, begin: float, end: float, stage: str, function, *args):
@@ -222,7 +220,7 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray, diagonal: float) ->
     diagonal: of the scan.
     """
     polygons, report = found.polygons, found.report
-    names = ("regions", "error", "left_out", "regions_left_out", "symmetry", "round", *NEARER)
+    names = ("regions", "error", "left_out", "regions_left_out", "symmetry", "round")
     more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
     numbers = {name: regions.numbers[name] for name in names if name in regions.numbers}
     numbers |= planes_known(regions.partition)

@@ -11,7 +11,6 @@ import numpy as np
 from . import recipe as rcp
 from . import view
 from .applying import (
-    NEARER,
     PREPARING,
     TIMES,
     Stages,
@@ -117,7 +116,7 @@ class Session:
 
     def is_scanned(self, scan: Scan) -> bool:
         """Return whether the scan has noise, which drawn models do not have. Raises ValueError as `prepare`."""
-        return not engine.nearer.is_drawn(self.prepare(scan).mesh)
+        return not engine.regions.is_drawn(self.prepare(scan).mesh)
 
     def openings(self, scan: Scan, outcome: Outcome) -> list[dict]:
         """Return the openings that were closed before the partition or kept open: `engine.Mesh.openings`."""
@@ -224,10 +223,6 @@ class Session:
         if barriers is not None:
             inside = engine.guided.inside_regions(repaired.mesh, partition, barriers)
             numbers |= {"barriers": len(barriers), "barriers_inside": inside}
-        args = (repaired.mesh, partition, made)
-        nearer = engine_call(watch, end, end, "measuring", engine.nearer.nearer_by_bound, *args)
-        if nearer is not None:
-            numbers |= dict(zip(NEARER, (nearer.bound, nearer.regions, nearer.times), strict=True))
         return replace(with_regions(repaired, partition, kept, numbers), made=made)
 
     def _expected(self, repaired, partition, watch, at: float) -> dict[str, int]:

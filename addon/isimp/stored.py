@@ -98,7 +98,6 @@ _TOGETHER = {
     "polygons": ("corners", "vertices", "planarity_mean", "planarity_max", "closed", "manifold", "regions"),
     "scan_distance": ("scan_distance_allowed",),
     "planes": ("directions", "planes_add", "regions"),
-    "nearer_bound": ("nearer_regions", "nearer_times"),
     "away_max": ("away_mean",),
     "away_mean": ("away_max",),
     "mirrored_regions": ("regions",),

@@ -10,7 +10,6 @@ from . import clutter as clutter
 from . import exporting as exporting
 from . import guided as guided
 from . import guides as guides
-from . import nearer as nearer
 from . import openings as openings
 from . import regions as regions
 from . import replay as replay

@@ -25,7 +25,6 @@ from ._core import (
 from .clutter import Clutter, clutter, without_clutter
 from .jobs import Steps
 from .marks import Marks
-from .nearer import Nearer, nearer_by_bound
 from .repairs import Meshes, Repaired
 from .replaying import Replay
 from .settings import BOX_CLUTTER, KEEP_CLUTTER, Settings, Texturing
@@ -45,7 +44,6 @@ class Regions:
     expected: dict[str, int]  #: estimated counts of polygons: see `expected_polygons`
     regular: RegulariseOptions | None
     made: Made | None  #: how the partition was made; None if it was edited since
-    nearer: Nearer | None  #: a bound with regions nearer to a drawn model
     #: how faces that a recipe names were found: by "place" or "number", and the steps that are left out; None: no faces
     clicks: dict[str, Any] | None
 
@@ -110,7 +108,6 @@ class Model(Regions):
             "curved": part.report["curved"],
             "expected": self.expected,
             "output": self.found.report,
-            "nearer": self.nearer and self.nearer.as_dict(),
             "clicks": self.clicks,
             "clutter": [each.as_dict() for each in self.clutter],
             "validity": exporting.validity(self.polygons, surfaces=self.surfaces),
@@ -134,11 +131,9 @@ def make_regions(
             part, made = regularise(mesh, part, regular, job), None
     elif recipe is not None:
         regular = recipes.regularise_options(recipe)
-    with steps("partition") as job:
-        nearer = nearer_by_bound(mesh, part, made, job) if made else None
     with steps("mesh") as job:
         expected = expected_polygons(mesh, part, settings.meshing, job)
-    return Regions(settings, state.repaired, part, expected, regular, made, nearer, replay.clicks)
+    return Regions(settings, state.repaired, part, expected, regular, made, replay.clicks)
 
 
 def make_model(regions: Regions, steps: Steps) -> Model:

@@ -20,7 +20,6 @@ from ._core import (
 )
 from .guided import Guides, partition_guided
 from .jobs import Jobs, stretches
-from .recipe import COUNTS
 
 SLACK = 1.5  #: the polygons may be this many times further from the scan than its regions' planes
 _NEAR = 0.97  #: share of the wanted triangles from which the search ends
@@ -74,10 +73,6 @@ class Made:
         """The partition with a share of the bound."""
         options = self.options.as_dict()
         return self._with(mesh, job, options | {"bound": share * options["bound"]})
-
-    def within_bound(self, mesh: Mesh, bound: float, job: Job | None) -> Partition:
-        """The partition with a bound, in place of another way to choose the number of regions."""
-        return self._with(mesh, job, self.options.as_dict() | dict.fromkeys(COUNTS) | {"bound": bound})
 
     def with_count(self, mesh: Mesh, proxies: int, job: Job | None) -> Partition:
         """The partition with another number of regions, in place of one that a number of triangles gives."""

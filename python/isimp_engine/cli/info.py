@@ -54,7 +54,6 @@ def result(settings: Settings, source: Source, meshes: Meshes, estimate: bool) -
         "cut_handles": regions.repaired.counts["cut_handles"],
         "openings": openings_of(regions.mesh),
         "partition": regions.partition.report,
-        "nearer": regions.nearer and regions.nearer.as_dict(),
     }
 
 
@@ -87,8 +86,6 @@ def result_lines(result: dict[str, Any]) -> Iterator[str]:
         yield f"    {more}"
     if result["partition"]["tolerance"] is not None:
         yield f"    {words.found(result['partition'])}"
-    if result["nearer"] is not None:
-        yield f"    {words.nearer(result['nearer'])}"
     if result["closed_below"] and (result["filled_holes"] or result["cut_handles"]):
         things = {"hole": result["filled_holes"], "handle": result["cut_handles"]}
         closed = " and ".join(words.count(number, thing) for thing, number in things.items() if number)

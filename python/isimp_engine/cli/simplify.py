@@ -170,8 +170,6 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     yield from words.clicks(report["clicks"])
     if report["partition"]["tolerance"] is not None:
         yield f"  {words.found(report['partition'])}"
-    if report["nearer"] is not None:
-        yield f"  {words.nearer(report['nearer'])}"
     if report["options"]["triangles"] is None:  # else the search asked
         yield from words.more_proxies(part.region_count, part.proxies_asked)
     wanted, plane = report["options"]["symmetry"], report["partition"]["symmetry"]

@@ -143,12 +143,6 @@ def found(partition: dict[str, Any]) -> str:
     return text + (", the number of planes it is made of" if partition["snapped"] else "")
 
 
-def nearer(found: dict[str, Any]) -> str:
-    """`a drawn model: --bound 0.0123 has 68 regions, with planes 2.3 times nearer to it`."""
-    regions, times = count(found["regions"], "region"), f"{found['times']:.1f} times"
-    return f"a drawn model: --bound {found['bound']:.3g} has {regions}, with planes {times} nearer to it"
-
-
 def symmetry(wanted: str, plane: dict[str, Any] | None, regions: int, out: dict[str, Any]) -> Iterator[str]:
     """`mirrors across x: 290 of 300 regions, 530 of 560 corners`, if symmetry was requested."""
     if wanted == "none":

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import shapes
 from isimp import recipe as rcp
 from isimp import view
 from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe
@@ -464,18 +463,3 @@ def test_a_bound_holds_for_the_polygons_too(quads):
         numbers = Session().replay(quads, Recipe((Partition(bound=bound), Mesh()))).numbers
         assert 0 < numbers["scan_distance"] <= numbers["scan_distance_allowed"] == pytest.approx(1.5 * bound)
     assert "scan_distance" not in Session().replay(quads, Recipe((Partition(proxies=12), Mesh()))).numbers
-
-
-def test_a_bound_that_is_nearer_to_a_drawn_model_is_known_after_mesh(monkeypatch):
-    scan = scan_of(*shapes.bent_pipe())
-    drawn = Recipe((Partition(count_by="detail", detail=0.0025, adaptivity=0.0), Mesh()))
-    session = Session()
-    numbers = session.replay(scan, drawn).numbers
-    assert numbers["nearer_bound"] > 0
-    assert numbers["nearer_times"] >= engine.nearer.LEAST_TIMES
-    with monkeypatch.context() as patch:  # the Partition step has found it
-        patch.setattr(engine.nearer, "nearer_by_bound", None)
-        again = session.replay(scan, Recipe((*drawn.steps[:1], Mesh(flatness=0.01)))).numbers
-    assert again["nearer_bound"] == numbers["nearer_bound"]
-    edited = drawn.steps[:1] + (AddProxy(face=0), *drawn.steps[1:])
-    assert "nearer_bound" not in Session().replay(scan, Recipe(edited)).numbers

@@ -91,12 +91,3 @@ def test_round_parts_are_told(parts, told):
 def test_round_parts_that_were_asked_for_and_not_found_are_told():
     assert text.round_parts([], False) == ""
     assert text.round_parts([], True) == "No round part found: try a larger Smallest Feature"
-
-
-def test_a_bound_that_is_nearer_to_a_drawn_model_is_in_the_report():
-    away = {"away_mean": 0.01, "away_max": 0.02, "planarity_mean": 0.0, "planarity_max": 0.0}
-    numbers = away | {"regions": 4, "polygons": 4, "closed": True, "manifold": True, "diagonal": 1.0}
-    nearer = {"nearer_bound": 0.25, "nearer_regions": 1, "nearer_times": 2.34}
-    (line, alert) = text.report_lines(numbers | nearer, "NONE", 1.0)[-1]
-    assert line.replace("\N{NO-BREAK SPACE}", " ") == "Bound 0.25: 1 region, 2.3 times nearer to this drawn model"
-    assert not alert

@@ -202,11 +202,6 @@ def report_lines(
     added = numbers["regions"] - numbers.get("regions_before", numbers["regions"])
     if added > 0:
         lines.append((said("{regions} added to keep the bound", regions=_count(added, "region")), False))
-    if "nearer_bound" in numbers:
-        bound, regions = length(numbers["nearer_bound"], system, scale), _count(numbers["nearer_regions"], "region")
-        times = f"{numbers['nearer_times']:.1f}"
-        text = own("Bound {bound}: {regions}, {times} times nearer to this drawn model")
-        lines.append((said(text, bound=bound, regions=regions, times=times), False))
     return lines
 
 
