@@ -8,15 +8,14 @@ from .engine_options import CLEAN, MESHING, PARTITION, REGULARISE, TEXTURE
 from .language import count, noun, own, plural, said, speak
 from .options import COUNTS, Option
 from .places import Places, faces_of, moved
-from .plane_steps import ALIGNMENTS, UPS, AlignPlanes, Regularise
+from .plane_steps import ALIGNMENTS, AlignPlanes, Regularise
 from .recipe import Recipe, numbered_step, parsed
-from .round_steps import ROUND_KINDS, ExplodeRound, RoundRegions, RoundSegments
+from .round_steps import ExplodeRound, RoundRegions, RoundSegments
 from .step import KINDS, Step, engine_options
 from .steps import (
     MARKS,
     METHODS,
     MOST_ROUNDS,
-    SEEDINGS,
     AddProxy,
     AddWorst,
     CutRegion,
@@ -52,10 +51,7 @@ __all__ = [
     "MOST_ROUNDS",
     "PARTITION",
     "REGULARISE",
-    "ROUND_KINDS",
-    "SEEDINGS",
     "TEXTURE",
-    "UPS",
     "AddProxy",
     "AddWorst",
     "AlignPlanes",

@@ -5,7 +5,6 @@ Standard library only.
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import json
 from dataclasses import dataclass, field
@@ -72,7 +71,8 @@ class Recipe:
 
     def replaced(self, index: int, step: Step) -> Recipe:
         """The recipe with another step in the place of one."""
-        self._check_index(index)
+        text, steps = own("there is no step {number}: the recipe has {steps}"), len(self.steps)
+        check(not 0 <= index < steps, said(text, number=index + 1, steps=steps))
         return Recipe((*self.steps[:index], step, *self.steps[index + 1 :]))
 
     def changed(self, index: int, step: Step) -> Recipe:
@@ -85,11 +85,6 @@ class Recipe:
             return Recipe((*self.steps[: last + 1], step, *self.steps[last + 1 :]))
         return self.replaced(index, step)
 
-    def removed(self, index: int) -> Recipe:
-        """The recipe without one of its steps."""
-        self._check_index(index)
-        return Recipe(self.steps[:index] + self.steps[index + 1 :])
-
     def whole(self) -> tuple[int, Partition | None]:
         """The last partition of all faces, which sets the openings to close, and its index; (-1, None) if none."""
         found = [(index, step) for index, step in self.active() if isinstance(step, Partition) and not step.faces]
@@ -99,22 +94,6 @@ class Recipe:
         """The recipe with planes snapped at its end; unchanged if they are snapped already."""
         active = self.without_mesh().active()
         return self if active and isinstance(active[-1][1], Regularise) else self.then(step)
-
-    def moved(self, index: int, to: int) -> Recipe:
-        """The recipe with one of its steps at another place."""
-        self._check_index(index)
-        self._check_index(to)
-        rest = self.removed(index).steps
-        return Recipe((*rest[:to], self.steps[index], *rest[to:]))
-
-    def switched(self, index: int, enabled: bool) -> Recipe:
-        """The recipe with one of its steps switched on or off."""
-        self._check_index(index)
-        return self.replaced(index, dataclasses.replace(self.steps[index], enabled=enabled))
-
-    def _check_index(self, index: int) -> None:
-        text, steps = own("there is no step {number}: the recipe has {steps}"), len(self.steps)
-        check(not 0 <= index < steps, said(text, number=index + 1, steps=steps))
 
     def ends_in_mesh(self) -> bool:
         """Whether its outcome has polygons."""

@@ -24,9 +24,6 @@ from .step import KINDS, Step, count_faces, unlabelled
 METHODS = PARTITION["method"].choices
 #: settings of a Partition for barriers, and the layer of the scan (`Scan.layers`) that has them
 MARKS = {"seams": ".seam", "sharp": ".sharp", "materials": ".material", "face_sets": ".face_set"}
-SEEDINGS = PARTITION["seeding"].choices
-
-
 MOST_ROUNDS = 1000  #: rounds of smoothing; borders stop after far fewer
 _LARGEST = (1 << 31) - 1  # whole number of the engine, except seeds
 _LARGEST_SEED = (1 << 63) - 1

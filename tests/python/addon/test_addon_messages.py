@@ -91,7 +91,7 @@ def test_hand_edits_are_the_steps_that_a_partition_drops():
     edits = (rcp.AddProxy(face=1), rcp.PaintFaces(faces=(1, 2)), rcp.Partition(proxies=2, faces=(1, 2)))
     recipe = rcp.Recipe((SPLIT, *edits, rcp.Mesh()))
     assert messages.hand_edits(recipe) == 3
-    assert messages.hand_edits(recipe.switched(1, False)) == 2
+    assert messages.hand_edits(recipe.replaced(1, rcp.AddProxy(face=1, enabled=False))) == 2
     assert messages.hand_edits(rcp.Recipe((SPLIT, edits[0], rcp.LockRegions(faces=(3,)), edits[0]))) == 1
     assert (
         messages.hand_edits(rcp.Recipe((SPLIT,))) == messages.hand_edits(rcp.Recipe()) == messages.hand_edits(None) == 0

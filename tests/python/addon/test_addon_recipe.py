@@ -57,8 +57,9 @@ def test_a_texture_follows_polygons_and_is_removed_with_them():
     assert meshed.texture() is None
     assert textured.then(Mesh()) == meshed
     assert textured.without_mesh() == Recipe((Partition(proxies=6),))
-    assert textured.switched(2, False).texture() is None
-    assert textured.switched(2, False).ends_in_mesh()
+    plain = textured.replaced(2, rcp.Texture(size=64, enabled=False))
+    assert plain.texture() is None
+    assert plain.ends_in_mesh()
     with pytest.raises(ValueError, match=r"size must be 0, or in \[16, 16384\], got 8"):
         rcp.Texture(size=8)
 
@@ -247,14 +248,10 @@ def test_faces_may_come_from_any_sequence_of_integers():
     assert rcp.PaintFaces(faces=numpy.array([3, 4])) == rcp.PaintFaces(faces=[3, 4]) == rcp.PaintFaces(faces=(3, 4))
 
 
-def test_steps_are_replaced_removed_moved_and_switched():
+def test_steps_are_replaced():
     a, b, c = Partition(), AddProxy(face=1), AddProxy(face=2)
     recipe = Recipe((a, b, c))
     assert recipe.replaced(1, AddProxy(face=9)).steps == (a, AddProxy(face=9), c)
-    assert recipe.removed(1).steps == (a, c)
-    assert recipe.moved(2, 1).steps == recipe.moved(1, 2).steps == (a, c, b)
-    assert recipe.switched(1, False).steps == (a, AddProxy(face=1, enabled=False), c)
-    assert recipe.switched(1, False).switched(1, True) == recipe
-    for change in (lambda: recipe.removed(3), lambda: recipe.moved(0, 3), lambda: recipe.switched(-1, True)):
+    for index in (3, -1):
         with pytest.raises(RecipeError, match=r"there is no step -?\d: the recipe has 3"):
-            change()
+            recipe.replaced(index, b)

@@ -9,20 +9,9 @@ import scans
 
 from isimp.blender.scene import store
 from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe
+from test_edits import count, scan, steps
 
 pytestmark = pytest.mark.usefixtures("scene")
-
-
-def scan():
-    return bpy.data.objects["Scan"]
-
-
-def count():
-    return len(set(scans.regions(scan()).tolist()))
-
-
-def steps():
-    return store.load(scan()).steps
 
 
 @pytest.fixture

@@ -17,6 +17,7 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 from batches import ENVIRONMENT
+from hostile import packed
 from isimp_engine import machine, reading
 from isimp_engine.texturing import images
 from isimp_engine.texturing.gltf_file import GltfFile
@@ -176,13 +177,6 @@ def test_a_disk_that_is_nearly_full_is_left_alone(tmp_path, monkeypatch):
 def document(data):
     size = struct.unpack_from("<I", data, 12)[0]
     return json.loads(data[20 : 20 + size]), data[28 + size :]
-
-
-def packed(text, body):
-    said = json.dumps(text).encode()
-    said += b" " * (-len(said) % 4)
-    chunks = struct.pack("<I4s", len(said), b"JSON") + said + struct.pack("<I4s", len(body), b"BIN\0") + body
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
 @pytest.fixture

@@ -3,17 +3,10 @@
 import bmesh
 import bpy
 import numpy as np
-from scenario_main import make_scan, regions, same, scan
-from scenario_tools import labels, last, state, steps, undone_and_redone
+from scenario_main import make_scan, regions, same, scan, show_edits
+from scenario_tools import labels, last, locked, state, steps, undone_and_redone
 
 import isimp
-
-
-def show_regions():
-    """Opens the panel Regions from the beginning; before the add-on is switched on."""
-    from isimp.blender.panel import edit
-
-    edit.ISIMP_PT_regions.bl_options = set()
 
 
 def select(faces):
@@ -120,12 +113,6 @@ def left_out():
     return store.numbers(scan()).get("regions_left_out", 0)
 
 
-def locked():
-    from isimp.blender.scene import store
-
-    return store.numbers(scan()).get("locked", 0)
-
-
 def by_error(hand):
     count = regions()
     for name, wanted, kind in (("add_worst", 2, "AddWorst"), ("delete_least", -2, "DeleteLeast")):
@@ -140,7 +127,7 @@ def by_error(hand):
 
 
 def run(hand):
-    show_regions()
+    show_edits()
     isimp.register()
     make_scan()
     yield 0.5

@@ -1,6 +1,7 @@
 """Reading and writing in pieces: the actions of the window meanwhile, one step to undo, and drags that settle."""
 
 import bpy
+from scenario_long_work import running
 from scenario_main import make_scan, regions, same, scan
 from scenario_steps import settings, settled, shown
 from scenario_tools import labels, state, steps, undone_and_redone, view
@@ -71,12 +72,6 @@ def selected_in_pieces(hand):
     same("and to redo", scan().data.total_face_sel, faces)
     bpy.ops.mesh.select_all(action="DESELECT")
     bpy.ops.ed.undo_push(message="none")
-
-
-def running():
-    from isimp.blender.scene import runtime
-
-    return runtime.get().running is not None
 
 
 def pressed(hand, proxies, **more):

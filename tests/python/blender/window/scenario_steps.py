@@ -2,14 +2,9 @@
 
 import bpy
 from scenario_main import make_scan, regions, same, scan, show_steps
+from scenario_tools import steps
 
 import isimp
-
-
-def recipe():
-    from isimp.blender.scene import store
-
-    return store.load(scan()).steps
 
 
 def settings():
@@ -98,9 +93,9 @@ def run(hand):
     same("two added", regions(), 16)
     yield from hand.type_into("partition.proxies", "20")
     yield from settled()
-    same("what follows is done again", (regions(), len(recipe())), (22, 3))
+    same("what follows is done again", (regions(), len(steps())), (22, 3))
     yield from hand.undo()
-    same("and undone", (regions(), len(recipe())), (16, 3))
+    same("and undone", (regions(), len(steps())), (16, 3))
 
     yield from hand.press("isimp.step_open")
     yield from hand.shot("steps-2-open")
@@ -111,9 +106,9 @@ def run(hand):
     yield 0.3
     bpy.ops.isimp.step_delete("INVOKE_DEFAULT", True, step=2)
     yield from hand.settle()
-    same("deleted", (regions(), len(recipe())), (15, 2))
+    same("deleted", (regions(), len(steps())), (15, 2))
     yield from hand.undo()
-    same("not deleted", (regions(), len(recipe())), (16, 3))
+    same("not deleted", (regions(), len(steps())), (16, 3))
     bpy.ops.isimp.step_open(step=1)
     bpy.ops.isimp.step_open(step=0)
     yield 0.3
