@@ -33,7 +33,12 @@ def parser() -> argparse.ArgumentParser:
     )
     command.set_defaults(run=flat.run)
     command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF or GLB")
-    command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ; with --texture OBJ or GLB")
+    command.add_argument(
+        "output",
+        type=Path,
+        metavar="OUTPUT",
+        help="PLY, OBJ, GLB, STL or 3MF, or a file for buildings or CAD; with --texture OBJ or GLB",
+    )
     command.add_argument(
         "--lods",
         type=lods.counts,

@@ -94,7 +94,9 @@ def simplify_options() -> argparse.ArgumentParser:
         metavar="EPSG",
         help="the number of the scan's reference system, written to CityJSON and IFC",
     )
-    command.add_argument("--unit", choices=UNITS, default="m", help="unit of the scene in STEP. Default: %(default)s")
+    command.add_argument(
+        "--unit", choices=UNITS, default="m", help="unit of the scene in STEP and 3MF. Default: %(default)s"
+    )
     command.add_argument("--recipe", type=Path, metavar="R.json", help="the steps to do, as the add-on exports them")
     command.add_argument(
         "--strict", action="store_true", help="refuse a scan on which a click of the recipe finds no face"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .._core import FileError, Job, Mesh, Partition, PolygonMesh
 from ..reading import reader
-from . import cityjson, dxf, ifc
+from . import cityjson, dxf, ifc, triangles
 from .surfaces import Surfaces, surfaces_of
 
 
@@ -63,6 +63,23 @@ def _step(draft: Path, of: Content) -> dict[str, Any]:
     return write(draft, of.polygons, of.name, of.partition, of.mesh, of.job, of.unit, of.place)
 
 
+def _stl(draft: Path, of: Content) -> dict[str, Any]:
+    triangles.write_stl(draft, of.polygons, of.job)
+    return {}
+
+
+def _3mf(draft: Path, of: Content) -> dict[str, Any]:
+    triangles.write_3mf(draft, of.polygons, of.unit, of.job)
+    return {}
+
+
+def _gltf(draft: Path, of: Content) -> dict[str, Any]:
+    from ..texturing.glb import plain  # reads the table of formats itself
+
+    draft.write_bytes(plain(of.name, of.polygons, of.job))
+    return {}
+
+
 @dataclass(frozen=True)
 class Format:
     """A format of files of polygons."""
@@ -87,7 +104,9 @@ class Format:
 FORMATS = (
     Format(".ply", tiles=True),
     Format(".obj", tiles=True, textured=True, lods=True),
-    Format(".glb", plain=False, textured=True, lods=True),
+    Format(".glb", _gltf, textured=True, lods=True),
+    Format(".stl", _stl),
+    Format(".3mf", _3mf),
     Format(".city.json", _cityjson, lods=True, menu="building"),
     Format(".dxf", _dxf, "ezdxf", "ezdxf", "dxf", lods=True, menu="building"),
     Format(".ifc", _ifc, "ifcopenshell", "ifcopenshell", "ifc", lods=True, menu="building"),

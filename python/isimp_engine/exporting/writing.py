@@ -15,7 +15,7 @@ from ..reading import reader
 from .formats import Content, format_of, require
 from .surfaces import Surfaces
 
-UNITS = ("m", "mm")  #: units of STEP files
+UNITS = ("m", "mm")  #: units of STEP and 3MF files
 
 
 def write(
@@ -32,7 +32,10 @@ def write(
     unit: str = "m",
     place: NDArray[np.float64] | None = None,
 ) -> dict[str, Any]:
-    """Write polygons: PLY, OBJ; for buildings CityJSON (.city.json), DXF and IFC; STEP (.step, .stp).
+    """Write polygons: PLY, OBJ, GLB, STL, 3MF; for buildings CityJSON (.city.json), DXF and IFC; STEP (.step, .stp).
+
+    PLY and OBJ keep n-gons. GLB has triangles, which FB_ngon_encoding groups to n-gons; STL and 3MF have triangles
+    alone. STL is text where coordinates are too far from zero for its float32.
 
     The file appears whole or not at all. CityJSON, DXF and IFC have their polygons by class (walls, roofs, ground) and
     keep n-gons and the scan's coordinates in double precision; they take scene units for metres. DXF needs the package
@@ -47,7 +50,7 @@ def write(
     like: a name with the kind of the file, where `path` is a temporary one.
     surfaces: the result of `surfaces_of` for these polygons, if it is known already.
     partition, mesh: for STEP, the partition and the mesh that the polygons were made from.
-    unit: the scene unit in STEP, "m" or "mm".
+    unit: the scene unit in STEP and 3MF, "m" or "mm".
     place: (4, 4), for STEP: a rotation and a shift to the coordinates of the file; None: the polygons' own.
     Returns a dict, empty for all formats except STEP: faces, solids, valid (by OpenCASCADE), volume, gap (largest
     distance of an edge from a face), triangulated (polygons), true_surfaces (number and kind of round parts), planes

@@ -2,6 +2,7 @@
 
 import json
 import struct
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import machine
-from .._core import FileError
+from .._core import FileError, Job, PolygonMesh, triangulate
 from . import gltf_layers, ngons
 from .gltf_file import BINARY, JSON, MAGIC, GltfFile
 from .gltf_values import Item
@@ -198,25 +199,50 @@ class _Writer:
         return len(self.accessors) - 1
 
 
+def filled(poly: PolygonMesh, job: Job | None) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
+    """The corners of polygons, (L, 3), triangles of corners that fill them, as fans, and the polygon of each triangle.
+
+    Every corner is a vertex of its own, since the two sides of an edge have their own normals and UVs.
+    """
+    corners = poly.vertices[poly.loops]
+    each = np.arange(len(poly.loops), dtype=np.int32)
+    return corners, *ngons.fans(corners, poly.loop_start, *triangulate(corners, each, poly.loop_start, job))
+
+
+def plain(name: str, poly: PolygonMesh, job: Job | None = None) -> bytes:
+    """A file of polygons without a texture, shaded flat."""
+    corners, triangles, _ = filled(poly, job)
+    start = poly.loop_start.astype(np.int64)
+    count = np.diff(np.append(start, len(corners)))
+    first = np.repeat(corners[start], count, axis=0)
+    following = np.arange(1, len(corners) + 1)
+    following[start + count - 1] = start
+    normal = np.add.reduceat(np.cross(corners - first, corners[following] - first), start, axis=0)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    unit = np.divide(normal, length, out=np.tile([0.0, 0.0, 1.0], (len(normal), 1)), where=length > 0)
+    return glb(name, corners, [triangles], np.repeat(unit, count, axis=0))
+
+
 def glb(
     name: str,
     corners: NDArray[np.float64],
     triangles: list[NDArray[np.int32]],
-    uv: NDArray[np.float64],
     normals: NDArray[np.float64],
-    tangents: NDArray[np.float64],
-    shown: list[gltf_layers.Shown],
+    uv: NDArray[np.float64] | None = None,
+    tangents: NDArray[np.float64] | None = None,
+    shown: Sequence[gltf_layers.Shown | None] = (None,),
 ) -> bytes:
-    """A file with one mesh: everything by corner, v upward. triangles, shown: of each material."""
+    """A file with one mesh: everything by corner, v upward. triangles, shown: of each material; None: without one."""
     writer = _Writer()
     middle = (corners.min(0) + corners.max(0)) / 2
     size = float(np.linalg.norm(np.ptp(corners, axis=0)))
     shift = np.where(np.abs(middle) > _FAR * size, np.round(middle), 0.0)
     attributes = {"POSITION": writer.array(corners - shift, "VEC3", bounds=True)}
     attributes["NORMAL"] = writer.array(normals, "VEC3")
-    if any(one.normal is not None for one in shown):  # (x, y, z, 1): the third direction is normal x tangent
+    if tangents is not None and any(one and one.normal for one in shown):  # the third direction is normal x tangent
         attributes["TANGENT"] = writer.array(np.hstack([tangents, np.ones((len(tangents), 1))]), "VEC4")
-    attributes["TEXCOORD_0"] = writer.array(np.stack([uv[:, 0], 1 - uv[:, 1]], axis=1), "VEC2")
+    if uv is not None:
+        attributes["TEXCOORD_0"] = writer.array(np.stack([uv[:, 0], 1 - uv[:, 1]], axis=1), "VEC2")
     primitives: list[dict[str, Any]] = []
     materials: list[dict[str, Any]] = []
     pictures: list[tuple[str, bytes]] = []
@@ -224,29 +250,33 @@ def glb(
         if not len(faces):
             continue
         index = writer.array(faces.ravel(), "SCALAR")
-        grouped: dict[str, Any] = {"extensions": {ngons.NAME: {}}}
-        primitives.append({"attributes": attributes, "indices": index, "material": len(materials)} | grouped)
+        primitive = {"attributes": attributes, "indices": index, "extensions": {ngons.NAME: {}}}
+        primitives.append(primitive)
+        if one is None:
+            continue
+        primitive["material"] = len(materials)
         material, own = one.material(len(pictures))
         materials.append({"name": one.name} | material)
         pictures += [(one.name + suffix, data) for suffix, data in own]
     node: dict[str, Any] = {"mesh": 0, "name": name}
     if shift.any():
         node["translation"] = shift.tolist()
-    document = {
+    document: dict[str, Any] = {
         "asset": {"version": "2.0", "generator": "isimp"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [node],
         "meshes": [{"name": name, "primitives": primitives}],
-        "materials": materials,
-        "textures": [{"source": i, "sampler": 0} for i in range(len(pictures))],
-        "samplers": [{"magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071}],
-        "images": [
-            {"bufferView": writer.view(data), "mimeType": "image/png", "name": title} for title, data in pictures
-        ],
-        "accessors": writer.accessors,
-        "bufferViews": writer.views,
     }
+    if materials:
+        document["materials"] = materials
+    if pictures:
+        document["textures"] = [{"source": i, "sampler": 0} for i in range(len(pictures))]
+        document["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071}]
+        document["images"] = [
+            {"bufferView": writer.view(data), "mimeType": "image/png", "name": title} for title, data in pictures
+        ]
+    document |= {"accessors": writer.accessors, "bufferViews": writer.views}
     extensions = {word for material in materials for word in material.get("extensions", ())}
     document["extensionsUsed"] = sorted(extensions | {ngons.NAME})
     writer.data += bytes(-len(writer.data) % 4)

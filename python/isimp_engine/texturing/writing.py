@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import FileError, Job, PolygonMesh, triangulate
+from .._core import FileError, Job, PolygonMesh
 from ..drafts import deliver, draft_of
 from ..exporting import TEXTURED
-from . import images, ngons, obj
+from . import images, obj
 from .baking import Texture
-from .glb import glb
+from .glb import filled, glb
 from .gltf_layers import Shown
 from .layers import HEIGHT, NORMAL
 
@@ -206,16 +206,12 @@ def _mtl(sheet: _Sheet, factors: dict[str, float]) -> bytes:
 
 
 def _glb(path: Path, poly: PolygonMesh, made: Texture, tiles: list[_Sheet], job: Job | None) -> bytes:
-    # Every corner is a vertex of its own, since the two sides of an edge have their own normals and UVs.
-    each = np.arange(len(poly.loops), dtype=np.int32)
-    corners = poly.vertices[poly.loops]
-    triangles, polygon = triangulate(corners, each, poly.loop_start, job)
-    triangles, polygon = ngons.fans(corners, poly.loop_start, triangles, polygon)
+    corners, triangles, polygon = filled(poly, job)
     of = np.repeat(np.arange(len(poly.loop_start)), np.diff(_ends(poly)))
     tile = np.zeros(len(triangles), dtype=np.int32) if made.tile is None else made.tile[polygon]
     faces = [triangles[tile == t] for t in range(len(tiles))]
     shown = [_shown(path, sheet, made.factors) for sheet in tiles]
-    return glb(path.stem, corners, faces, made.uv, made.polygon_normal[of], made.polygon_tangent[of], shown)
+    return glb(path.stem, corners, faces, made.polygon_normal[of], made.uv, made.polygon_tangent[of], shown)
 
 
 def _shown(path: Path, sheet: _Sheet, factors: dict[str, float]) -> Shown:

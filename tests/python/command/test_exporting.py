@@ -1,9 +1,11 @@
-"""CityJSON, DXF and IFC, read back by libraries that no one here wrote where they are installed."""
+"""Files of polygons, read back by libraries that no one here wrote where they are installed."""
 
 import dataclasses
 import json
 import sys
+import zipfile
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
@@ -229,3 +231,85 @@ def test_the_command_writes_cityjson_and_reports_whether_it_is_valid(tmp_path: P
     assert len(cityjson_rings(city)) == sum(found["surfaces"].values())
     assert list(city["CityObjects"]) == ["out"]
     assert sorted(p.name for p in tmp_path.iterdir()) == ["out.city.json", "report.json", "scan.obj"]
+
+
+def area(poly: engine.PolygonMesh) -> float:
+    return faces_area(np.asarray(poly.vertices), poly.triangles())
+
+
+def faces_area(vertices: np.ndarray, triangles: np.ndarray) -> float:
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
+
+@pytest.mark.parametrize("at", [(0.0, 0.0, 0.0), UTM])
+def test_stl_and_glb_are_read_again(tmp_path: Path, at: tuple[float, float, float]) -> None:
+    poly = made(at)
+    low, high = poly.vertices.min(axis=0), poly.vertices.max(axis=0)
+    for name in ("house.stl", "house.glb"):
+        engine.write(tmp_path / name, poly)
+        soup = engine.read_textured(tmp_path / name) if name.endswith("glb") else None
+        vertices, triangles = (soup.vertices, soup.triangles) if soup else engine.read(tmp_path / name)
+        mesh = engine.clean(vertices, triangles)
+        assert mesh.report["closed"] == poly.report["closed"], name
+        assert faces_area(vertices, triangles) == pytest.approx(area(poly), rel=1e-6)
+        np.testing.assert_allclose([vertices.min(axis=0), vertices.max(axis=0)], [low, high], atol=1e-5)
+    assert (tmp_path / "house.stl").read_bytes().startswith(b"solid" if at == UTM else b"isimp")
+    again = engine.read_textured(tmp_path / "house.glb")
+    assert again.polygon.max() + 1 >= len(poly.loop_start)
+    assert not again.images
+
+
+def test_glb_without_a_texture_is_flat_shaded_polygons(tmp_path: Path) -> None:
+    poly = box()
+    engine.write(tmp_path / "box.glb", poly)
+    data = (tmp_path / "box.glb").read_bytes()
+    document = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    assert document.keys().isdisjoint({"materials", "textures", "samplers", "images"})
+    (primitive,) = document["meshes"][0]["primitives"]
+    assert primitive.keys() == {"attributes", "indices", "extensions"}
+    assert primitive["attributes"].keys() == {"POSITION", "NORMAL"}
+    rows = {accessor["type"]: accessor["count"] for accessor in document["accessors"]}
+    assert rows == {"VEC3": 24, "SCALAR": 36}
+    soup = engine.read_textured(tmp_path / "box.glb")
+    assert sorted(np.bincount(soup.polygon)) == [2] * 6
+
+
+@pytest.mark.parametrize("top", [True, False])
+def test_3mf_has_the_triangles_and_the_unit(tmp_path: Path, top: bool) -> None:
+    poly = box(2.0, at=UTM, top=top)
+    engine.write(tmp_path / "box.3mf", poly, unit="mm")
+    first = (tmp_path / "box.3mf").read_bytes()
+    with zipfile.ZipFile(tmp_path / "box.3mf") as file:
+        assert file.testzip() is None
+        assert sorted(file.namelist()) == ["3D/3dmodel.model", "[Content_Types].xml", "_rels/.rels"]
+        for name in file.namelist():
+            ET.fromstring(file.read(name))  # noqa: S314
+        model = ET.fromstring(file.read("3D/3dmodel.model"))  # noqa: S314
+    core = {"": "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"}
+    assert model.get("unit") == "millimeter"
+    assert [thing.get("type") for thing in model.findall(".//object", core)] == ["model" if top else "surface"]
+    vertices = [[float(v.get(k, "")) for k in "xyz"] for v in model.findall(".//vertex", core)]
+    assert vertices == poly.vertices.tolist()
+    triangles = np.array([[int(t.get(f"v{k}", "")) for k in (1, 2, 3)] for t in model.findall(".//triangle", core)])
+    assert faces_area(np.array(vertices), triangles) == pytest.approx(4 * (6 if top else 5))
+    engine.write(tmp_path / "box.3mf", poly, unit="mm")
+    assert (tmp_path / "box.3mf").read_bytes() == first
+
+
+def test_trimesh_reads_stl_glb_and_3mf(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    pytest.importorskip("lxml")
+    pytest.importorskip("networkx")
+    poly = box()
+    for name in ("box.stl", "box.glb", "box.3mf"):
+        engine.write(tmp_path / name, poly)
+        assert trimesh.load(tmp_path / name, force="mesh").volume == pytest.approx(1)
+
+
+@pytest.mark.parametrize("name", ["o.stl", "o.glb", "o.3mf"])
+def test_the_command_writes_meshes_of_triangles(tmp_path: Path, name: str, capsys) -> None:
+    engine.write(tmp_path / "box.ply", box())
+    assert main(["simplify", str(tmp_path / "box.ply"), str(tmp_path / name), "--proxies", "6", "--quiet"]) == 0
+    assert (tmp_path / name).stat().st_size > 500
+    assert capsys.readouterr().out == ""

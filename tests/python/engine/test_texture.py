@@ -366,7 +366,7 @@ def test_the_command_does_not_overwrite_the_scans_own_image(tmp_path):
         (["cube.obj", "x.ply", "--texture"], 2, "must end in one of .obj, .glb"),
         (["cube.obj", "x.obj", "--texture", "7"], 2, "whole number in [16, 16384], got '7'"),
         (["plain.ply", "x.obj", "--texture"], 3, "neither an image nor colours"),
-        (["cube.obj", "x.glb"], 2, "OUTPUT must end in"),
+        (["cube.obj", "x.gltf"], 2, "OUTPUT must end in"),
     ],
 )
 def test_the_command_names_the_fault_in_a_line(tmp_path, arguments, status, text):
