@@ -16,7 +16,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core
+from . import _core, three_mf
 from ._core import FileError, InvalidInput, Job
 
 
@@ -176,25 +176,39 @@ def _named(path: str | PathLike[str], job: Job | None) -> AbstractContextManager
     return nullcontext(path)
 
 
+def _is_3mf(path: str | PathLike[str]) -> bool:
+    return isinstance(path, (str, bytes, PathLike)) and os.fsdecode(path).lower().endswith(".3mf")
+
+
+def _read_3mf(path: str | PathLike[str]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    with reader(path, "is damaged, or not 3MF"):
+        return three_mf.read(Path(path))
+
+
 def read(
     path: str | PathLike[str], *, job: Job | None = None, threads: int = 0
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Read the triangles of a PLY, OBJ, STL or OFF file, polygons cut into triangles; also .gz and .zst of them.
+    """Read the triangles of a PLY, OBJ, STL, OFF or 3MF file, polygons cut into triangles; also .gz and .zst of them.
 
     Returns vertices (V, 3) and triangles (F, 3). Raises FileError, which names the fault and its place, or Cancelled.
     """
     with _named(path, job) as place:
+        if _is_3mf(place):
+            return _read_3mf(place)
         return _core.read(place, job, threads=threads)
 
 
 def read_polygons(
     path: str | PathLike[str], job: Job | None = None, *, threads: int = 0
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
-    """Read the polygons of a PLY, OBJ, STL or OFF file, with any number of corners; also .gz and .zst of them.
+    """Read the polygons of a PLY, OBJ, STL, OFF or 3MF file, with any number of corners; also .gz and .zst of them.
 
     Returns vertices (V, 3), loops (L,) and loop_start (Q,). Raises FileError or Cancelled.
     """
     with _named(path, job) as place:
+        if _is_3mf(place):
+            vertices, triangles = _read_3mf(place)
+            return vertices, triangles.ravel(), np.arange(0, triangles.size, 3, dtype=np.int32)
         return _core.read_polygons(place, job, threads=threads)
 
 

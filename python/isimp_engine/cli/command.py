@@ -32,7 +32,7 @@ def parser() -> argparse.ArgumentParser:
         "simplify", help="make a polygon mesh of a scan", description=simplify.__doc__, parents=shared
     )
     command.set_defaults(run=flat.run)
-    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF or GLB")
+    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF, 3MF or GLB")
     command.add_argument(
         "output",
         type=Path,
@@ -79,7 +79,7 @@ def parser() -> argparse.ArgumentParser:
         parents=shared,
     )
     command.set_defaults(run=info.run)
-    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF or GLB")
+    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF, 3MF or GLB")
     command.add_argument(
         "--mesh-only", action="store_true", help="do not count the polygons, which takes the time of a run"
     )

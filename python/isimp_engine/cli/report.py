@@ -26,7 +26,7 @@ def regions(text: str) -> list[int]:
 
 
 def add_options(command: argparse.ArgumentParser) -> None:
-    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF or GLB")
+    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF, 3MF or GLB")
     command.add_argument("output", type=Path, metavar="OUTPUT_FOLDER", help="made if it is not there")
     command.add_argument(
         "--angles",

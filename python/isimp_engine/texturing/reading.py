@@ -4,13 +4,13 @@ from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
-from .._core import FileError, Job, _read_columns, read, read_polygons
-from ..reading import COMPRESSED, plain, reader
+from .._core import FileError, Job, _read_columns
+from ..reading import COMPRESSED, plain, read, read_polygons, reader
 from . import glb, obj, ply
 from .look import Fault, Look
 from .soup import TexturedSoup
 
-KINDS = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
+KINDS = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off", ".3mf")  #: of files with faces
 
 
 def read_textured(path: str | PathLike[str], *, job: Job | None = None, threads: int = 0) -> TexturedSoup:
@@ -19,7 +19,7 @@ def read_textured(path: str | PathLike[str], *, job: Job | None = None, threads:
     OBJ with its MTL file (map_Kd, map_Pr, map_Pm, map_Ke, norm and their numbers; colours after the coordinates of
     vertices); PLY with texture coordinates of vertices or faces, TextureFile comments, and colours of vertices or
     faces; binary glTF (.glb) and .gltf with their materials. Vertices and triangles of OBJ and PLY are as in `read`.
-    STL and OFF have no texture.
+    STL and OFF have no texture, that of 3MF is not read.
     Raises FileError, which names the file that is missing or damaged and where it is named, or Cancelled.
     """
     place = Path(path)
@@ -29,8 +29,8 @@ def read_textured(path: str | PathLike[str], *, job: Job | None = None, threads:
     if kind not in KINDS:
         raise FileError(f"{place}: is of a kind that can't be read; it must end in one of {', '.join(KINDS)}")
     with reader(place, "is damaged" if kind not in (".glb", ".gltf") else "is damaged, or not glTF 2.0"):
-        if kind in (".stl", ".off"):
-            return TexturedSoup(*read(place, job, threads=threads))
+        if kind in (".stl", ".off", ".3mf"):
+            return TexturedSoup(*read(place, job=job, threads=threads))
         if kind == ".obj":
             return obj.read(place, job, threads)
         if kind == ".ply":
@@ -40,7 +40,7 @@ def read_textured(path: str | PathLike[str], *, job: Job | None = None, threads:
 
 
 def read_look(path: str | PathLike[str], job: Job | None = None) -> Look:
-    """Read the polygons of a PLY, OBJ, STL or OFF file, also .gz and .zst of them, with the look that it describes.
+    """Read the polygons of a PLY, OBJ, STL, OFF or 3MF file, also .gz and .zst, with the look that it describes.
 
     Nothing is refused because of the look: what can't be used is in `faults`, words for what is not read in `skipped`.
     Raises FileError or Cancelled as `read_polygons`.
@@ -63,5 +63,7 @@ def _look(place: Path, stands: Path, job: Job | None, fault: Fault) -> Look:
         return obj.read_look(place, stands, job, fault)
     if kind == ".ply":
         return ply.read_look(place, stands, job, fault)
+    if kind == ".3mf":
+        return Look(*read_polygons(place, job))
     vertices, loops, start, *_, skipped = _read_columns(place, [], job, 0)
     return Look(vertices, loops, start, skipped=skipped)

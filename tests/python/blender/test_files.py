@@ -83,6 +83,19 @@ def meshed(file):
     return scan
 
 
+def test_3mf_is_imported(file, tmp_path):
+    scan = meshed(file)
+    result = bpy.context.object
+    vertices = scans.coordinates(result.data)
+    path = tmp_path / "tower.3mf"
+    part = engine.simplify((vertices, [tuple(p.vertices) for p in result.data.polygons]), proxies=6)
+    part.write(path)
+    bpy.data.objects.remove(scan)
+    again = imported(path)
+    assert len(again.data.polygons) == 12
+    np.testing.assert_allclose(np.ptp(scans.coordinates(again.data), axis=0), [2, 2, 2], atol=1e-5)
+
+
 def test_a_building_is_written_where_it_stands(file, tmp_path):
     meshed(file)
     path = tmp_path / "tower.city.json"

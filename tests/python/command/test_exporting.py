@@ -313,3 +313,80 @@ def test_the_command_writes_meshes_of_triangles(tmp_path: Path, name: str, capsy
     assert main(["simplify", str(tmp_path / "box.ply"), str(tmp_path / name), "--proxies", "6", "--quiet"]) == 0
     assert (tmp_path / name).stat().st_size > 500
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize("top", [True, False])
+def test_3mf_is_read_again(tmp_path: Path, top: bool) -> None:
+    poly = box(2.0, at=UTM, top=top)
+    engine.write(tmp_path / "box.3mf", poly)
+    vertices, triangles = engine.read(tmp_path / "box.3mf")
+    assert np.array_equal(vertices, poly.vertices)
+    assert np.array_equal(triangles, poly.triangles())
+    result = engine.simplify(tmp_path / "box.3mf", proxies=6 if top else 5)
+    assert len(result.polygons.loop_start) == (6 if top else 5)
+    (tmp_path / "cut.3mf").write_bytes((tmp_path / "box.3mf").read_bytes()[:-40])
+    with pytest.raises(engine.FileError, match=r"cut\.3mf: is damaged, or not 3MF"):
+        engine.read(tmp_path / "cut.3mf")
+
+
+MODEL = """<model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+ xmlns:p="http://schemas.microsoft.com/3dmanufacturing/production/2015/06"><resources>{}</resources>
+ <build>{}</build></model>"""
+RELATIONS = """<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship
+ Target="/3D/a.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"""
+TRIANGLE = """<object id="1"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>
+ <vertex x="0" y="1" z="0"/></vertices><triangles><triangle v1="0" v2="1" v3="{}"/></triangles></mesh></object>"""
+
+
+def packed(path: Path, **models: str) -> Path:
+    with zipfile.ZipFile(path, "w") as file:
+        file.writestr("_rels/.rels", RELATIONS)
+        for name, text in models.items():
+            file.writestr(f"3D/{name}.model", text)
+    return path
+
+
+def test_3mf_of_components_in_other_files_is_read_at_its_places(tmp_path: Path) -> None:
+    a = MODEL.format(
+        '<object id="2"><components><component p:path="/3D/b.model" objectid="1" transform="2 0 0 0 2 0 0 0 2 5 0 0"/>'
+        '<component p:path="/3D/b.model" objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 0"/></components></object>'
+        '<object id="3" type="support"><components><component objectid="2"/></components></object>',
+        '<item objectid="2" transform="1 0 0 0 1 0 0 0 1 0 0 7"/><item objectid="3"/>',
+    )
+    path = packed(tmp_path / "a.3mf", a=a, b=MODEL.format(TRIANGLE.format(2), ""))
+    vertices, triangles = engine.read(path)
+    assert vertices.tolist() == [[5, 0, 7], [7, 0, 7], [5, 2, 7], [0, 0, 7], [-1, 0, 7], [0, 1, 7]]
+    corners = vertices[triangles]
+    up = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
+    assert up.tolist() == [4, 1], "a mirrored part still faces up"
+
+
+@pytest.mark.parametrize(
+    ("resources", "build", "text"),
+    [
+        (TRIANGLE.format(3), '<item objectid="1"/>', "a triangle of object 1 uses a vertex that it does not have"),
+        ("", '<item objectid="1"/>', "there is no object '1'"),
+        (
+            '<object id="1"><components><component objectid="1"/></components></object>',
+            '<item objectid="1"/>',
+            "object 1 is a part of itself",
+        ),
+    ],
+)
+def test_3mf_that_contradicts_itself_is_refused(tmp_path: Path, resources: str, build: str, text: str) -> None:
+    with pytest.raises(engine.FileError, match=text):
+        engine.read(packed(tmp_path / "a.3mf", a=MODEL.format(resources, build)))
+
+
+def test_points_are_no_scan(tmp_path: Path, capsys) -> None:
+    (tmp_path / "a.ply").write_text(
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+        "0 0 0\n1 0 0\n"
+    )
+    (tmp_path / "a.las").write_bytes(b"LASF")
+    (tmp_path / "a.fbx").write_bytes(b"?")
+    for name, text in (("a.ply", "has 2 points and no faces; make a mesh of them first"),
+                       ("a.las", "has points, not faces; make a mesh of them first"),
+                       ("a.fbx", 'the extension ".fbx" is not known; it can be .obj, .ply, .glb')):  # fmt: skip
+        assert main(["info", str(tmp_path / name)]) == 3
+        assert text in capsys.readouterr().err

@@ -14,7 +14,7 @@ from ..scene import mesh_io, places
 from ..texturing import looks
 from ..view import clipping
 
-_SCANS = (".ply", ".obj", ".stl", ".off")
+_SCANS = (".ply", ".obj", ".stl", ".off", ".3mf")
 _UPS = (
     ("FORMAT", "By Format", "Y for OBJ files, as Blender reads them, unless they have map coordinates; Z for others"),
     ("Y", "Y", "The file has Y up: turn the scan upright"),

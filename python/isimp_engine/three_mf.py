@@ -1,0 +1,125 @@
+"""3MF files: a zip file with a model in XML, or several that refer to each other."""
+
+import posixpath
+import zipfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core import FileError
+
+_DEEP = 64  # components inside components; more are a cycle
+_ANY, _RATIO = 1 << 28, 200  # bytes that every file may become, and the multiple of its size that a larger one may
+_MODEL = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+_PATH = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}path"
+
+Part = tuple[NDArray[np.float64], NDArray[np.int32]]
+
+
+@dataclass
+class _Object:
+    """A mesh, or objects at places."""
+
+    vertices: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    triangles: NDArray[np.int32] = field(default_factory=lambda: np.zeros((0, 3), np.int32))
+    components: list[tuple[str, str, NDArray[np.float64]]] = field(default_factory=list)  # file, number, (4, 3)
+    is_support: bool = False
+
+
+class _Package:
+    """The models of a file, each read once."""
+
+    def __init__(self, path: Path, file: zipfile.ZipFile):
+        self.path, self.file = path, file
+        self.models: dict[str, tuple[dict[str, _Object], list[tuple[str, str, NDArray[np.float64]]]]] = {}
+        size = sum(info.file_size for info in file.infolist())
+        if size > max(_ANY, _RATIO * path.stat().st_size):
+            raise FileError(f"{path}: becomes more than {_RATIO} times its size, as no scan does")
+
+    def root(self) -> str:
+        """The name of the first model."""
+        for relation in ET.fromstring(self.file.read("_rels/.rels")):  # noqa: S314  (no entities beyond expat's limit)
+            if relation.get("Type") == _MODEL:
+                return relation.get("Target", "").lstrip("/")
+        raise FileError(f"{self.path}: names no model")
+
+    def model(self, name: str) -> tuple[dict[str, _Object], list[tuple[str, str, NDArray[np.float64]]]]:
+        """The objects of a model by number, and what is to be built."""
+        if name not in self.models:
+            objects: dict[str, _Object] = {}
+            items: list[tuple[str, str, NDArray[np.float64]]] = []
+            with self.file.open(name) as stream:
+                for _, element in ET.iterparse(stream):  # noqa: S314
+                    word = element.tag.rpartition("}")[2]
+                    if word == "object":
+                        objects[element.get("id", "")] = self._object(element, name)
+                        element.clear()
+                    elif word == "item":
+                        items.append(self._placed(element, name))
+            self.models[name] = objects, items
+        return self.models[name]
+
+    def _object(self, element: ET.Element, name: str) -> _Object:
+        found = _Object(is_support=element.get("type") == "support")
+        vertices, triangles = list[tuple[Any, ...]](), list[tuple[Any, ...]]()
+        for one in element.iter():
+            word = one.tag.rpartition("}")[2]
+            if word == "vertex":
+                vertices.append((one.get("x"), one.get("y"), one.get("z")))
+            elif word == "triangle":
+                triangles.append((one.get("v1"), one.get("v2"), one.get("v3")))
+            elif word == "component":
+                found.components.append(self._placed(one, name))
+        if vertices:
+            found.vertices = np.array(vertices, dtype=np.float64)
+        if triangles:
+            found.triangles = np.array(triangles, dtype=np.int64).astype(np.int32)
+            if found.triangles.min() < 0 or found.triangles.max() >= len(vertices):
+                number = element.get("id")
+                raise FileError(f"{self.path}: a triangle of object {number} uses a vertex that it does not have")
+        return found
+
+    @staticmethod
+    def _placed(element: ET.Element, name: str) -> tuple[str, str, NDArray[np.float64]]:
+        values = element.get("transform")
+        matrix = np.eye(4, 3) if values is None else np.array(values.split(), dtype=np.float64).reshape(4, 3)
+        other = element.get(_PATH)
+        return posixpath.normpath(other.lstrip("/")) if other else name, element.get("objectid", ""), matrix
+
+    def parts(self, name: str, number: str, matrix: NDArray[np.float64], deep: int = 0) -> list[Part]:
+        """The meshes of an object, at their places."""
+        if deep > _DEEP:
+            raise FileError(f"{self.path}: object {number} is a part of itself")
+        objects, _ = self.model(name)
+        if number not in objects:
+            raise FileError(f"{self.path}: there is no object {number!r} in {name}")
+        found, made = objects[number], list[Part]()
+        if found.is_support:
+            return made
+        if len(found.triangles):
+            mirrored = np.linalg.det(matrix[:3]) < 0
+            triangles = found.triangles[:, ::-1] if mirrored else found.triangles
+            made.append((found.vertices @ matrix[:3] + matrix[3], triangles))
+        for file, other, place in found.components:
+            inner = place[:3] @ matrix[:3], place[3] @ matrix[:3] + matrix[3]
+            made += self.parts(file, other, np.vstack(inner), deep + 1)
+        return made
+
+
+def read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Vertices (V, 3) and triangles (F, 3) of all that a file builds, in its own unit; supports are left out."""
+    with zipfile.ZipFile(path) as file:
+        package = _Package(path, file)
+        name = package.root()
+        _, items = package.model(name)
+        parts = [part for item in items for part in package.parts(*item)]
+    first = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
+    if first[-1] > np.iinfo(np.int32).max:
+        raise FileError(f"{path}: {first[-1]:,} vertices are too many")
+    vertices = np.concatenate([np.zeros((0, 3)), *(vertices for vertices, _ in parts)])
+    rows = [triangles + np.int32(base) for (_, triangles), base in zip(parts, first, strict=False)]
+    return vertices, np.concatenate([np.zeros((0, 3), np.int32), *rows])
