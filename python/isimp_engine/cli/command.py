@@ -1,4 +1,4 @@
-"""The command `isimp` with its commands simplify, batch, tiles, report and info.
+"""The command `isimp` with its commands simplify, batch, tiles, report, info and schema.
 
 Exit status: 0; 2 for wrong usage; 3 for unusable input, with one line that names the error and its place; 4 if some
 scans of a batch failed; 130 after Ctrl-C and 143 after SIGTERM, with nothing half-written.
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from .. import FileError, InvalidInput, __version__, _process
 from ..settings import OptionError
-from . import batch, flat, guiding, info, lods, report, simplify, tiles
+from . import batch, flat, guiding, info, lods, report, schema, simplify, tiles
 from .ending import Terminated, terminable
 from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, USAGE, UsageError, flag
 from .files import place, show
@@ -87,6 +87,11 @@ def parser() -> argparse.ArgumentParser:
         "--estimate", action="store_true", help="estimate the polygons from the regions, in a fraction of that time"
     )
     command.add_argument("--json", action="store_true", help="as JSON")
+
+    command = commands.add_parser(
+        "schema", help="the commands and their options as JSON, for programs", description=schema.__doc__
+    )
+    command.set_defaults(run=schema.run, commands=commands.choices, input=None)
     return parser
 
 

@@ -1,0 +1,51 @@
+"""`isimp schema`: what it says of the commands is what they take."""
+
+import json
+from typing import Any
+
+import pytest
+
+import isimp_engine as engine
+from isimp_engine.cli import main
+
+
+@pytest.fixture
+def commands(capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+    assert main(["schema"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["title"] == f"isimp {engine.__version__}"
+    assert found["exit_status"]["3"] == "an input that can't be used"
+    return dict(found["commands"])
+
+
+def test_every_command_and_option_is_there(commands: dict[str, Any]) -> None:
+    assert commands.keys() == {"simplify", "batch", "tiles", "report", "info", "schema"}
+    simplify = commands["simplify"]
+    assert simplify["required"] == ["input", "output"]
+    assert {"proxies", "metric", "planar", "lods", "report", "keep-opening"} < simplify["properties"].keys()
+    for name, command in commands.items():
+        for key, value in command["properties"].items():
+            assert value["description"], (name, key)
+            assert value.get("flag", f"--{key}") == f"--{key}", (name, key)
+
+
+def test_ranges_and_words_are_those_of_the_engine(commands: dict[str, Any]) -> None:
+    options = commands["simplify"]["properties"]
+    assert options["metric"]["enum"] == ["mixed", "normals", "distance"]
+    assert (options["proxies"]["type"], options["proxies"]["minimum"]) == ("integer", 1)
+    assert (options["detail"]["exclusiveMinimum"], options["detail"]["maximum"]) == (0, 1)
+    assert options["clutter"]["enum"] == ["keep", "leave-out", "box"]
+    assert options["keep-opening"] == {"type": "array", "items": {"type": "string"}} | {
+        key: options["keep-opening"][key] for key in ("description", "flag")
+    }
+    assert options["texture"]["anyOf"][0] == {"type": "boolean"}
+
+
+def test_they_are_valid_schemas(commands: dict[str, Any]) -> None:
+    jsonschema = pytest.importorskip("jsonschema")
+    for command in commands.values():
+        jsonschema.Draft202012Validator.check_schema(command)
+    check = jsonschema.Draft202012Validator(commands["simplify"])
+    check.validate({"input": "a.ply", "output": "b.obj", "proxies": 300, "planar": True, "regularise": 5.0})
+    for wrong in ({"proxies": 0}, {"metric": "cubes"}, {"unknown": 1}, {"detail": 2.0}):
+        assert not check.is_valid({"input": "a.ply", "output": "b.obj"} | wrong), wrong
