@@ -1,4 +1,4 @@
-"""`isimp schema`: what it says of the commands is what they take."""
+"""`isimp schema`: its JSON describes the commands and their options."""
 
 import json
 from typing import Any
