@@ -1,5 +1,7 @@
 """The faces of a file, which may be polygons: the triangles of each, and a region for each."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,18 @@ def cut(
     if len(loops) == 3 * count and np.array_equal(loop_start, np.arange(0, 3 * count, 3, dtype=np.int32)):
         return loops.reshape(count, 3), np.arange(count, dtype=np.int32)
     return triangulate(vertices, loops, loop_start)
+
+
+def joined(
+    parts: Sequence[tuple[NDArray[np.float64], NDArray[np.int32]]],
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """The vertices (V, 3) and triangles (F, 3) of several meshes as one. Raises ValueError for too many vertices."""
+    first = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
+    if first[-1] > np.iinfo(np.int32).max:
+        raise ValueError(f"{first[-1]:,} vertices are too many")
+    rows = [triangles + np.int32(base) for (_, triangles), base in zip(parts, first, strict=False)]
+    vertices = np.concatenate([np.zeros((0, 3)), *(vertices for vertices, _ in parts)])
+    return vertices, np.concatenate([np.zeros((0, 3), np.int32), *rows])
 
 
 def largest_shares(

@@ -125,9 +125,14 @@ def _damage() -> tuple[type[Exception], ...]:
     return (EOFError, zlib.error, gzip.BadGzipFile) + (() if module is None else (module.ZstdError,))
 
 
+def _most(path: Path) -> int:
+    """The bytes that a compressed file may become."""
+    return max(_ANY, _RATIO * path.stat().st_size)
+
+
 def _limited(path: Path, place: Path) -> Iterator[bytes]:
     """As above, up to the size that a file of this size may have, and that the disk of `place` has room for."""
-    most, made, looked = max(_ANY, _RATIO * path.stat().st_size), 0, 0
+    most, made, looked = _most(path), 0, 0
     for block in _blocks(path):
         made += len(block)
         if made > most:
@@ -182,7 +187,8 @@ def _is_3mf(path: str | PathLike[str]) -> bool:
 
 def _read_3mf(path: str | PathLike[str]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     with reader(path, "is damaged, or not 3MF"):
-        return three_mf.read(Path(path))
+        place = Path(os.fsdecode(path))
+        return three_mf.read(place, _most(place))
 
 
 def read(

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import FileError
+from .file_faces import joined
 
 _DEEP = 64  # components inside components; more are a cycle
-_ANY, _RATIO = 1 << 28, 200  # bytes that every file may become, and the multiple of its size that a larger one may
 _MODEL = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 _PATH = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}path"
 
@@ -33,12 +33,9 @@ class _Object:
 class _Package:
     """The models of a file, each read once."""
 
-    def __init__(self, path: Path, file: zipfile.ZipFile):
+    def __init__(self, path: Path, file: zipfile.ZipFile) -> None:
         self.path, self.file = path, file
         self.models: dict[str, tuple[dict[str, _Object], list[tuple[str, str, NDArray[np.float64]]]]] = {}
-        size = sum(info.file_size for info in file.infolist())
-        if size > max(_ANY, _RATIO * path.stat().st_size):
-            raise FileError(f"{path}: becomes more than {_RATIO} times its size, as no scan does")
 
     def root(self) -> str:
         """The name of the first model."""
@@ -110,16 +107,16 @@ class _Package:
         return made
 
 
-def read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Vertices (V, 3) and triangles (F, 3) of all that a file builds, in its own unit; supports are left out."""
+def read(path: Path, most: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Vertices (V, 3) and triangles (F, 3) of all that a file builds, in its own unit; supports are left out.
+
+    most: bytes that the file may become.
+    """
     with zipfile.ZipFile(path) as file:
+        if sum(info.file_size for info in file.infolist()) > most:
+            raise FileError(f"{path}: becomes more than {most:,} bytes, as no scan of its size does")
         package = _Package(path, file)
         name = package.root()
         _, items = package.model(name)
         parts = [part for item in items for part in package.parts(*item)]
-    first = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
-    if first[-1] > np.iinfo(np.int32).max:
-        raise FileError(f"{path}: {first[-1]:,} vertices are too many")
-    vertices = np.concatenate([np.zeros((0, 3)), *(vertices for vertices, _ in parts)])
-    rows = [triangles + np.int32(base) for (_, triangles), base in zip(parts, first, strict=False)]
-    return vertices, np.concatenate([np.zeros((0, 3), np.int32), *rows])
+    return joined(parts)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from .. import machine
 from .._core import FileError, Job, PolygonMesh, triangulate
+from ..file_faces import joined
 from . import gltf_layers, ngons
 from .gltf_file import BINARY, JSON, MAGIC, GltfFile
 from .gltf_values import Item
@@ -32,7 +33,7 @@ def read(path: Path) -> TexturedSoup:
     number = {m: i for i, m in enumerate(used)} | {-1: -1}
     has_colors = any(part.shape.colors is not None for part in parts)
     pictures = [file.base_color(m, plain=not has_colors) for m in used]
-    vertices, faces = _together(parts)
+    vertices, faces = joined([(part.vertices, part.triangles) for part in parts])
     uv = np.concatenate([part.shape.uv for part in parts])
     material = np.concatenate([np.full(len(part.triangles), number[part.shape.material], np.int32) for part in parts])
     names = [file.item("materials", m).text("name", str(m)) for m in used]
@@ -48,7 +49,8 @@ def read(path: Path) -> TexturedSoup:
 def geometry(path: Path, data: bytes) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
     """Vertices (V, 3) and triangles (F, 3) of a glTF file's contents, and the centre that they are relative to."""
     file = GltfFile(path, data, shape_only=True)
-    return *_together(_parts(file)), file.json.extension("CESIUM_RTC").numbers("center", 3, (0.0, 0.0, 0.0))
+    vertices, faces = joined([(part.vertices, part.triangles) for part in _parts(file)])
+    return vertices, faces, file.json.extension("CESIUM_RTC").numbers("center", 3, (0.0, 0.0, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,16 +107,6 @@ def _parts(file: GltfFile) -> list[_Part]:
         if need > free:
             raise FileError(f"{file.path}: its nodes have so many triangles that they need more than {free:,.0f} MB")
     return parts
-
-
-def _together(parts: list[_Part]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """The vertices and triangles of all parts."""
-    first = np.cumsum([0] + [len(part.shape.points) for part in parts])
-    if first[-1] > np.iinfo(np.int32).max:
-        raise ValueError(f"{first[-1]:,} vertices are too many")
-    vertices = np.concatenate([np.zeros((0, 3)), *(part.vertices for part in parts)])
-    rows = [part.triangles + np.int32(base) for part, base in zip(parts, first, strict=False)]
-    return vertices, np.concatenate([np.zeros((0, 3), np.int32), *rows])
 
 
 def _shape(file: GltfFile, primitive: Item) -> _Shape:

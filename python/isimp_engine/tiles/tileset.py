@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import FileError
+from ..file_faces import joined
 from ..reading import reader
 from ..texturing import glb, named
 from ..texturing.gltf_values import Item
@@ -129,11 +130,7 @@ def read(leaf: Leaf) -> Mesh:
     """Read the vertices (V, 3) and triangles (F, 3) of a leaf, in the tileset's coordinates. Raises FileError."""
     path, place = leaf.path, np.array(leaf.place).reshape(4, 4)
     with reader(path, "is damaged, or not of 3D Tiles"):
-        parts = list(_meshes(path, path.read_bytes(), place, _UP[leaf.up]))
-    first = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
-    vertices = np.concatenate([np.zeros((0, 3)), *(part[0] for part in parts)])
-    rows = [triangles + base for (_, triangles), base in zip(parts, first, strict=False)]
-    return vertices, np.concatenate([np.zeros((0, 3), np.int32), *rows]).astype(np.int32)
+        return joined(list(_meshes(path, path.read_bytes(), place, _UP[leaf.up])))
 
 
 def _meshes(path: Path, data: bytes, place: NDArray[np.float64], up: NDArray[np.float64]) -> Iterator[Mesh]:
