@@ -63,7 +63,9 @@ def _value(action: argparse.Action) -> dict[str, Any]:
     if action.nargs == 0:
         return {"type": "boolean"}
     # A type of our own parses text, such as "1000,300" or "auto".
-    value: dict[str, Any] = {"type": _TYPES.get(action.type, "string")} | _limits(action.dest)
+    value: dict[str, Any] = {"type": _TYPES.get(action.type, "string")}
+    if action.type in _TYPES:
+        value |= _limits(action.dest)
     if action.choices:
         value["enum"] = list(action.choices)
     if isinstance(action, argparse._AppendAction) or action.nargs in ("+", "*"):
@@ -79,7 +81,7 @@ def _limits(name: str) -> dict[str, Any]:
         ("least", "above_least", ("minimum", "exclusiveMinimum")),
         ("most", "below_most", ("maximum", "exclusiveMaximum")),
     ):
-        if field.get(key) is not None and name != "grid":
+        if field.get(key) is not None:
             found[words[bool(field[strict])]] = field[key]
     return found
 
