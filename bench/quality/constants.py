@@ -117,6 +117,7 @@ TUNED = (
     Tuned(PARTITION + "borders/distances.cpp", "kLength",
           "distance that counts as 60 degrees between normals, in sides of a mean region",
           "mean distance of five scans at 100, 300 and 1,000 regions, trials.md"),
+    Tuned(PARTITION + "borders/relax.h", "kRounds", "rounds of relaxing by distances", "the same"),
     Tuned(PARTITION + "hierarchy/hierarchy.cpp", "kLargestPatch", "faces of a patch at most",
           "D, borders and time of four scans (afdbf73)"),
     Tuned(PARTITION + "hierarchy/hierarchy.cpp", "kPatchesARegion", "patches of the largest size to a region",

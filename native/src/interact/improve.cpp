@@ -49,6 +49,7 @@ Partition improve(const Mesh& mesh, const Partition& partition, Job& job) {
   for (const std::int32_t r : region_of) component.push_back(edit.surface.component()[partition.region_seed[r]]);
   const GraphLabels labels{regions.label.data()};
   const auto by_metric = [&] {
+    if (partition.metric == Metric::normals) return regions.error();
     Distances distances(edit.surface, partition.metric, partition.region_count());
     distances.sum_up(labels, regions.sum, job);
     return error_by(distances, regions.sum);
