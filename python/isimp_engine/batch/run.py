@@ -125,7 +125,8 @@ def run(
     watch: called after each scan, and several times a second, with numbers of scans: `done`, `failed`, `scans`,
            `before` (done by earlier runs), the names of the `running` ones, `seconds` and the `share` that is done.
 
-    Returns `rows`, the row of each scan, and `failed`, those of failed ones. A row is a dict, as in results.jsonl.
+    Returns `rows`, a row for each scan, and `failed`, the rows of the scans that failed. A row is a dict, as in
+    results.jsonl.
     Raises BatchError if the batch as a whole can't be run. KeyboardInterrupt
     passes through; rows that were written stay, and the next run continues from them.
     """

@@ -19,7 +19,7 @@ def read_textured(path: str | PathLike[str], *, job: Job | None = None, threads:
     OBJ with its MTL file (map_Kd, map_Pr, map_Pm, map_Ke, norm and their numbers; colours after the coordinates of
     vertices); PLY with texture coordinates of vertices or faces, TextureFile comments, and colours of vertices or
     faces; binary glTF (.glb) and .gltf with their materials. Vertices and triangles of OBJ and PLY are as in `read`.
-    STL and OFF have no texture, that of 3MF is not read.
+    STL and OFF have no texture. The texture of a 3MF file is not read.
     Raises FileError, which names the file that is missing or damaged and where it is named, or Cancelled.
     """
     place = Path(path)
