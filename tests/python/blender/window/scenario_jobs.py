@@ -122,7 +122,7 @@ def surveyor(hand):
     user = User(hand, "surveyor")
     write_house(hand.out / "house.ply")
     yield from user.begins()
-    user.does("**File > Import > Scan (iSimp)** reads PLY, OBJ, STL and OFF")
+    user.does("**File > Import > Scan (iSimp)** reads PLY, OBJ, STL, OFF and 3MF")
     bpy.ops.isimp.import_scan(filepath=str(hand.out / "house.ply"), epsg=25832)
     yield from user.looks()
     user.does("**Figure**, **Building**, **City Tile**, **CAD**, **Generated Mesh**")
