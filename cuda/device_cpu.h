@@ -71,7 +71,7 @@ Value reduce_all(Memory& /*memory*/, std::int64_t end, Kernel kernel, Value star
   });
 }
 
-/// One step, so that a job is asked between steps.
+/// One step, so that a job is polled between steps.
 /// Many sources in two passes, since threads would wait for each other at a common number. The first one notes the bits in
 /// place of the chosen labels.
 template <class Source>
@@ -107,7 +107,7 @@ void gather(const Source& source, std::int64_t count) {
   size = first[kRuns];
 }
 
-/// One step, so that a job is asked between steps.
+/// One step, so that a job is polled between steps.
 template <class Flood>
 void repeat(const Flood& flood, std::int32_t step) {
   const std::int64_t size = flood.size(step);

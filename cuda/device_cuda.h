@@ -98,7 +98,7 @@ class Threads {
   explicit Threads(std::int32_t /*wanted*/) {}
 };
 
-/// The steps of a call of repeat: some milliseconds, after which a job is asked.
+/// The steps of a call of repeat: some milliseconds, after which a job is polled.
 inline constexpr std::int32_t kStepsOfCall = 512;
 inline constexpr int kThreadsOfStep = 512;
 /// The most faces of a step that one block makes alone, without waiting for the others.
@@ -115,7 +115,7 @@ __device__ void make_step(const Flood& flood, std::int32_t step, std::int32_t si
   group.sync();
 }
 
-/// All blocks of the grid run at the same time, so they can wait for each other: the host is not asked for a step.
+/// All blocks of the grid run at the same time, so they can wait for each other: the host starts no step.
 template <class Flood>
 __global__ void __launch_bounds__(kThreadsOfStep, 2) run_steps(Flood flood, std::int32_t step) {
   const auto grid = cooperative_groups::this_grid();

@@ -26,8 +26,14 @@ HEAD = '''"""The engine's options of partition and meshing. Written by scripts/g
 # fmt: off
 # ruff: noqa: E501
 
+from typing import Any
+
 from .options import Option
 '''
+HEAD_OF_GONE = """
+#: settings of earlier versions by step, which have no effect, and the value that means so
+GONE: dict[str, dict[str, Any]] = {
+"""
 FIELDS = DATA.with_name("engine_fields.py")
 PLAIN = runpy.run_path(str(DATA.with_name("options.py")))  # by its path: the package needs the files made here
 Option, COUNTS = PLAIN["Option"], PLAIN["COUNTS"]
@@ -71,6 +77,8 @@ def stub_of(kind: type) -> str:
             "    ) -> None: ...",
             "    @staticmethod",
             "    def fields() -> list[dict[str, Any]]: ...",
+            "    @staticmethod",
+            "    def gone() -> dict[str, Any]: ...",
             "    def as_dict(self) -> dict[str, Any]: ...",
             "",
         ]
@@ -119,8 +127,10 @@ def fields() -> str:
 
 
 def data() -> str:
-    """The table in the add-on's form."""
-    text = HEAD
+    """The tables in the add-on's form."""
+    gone = {kind.__name__.removesuffix("Options").lower(): kind.gone() for kind in CLASSES}
+    rows = "".join(f"    {literal(step)}: {literal(names)},\n" for step, names in gone.items() if names)
+    text = HEAD + f"{HEAD_OF_GONE}{rows}}}\n"
     for kind in CLASSES:
         text += f"\n{table_of(kind)}: dict[str, Option] = {{\n"
         for field in settings_of(kind):
@@ -138,6 +148,8 @@ def literal(value: object) -> str:
     """A value as Python code, strings as the formatter has them."""
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{literal(key)}: {literal(each)}" for key, each in value.items()) + "}"
     if isinstance(value, tuple):
         return "(" + ", ".join(map(literal, value)) + ")"
     return repr(value)

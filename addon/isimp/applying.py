@@ -14,8 +14,6 @@ from .language import said
 from .outcome import EXACT, Outcome
 from .task import Stopped, Watch
 
-ALONG_AN_AXIS = 0.94  #: cosine of the largest angle (20 degrees) between an axis and a normal along it
-
 
 def engine_call(watch: Watch, begin: float, end: float, stage: str, function, *args):
     """Calls the engine with a job of its own, which reports progress and can be cancelled."""
@@ -58,19 +56,8 @@ def with_regions(repaired, partition, kept: np.ndarray | None, numbers: dict) ->
     known["locked"] = int(np.count_nonzero(partition.region_locked)) - away
     known |= {"regions_left_out": away} if away else {}
     known |= planes_known(partition)
-    known |= _mirror_numbers(partition.symmetry)
     known |= _round_known(repaired, partition)
     return Outcome(face_region, color, border, partition, numbers=known | numbers, repair=repaired.repair)
-
-
-def _mirror_numbers(symmetry: dict | None) -> dict:
-    """Return the axis across which a partition mirrors and its number of mirrored regions; empty without symmetry."""
-    if symmetry is None:
-        return {}
-    axis = int(np.argmax(np.abs(symmetry["normal"])))
-    along = abs(symmetry["normal"][axis]) > ALONG_AN_AXIS
-    found = {} if symmetry["regions"] is None else {"mirrored_regions": symmetry["regions"]}
-    return {"symmetry": "XYZ"[axis] if along else "oblique"} | found
 
 
 def _round_known(repaired, partition) -> dict:
@@ -110,8 +97,7 @@ def apply_edit(step: rcp.Step, repaired, before, watch, begin, end) -> Outcome:
     before, kind = _needs_regions(before), rcp.KINDS[type(step)]
     args = (kind, step, repaired.faces, before.partition)
     partition = engine_call(watch, begin, end, STAGES[kind], engine.replay.edited, *args)
-    merged = isinstance(step, rcp.Regularise) and partition.regularity["islands_merged"]
-    if isinstance(step, (rcp.Regularise, rcp.AlignPlanes)) and not merged:
+    if isinstance(step, (rcp.Regularise, rcp.AlignPlanes)):
         return _with_planes(repaired, before, partition)
     return with_regions(repaired, partition, _kept_colors(step, repaired, before, partition), {})
 
@@ -220,7 +206,7 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray, diagonal: float) ->
     diagonal: of the scan.
     """
     polygons, report = found.polygons, found.report
-    names = ("regions", "error", "left_out", "regions_left_out", "symmetry", "round")
+    names = ("regions", "error", "left_out", "regions_left_out", "round")
     more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
     numbers = {name: regions.numbers[name] for name in names if name in regions.numbers}
     numbers |= planes_known(regions.partition)
@@ -242,8 +228,6 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray, diagonal: float) ->
     if report.get("left_off"):
         numbers["cut_if_planar"] = 1 - report["whole"]
         numbers["not_flat"] = int(np.count_nonzero(np.asarray(polygons.planarity) > EXACT * diagonal))
-    if "symmetry" in numbers:
-        numbers["mirrored_corners"] = report["mirrored_corners"]
     known = away[np.isfinite(away)]
     if len(known):
         numbers |= {"away_mean": float(known.mean()), "away_max": float(known.max())}

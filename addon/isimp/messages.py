@@ -154,16 +154,8 @@ def will_drop(number: int) -> str:
 #: patterns of the engine's reasons, and the messages for a user who has clicked the face that they name
 _REASONS = (
     (
-        "symmetry can't be had with a bound: .*",
-        own("symmetry can't be had with a bound: choose another way to set the number of regions"),
-    ),
-    (
         r"round parts can't be had with a bound: .*",
         own("round parts can't be had with a bound: choose another way to set the number of regions"),
-    ),
-    (
-        "round parts can't be had with symmetry: .*",
-        own("round parts can't be had with symmetry: switch one of both off"),
     ),
     *(
         (text, text)
@@ -253,15 +245,6 @@ def reason(told: str, length: Callable[[float], str] = plain) -> str:
     found = re.search(r"there is no face (\d+): the mesh has (\d+) faces", told)
     if found:
         return said("there is no face {face}: the mesh has {count} faces", face=found[1], count=found[2])
-    number = r"([\d.e+-]+)"
-    found = re.search(f"a tenth of it is more than {number} from its mirror image, and {number} is allowed", told)
-    axis = re.search("the surface does not mirror across ([xyz])", told)
-    if axis and found:
-        far, allowed = (length(float(each)) for each in found.groups())
-        text = own("the scan does not mirror across {axis}: a tenth of it is {far} off, allowed {allowed}")
-        return said(text, axis=axis[1].upper(), far=far, allowed=allowed)
-    if axis:
-        return said("the scan does not mirror across {axis}: choose another axis", axis=axis[1].upper())
     for pattern, words in _REASONS:
         found = re.search(pattern, told)
         if found:
@@ -395,11 +378,9 @@ STAGES = (
     own("Evening out"),
     own("Finding details"),
     own("Finding round parts"),
-    own("Finding the mirror plane"),
     own("Fitting planes"),
     own("Flooding"),
     own("Growing"),
-    own("Halving"),
     own("Improving"),
     own("Joining polygons"),
     own("Locking"),
@@ -408,7 +389,6 @@ STAGES = (
     own("Measuring"),
     own("Merging"),
     own("Meshing"),
-    own("Mirroring"),
     own("Painting"),
     own("Partitioning"),
     own("Reading"),

@@ -72,7 +72,6 @@ class Session:
         self._meshes = engine and engine.repairs.Meshes(engine.cache.Cache(budget, least=2))
         self._outcomes = engine and engine.cache.Cache(budget)
         self._fits: tuple = (None, ())  # the last partition and its fits
-        self._texture: tuple = ("", None)  # the last scan with a texture, whose unchanged parts are reused
 
     def replay(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> Outcome:
         """Return the outcome of the recipe on the scan.
@@ -130,10 +129,7 @@ class Session:
         return np.asarray(triangles), np.asarray(polygon)
 
     def texture(self, scan: Scan, outcome: Outcome, shown: Shown, step: rcp.Texture, watch: Watch | None = None):
-        """Return UVs and images of an outcome's polygons; see `engine.texture`. Raises ValueError or Stopped.
-
-        Charts keep their places in the last texture of the scan, and only charts changed by an edit are baked again.
-        """
+        """Return UVs and images of an outcome's polygons; see `engine.texture`. Raises ValueError or Stopped."""
         watch = watch or Watch()
         mesh = self.prepare(scan, watch, repair=outcome.repair).mesh
         layers = {
@@ -144,10 +140,7 @@ class Session:
         soup = engine.TexturedSoup(*arrays, names=shown.names, layers=layers)
         options = engine.TextureOptions(**rcp.engine_options(step, rcp.TEXTURE), threads=self.threads)
         args = (mesh, outcome.partition, outcome.polygons, soup, options)
-        make = partial(engine.texture, previous=self._texture[1] if self._texture[0] == scan.digest else None)
-        made = engine_call(watch, 0.0, 1.0, "making the texture", make, *args)
-        self._texture = scan.digest, made
-        return made
+        return engine_call(watch, 0.0, 1.0, "making the texture", engine.texture, *args)
 
     def corner_sources(self, scan: Scan, outcome: Outcome, uv=None) -> tuple[np.ndarray, np.ndarray]:
         """Return (L,) triangle of the scan and (L, 3) weights of its corners, for each corner of an outcome's polygons.
@@ -216,8 +209,6 @@ class Session:
         numbers = {"asked": partition.proxies_asked, "expected": self._expected(repaired, partition, watch, end)} | {
             name: partition.report[name] for name in names
         }
-        if step.symmetry != "none" and partition.symmetry is None:
-            numbers["symmetry"] = "none"
         kept = None if made.guides.before is None else carried_colors(before, partition)
         barriers = made.guides.edges
         if barriers is not None:

@@ -40,7 +40,9 @@ def read(state: int, node_of: NodeOf, recipe: rcp.Recipe | None = None) -> Store
         texts, problem = _texts(state, node_of)
         if not problem:
             try:
-                recipe = rcp.Recipe(tuple(_step(number, text) for number, text in enumerate(texts, 1)))
+                values = [_values(number, text) for number, text in enumerate(texts, 1)]
+                steps = (rcp.numbered_step(number, each) for number, each in enumerate(values, 1))
+                recipe = rcp.Recipe(tuple(steps), gone=rcp.gone(values))
             except rcp.RecipeError as error:
                 problem = line(said("The steps can't be read: {error}", error=error))
         if recipe is None:
@@ -73,8 +75,8 @@ def _kept(texts: list[str]) -> str:
     return rcp.Recipe().to_json().replace("[]", f"[\n{steps}\n]") + "\n"
 
 
-def _step(number: int, text: str) -> rcp.Step:
-    return rcp.numbered_step(number, rcp.parsed(text, said("step {number} is not a step", number=number)))
+def _values(number: int, text: str) -> Any:
+    return rcp.parsed(text, said("step {number} is not a step", number=number))
 
 
 def numbers_from(text: str) -> dict[str, Any]:
@@ -100,7 +102,6 @@ _TOGETHER = {
     "planes": ("directions", "planes_add", "regions"),
     "away_max": ("away_mean",),
     "away_mean": ("away_max",),
-    "mirrored_regions": ("regions",),
     "not_flat": ("cut_if_planar", "polygons"),
     "failed": ("reason",),
 }

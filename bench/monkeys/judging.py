@@ -158,7 +158,7 @@ def first_findings(
     if has_area and abs(share - part.area_left_out) > 1e-6:
         yield f"area_left_out {part.area_left_out:.6g}, in truth {share:.6g}"
     most = max(options.proxies or part.region_count, part.proxies_needed)
-    if options.symmetry != "none" or options.curved:  # about as many
+    if options.curved:  # about as many
         most += 2 + most // 10
     if part.region_count > most and not guided:
         yield f"{part.region_count} regions, {options.proxies} were asked for and {part.proxies_needed} are needed"

@@ -275,14 +275,14 @@ class Monkey:
         """A cancelled call raises Cancelled, or is done; and the next one gives the same as if it had not been."""
         mesh, part, case = first.mesh, first.stages[-1][1], self.case
         calls: dict[str, tuple[Callable[[engine.Job], Any], Any]] = {
-            "triangles": (lambda job: engine.clean(case.vertices, case.triangles, case.clean, job), mesh),
+            "triangles": (lambda job: engine.clean(case.vertices, case.triangles, case.clean, job=job), mesh),
             "face_region": (
                 lambda job: engine.guided.partition_guided(mesh, case.partition, job, case.guides),
                 first.stages[0][1],
             ),
         }
         if first.polygons is not None:
-            calls["loops"] = lambda job: engine.polygonize(mesh, part, case.meshing, job), first.polygons
+            calls["loops"] = lambda job: engine.polygonize(mesh, part, case.meshing, job=job), first.polygons
         for name, (call, known) in calls.items():
             began = time.perf_counter()
             call(engine.Job())

@@ -39,7 +39,7 @@ void bind_curved(py::module_& m) {
         const std::optional<CurvedKind> wanted = kind_of(kind);
         return call(job, [&](Job& j) { return make_round(mesh, part, some, wanted, j); });
       },
-      "mesh"_a, "part"_a, "faces"_a, "kind"_a = py::none(), "job"_a = py::none(),
+      "mesh"_a, "part"_a, "faces"_a, "kind"_a = py::none(), py::kw_only(), "job"_a = py::none(),
       R"(Make the regions of some faces one curved patch of as many cells.
 
 faces: (n,) integers, faces of the mesh. kind: 'cylinder', 'cone', 'sphere', 'revolution' or 'extrusion'; None: the
@@ -49,7 +49,7 @@ that determine no round surface) or Cancelled. Cost: O(F).)");
       "set_segments",
       [](const KeptMesh& mesh, const Partition& part, std::int32_t face, std::int32_t segments, std::int32_t rings,
          Job* job) { return call(job, [&](Job& j) { return with_segments(mesh, part, face, segments, rings, j); }); },
-      "mesh"_a, "part"_a, "face"_a, "segments"_a, "rings"_a = 0, "job"_a = py::none(),
+      "mesh"_a, "part"_a, "face"_a, "segments"_a, "rings"_a = 0, py::kw_only(), "job"_a = py::none(),
       R"(Cut the curved patch of a face into another number of segments and rings.
 
 segments: in [3, 256] where the patch is closed around its axis, else in [1, 256], for an extrusion at most 120.
@@ -61,7 +61,7 @@ Cost: O(F).)");
       [](const KeptMesh& mesh, const Partition& part, std::int32_t face, Job* job) {
         return call_here(job, [&](Job& j) { return explode_round(mesh, part, face, j); });
       },
-      "mesh"_a, "part"_a, "face"_a, "job"_a = py::none(),
+      "mesh"_a, "part"_a, "face"_a, py::kw_only(), "job"_a = py::none(),
       R"(Make the cells of the curved patch of a face ordinary regions: labels stay, planes are free.
 
 Raises InvalidInput (a face in no patch, a locked cell) or Cancelled.)");

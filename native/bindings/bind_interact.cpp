@@ -46,7 +46,7 @@ void bind_at_face(py::module_& m, const char* name, EditAtFace edit, const char*
         const std::int32_t index = to_index(face, "face");
         return call_here(job, [&](Job& j) { return edit(mesh, part, index, j); });
       },
-      "mesh"_a, "partition"_a, "face"_a, "job"_a = py::none(), doc);
+      "mesh"_a, "partition"_a, "face"_a, py::kw_only(), "job"_a = py::none(), doc);
 }
 
 using EditByNumber = Partition (*)(const Mesh&, const Partition&, std::int32_t, std::int32_t, Job&);
@@ -58,7 +58,7 @@ void bind_rings(py::module_& m, const char* name, EditByNumber edit, const char*
         const std::int32_t index = to_index(face, "face"), count = to_index(rings, "rings");
         return call_here(job, [&](Job& j) { return edit(mesh, part, index, count, j); });
       },
-      "mesh"_a, "partition"_a, "face"_a, "rings"_a = 1, "job"_a = py::none(), doc);
+      "mesh"_a, "partition"_a, "face"_a, "rings"_a = 1, py::kw_only(), "job"_a = py::none(), doc);
 }
 
 void bind_times(py::module_& m, const char* name, EditAtFace edit, const char* doc) {
@@ -68,7 +68,7 @@ void bind_times(py::module_& m, const char* name, EditAtFace edit, const char* d
         const std::int32_t count = to_index(times, "times");
         return call(job, [&](Job& j) { return edit(mesh, part, count, j); });
       },
-      "mesh"_a, "partition"_a, "times"_a = 1, "job"_a = py::none(), doc);
+      "mesh"_a, "partition"_a, "times"_a = 1, py::kw_only(), "job"_a = py::none(), doc);
 }
 
 void bind_lock(py::module_& m, const char* name, std::uint8_t lock, const char* doc) {
@@ -89,7 +89,7 @@ void bind_split_and_merge(py::module_& m) {
         const std::int32_t into = to_index(face, "face"), gone = to_index(other, "other");
         return call_here(job, [&](Job& j) { return merge_regions(mesh, part, into, gone, j); });
       },
-      "mesh"_a, "partition"_a, "face"_a, "other"_a, "job"_a = py::none(),
+      "mesh"_a, "partition"_a, "face"_a, "other"_a, py::kw_only(), "job"_a = py::none(),
       R"(Merge the region of `other` into the region of `face`. Returns a new Partition.
 
 No other face changes its region. The merged region keeps the number of the region of `face`; numbers above that of the
@@ -109,7 +109,7 @@ another region changes its region. Raises InvalidInput (no such face, its region
         const Vec3 along = to_direction(direction);
         return call_here(job, [&](Job& j) { return split_along(mesh, part, index, points, along, j); });
       },
-      "mesh"_a, "partition"_a, "face"_a, "line"_a, "direction"_a = py::none(), "job"_a = py::none(),
+      "mesh"_a, "partition"_a, "face"_a, "line"_a, "direction"_a = py::none(), py::kw_only(), "job"_a = py::none(),
       R"(Split the region of a face along a line, as with a knife. Returns a new Partition.
 
 line: (K, 3) points in scene units, extended straight at both ends. direction: (3,), the direction of the sweep, such as
@@ -128,7 +128,7 @@ void bind_paint(py::module_& m) {
         if (onto && index < 0) throw InvalidInput("onto must be a face or None, got " + std::to_string(index));
         return call_here(job, [&](Job& j) { return paint_faces(mesh, part, indices, index, j); });
       },
-      "mesh"_a, "partition"_a, "faces"_a, "onto"_a = py::none(), "job"_a = py::none(),
+      "mesh"_a, "partition"_a, "faces"_a, "onto"_a = py::none(), py::kw_only(), "job"_a = py::none(),
       R"(Add faces to a new region, or to the region of the face `onto`. Returns a new Partition.
 
 faces: (K,) integers, rows of mesh.triangles. They must be connected, together with the region that takes them. A new
@@ -141,7 +141,7 @@ Raises InvalidInput (no such face, nothing to paint, faces that are not connecte
         const std::vector<std::int32_t> indices = to_faces(faces);
         return call_here(job, [&](Job& j) { return erase_faces(mesh, part, indices, j); });
       },
-      "mesh"_a, "partition"_a, "faces"_a, "job"_a = py::none(),
+      "mesh"_a, "partition"_a, "faces"_a, py::kw_only(), "job"_a = py::none(),
       R"(Remove faces from the region of the first face; its neighbours take them. Returns a new Partition.
 
 faces: (K,) integers, rows of mesh.triangles; faces of other regions do not change. A region that loses all its faces
@@ -178,7 +178,7 @@ Locked regions are not chosen. Raises InvalidInput (no pair left) or Cancelled.)
       [](const KeptMesh& mesh, const Partition& part, Job* job) {
         return call(job, [&](Job& j) { return improve(mesh, part, j); });
       },
-      "mesh"_a, "partition"_a, "job"_a = py::none(),
+      "mesh"_a, "partition"_a, py::kw_only(), "job"_a = py::none(),
       R"(Relax the borders, and move regions to places where they reduce the error more. Returns a new Partition.
 
 The number of regions stays. Locked regions do not change. The error never grows. Raises Cancelled.
@@ -188,7 +188,7 @@ Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.5 (region teleportation).
       [](const KeptMesh& mesh, const Partition& part, double strength, Job* job) {
         return call(job, [&](Job& j) { return even_borders(mesh, part, strength, j); });
       },
-      "mesh"_a, "partition"_a, "strength"_a = 1.0, "job"_a = py::none(),
+      "mesh"_a, "partition"_a, "strength"_a = 1.0, py::kw_only(), "job"_a = py::none(),
       R"(Make all borders short and straight. Returns a new Partition.
 
 strength: in [0, 1], as PartitionOptions.smooth. The number of regions stays, creases stay borders, and locked regions do
@@ -208,7 +208,7 @@ void bind_statistics(py::module_& m) {
         const std::int32_t index = to_index(face, "face");
         return as_dict(call_here(job, [&](Job& j) { return region_statistics(mesh, part, index, j); }));
       },
-      "mesh"_a, "partition"_a, "face"_a, "job"_a = py::none(),
+      "mesh"_a, "partition"_a, "face"_a, py::kw_only(), "job"_a = py::none(),
       R"(Figures of the region of a face, as a dict.
 
 region: its number. faces: their number. area: scene units squared. error: its part of partition.error. distance_rms,
@@ -222,7 +222,7 @@ Raises InvalidInput (no such face, or it was left out) or Cancelled.)");
         for (const RegionStatistics& s : all) list.append(as_dict(s));
         return list;
       },
-      "mesh"_a, "partition"_a, "job"_a = py::none(),
+      "mesh"_a, "partition"_a, py::kw_only(), "job"_a = py::none(),
       "The figures of every region, in order, as a list of dicts; see region_statistics. Raises InvalidInput or "
       "Cancelled. Cost: O(F).");
   m.def(

@@ -102,25 +102,25 @@ void write(const py::object& name, const PolygonMesh& poly, Job* job) {
 }  // namespace
 
 void bind_io(py::module_& m) {
-  m.def("read", &read, "path"_a, "job"_a = py::none(), py::kw_only(), "threads"_a = 0,
+  m.def("read", &read, "path"_a, py::kw_only(), "job"_a = py::none(), "threads"_a = 0,
         R"(Read a mesh file; returns (vertices, triangles).
 
 (V, 3) float64 and (F, 3) int32. PLY (text, binary), OBJ, STL (text, binary) or OFF, by the extension; polygons of more
 corners are cut into triangles. Nothing is repaired; `clean` does that.
 threads: number of threads; 0: the number of cores. The result does not depend on it.
 Raises FileError, which names the file, the place in it and the expected content, or Cancelled.)");
-  m.def("read_polygons", &read_as_polygons, "path"_a, "job"_a = py::none(), py::kw_only(), "threads"_a = 0,
+  m.def("read_polygons", &read_as_polygons, "path"_a, py::kw_only(), "job"_a = py::none(), "threads"_a = 0,
         R"(Read a mesh file with its polygons; returns (vertices, loops, loop_start).
 
 (V, 3) float64, (L,) int32, (Q,) int32: polygon q has the corners loops[loop_start[q] : loop_start[q + 1]], the last one
 the rest of `loops`. Polygons keep the file's order and number, broken ones too. `threads` and errors as in `read`.)");
   m.def("_read_columns", &read_with_columns, "path"_a, "names"_a, "job"_a = py::none(), "threads"_a = 0);
-  m.def("triangulate", &cut, "vertices"_a, "loops"_a, "loop_start"_a, "job"_a = py::none(),
+  m.def("triangulate", &cut, "vertices"_a, "loops"_a, "loop_start"_a, py::kw_only(), "job"_a = py::none(),
         R"(Cut polygons into triangles without new vertices; returns (triangles, source_polygon).
 
 (F, 3) int32 and (F,) int32, rising: the polygon of each triangle. A polygon of fewer than three corners gives none.
 Raises InvalidInput (an index out of range) or Cancelled.)");
-  m.def("write", &write, "path"_a, "polygons"_a, "job"_a = py::none(),
+  m.def("write", &write, "path"_a, "polygons"_a, py::kw_only(), "job"_a = py::none(),
         R"(Write a PolygonMesh with its n-gons as PLY (binary) or OBJ, by the extension.
 
 The file is replaced only when the new one is complete, and keeps its permissions. Pipes and devices are written in place.

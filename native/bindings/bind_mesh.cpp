@@ -90,7 +90,7 @@ void bind_class(py::module_& m) {
 
 Every edge has one or two faces that run along it in opposite directions, the faces at a vertex form one fan, all
 coordinates are finite. Borders, several components, zero-area faces and unused vertices are ordinary.)")
-      .def(py::init(&make_mesh), "vertices"_a, "triangles"_a, "job"_a = py::none(), py::kw_only(), "threads"_a = 0,
+      .def(py::init(&make_mesh), "vertices"_a, "triangles"_a, py::kw_only(), "job"_a = py::none(), "threads"_a = 0,
            R"(Check and copy the arrays.
 
 vertices: (V, 3) float32 or float64, scene units. triangles: (F, 3) integers, counter-clockwise seen from outside.
@@ -140,8 +140,8 @@ polylines, the border of a hole or both ends of the cut. In the caller's coordin
 void bind_mesh(py::module_& m) {
   OptionsClass<CleanOptions>(m, "CleanOptions", "How to repair a mesh. All fields are keywords.");
   bind_class(m);
-  m.def("clean", &clean_mesh, "vertices"_a, "triangles"_a, "options"_a = CleanOptions(), "job"_a = py::none(),
-        py::kw_only(), "keep"_a = py::none(),
+  m.def("clean", &clean_mesh, "vertices"_a, "triangles"_a, "options"_a = CleanOptions(), py::kw_only(),
+        "job"_a = py::none(), "keep"_a = py::none(),
         R"(Repair any triangles into a Mesh: output of scanners, STL files, texture seams.
 
 The repairs in their order. The mesh's report has the count and first places of each under this key:
@@ -166,7 +166,7 @@ keep: (K, 3) places whose holes and handles stay open, such as the centers in `M
 lies within a quarter of its length of its center.
 Raises InvalidInput (another shape, no faces, an index out of range, a negative length, no face is left) or
 Cancelled. Cost: O(V + F); closing holes or handles adds O((V + F) log F).)");
-  m.def("close_openings", &close_mesh, "mesh"_a, "options"_a, "job"_a = py::none(), py::kw_only(),
+  m.def("close_openings", &close_mesh, "mesh"_a, "options"_a, py::kw_only(), "job"_a = py::none(),
         "keep"_a = py::none(), "left_out"_a = 0,
         R"(Close openings of a mesh that is repaired already.
 

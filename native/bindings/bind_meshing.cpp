@@ -52,15 +52,14 @@ py::dict report_of(const MeshingReport& r) {
   py::dict report(
       "polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices, "regions"_a = r.regions,
       "regions_split"_a = r.regions_split, "merged_without_area"_a = r.merged_without_area,
-      "joined_junctions"_a = r.joined_junctions, "mirrored_corners"_a = r.mirrored_corners,
-      "split_for_unconnected"_a = r.split_for_unconnected, "split_for_holes"_a = r.split_for_holes,
-      "split_for_handles"_a = r.split_for_handles, "split_for_pinches"_a = r.split_for_pinches,
-      "split_for_closed"_a = r.split_for_closed, "split_for_repair"_a = r.split_for_repair, "closed"_a = r.closed,
-      "manifold"_a = r.manifold, "euler"_a = r.euler, "planarity_max"_a = r.planarity_max,
-      "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max, "crossing"_a = r.crossing,
-      "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting, "excused"_a = r.excused,
-      "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area, "diagonals"_a = r.diagonals,
-      "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
+      "joined_junctions"_a = r.joined_junctions, "split_for_unconnected"_a = r.split_for_unconnected,
+      "split_for_holes"_a = r.split_for_holes, "split_for_handles"_a = r.split_for_handles,
+      "split_for_pinches"_a = r.split_for_pinches, "split_for_closed"_a = r.split_for_closed,
+      "split_for_repair"_a = r.split_for_repair, "closed"_a = r.closed, "manifold"_a = r.manifold, "euler"_a = r.euler,
+      "planarity_max"_a = r.planarity_max, "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max,
+      "crossing"_a = r.crossing, "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting,
+      "excused"_a = r.excused, "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area,
+      "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
       "work"_a = py::dict("faces"_a = r.work.faces, "corners"_a = r.work.corners, "polygons"_a = r.work.polygons),
       "imperfect"_a = listed_defects(r), "planes_let_go"_a = r.planes_let_go, "planar"_a = r.planar.planar,
       "rims"_a = py::dict("reach"_a = r.rims.reach, "edges"_a = r.rims.edges, "area_added"_a = r.rims.area_added,
@@ -106,7 +105,6 @@ void bind_result(py::module_& m) {
           R"(Properties of the polygons, as a dict.
 
 polygons, corners, vertices, regions; regions_split (regions that became more than one polygon) and the causes;
-mirrored_corners: vertices that lie exactly at the mirror image of one, if the partition has a plane (its `symmetry`);
 closed, manifold, euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex),
 scene units; crossing, flipped, bent: polygons with these defects; intersecting: pairs of polygons that intersect,
 excused: such pairs whose regions intersect in the scan itself (excused_at_least: there are more, counting stopped);
@@ -144,7 +142,8 @@ without area).)")
                                    .loop_start = {poly.loop_start.begin(), poly.loop_start.end()}};
             return owned(call(job, [&](Job& j) { return triangulate(soup, j); }).triangles);
           },
-          "job"_a = py::none(), "(T, 3) int32: the polygons cut into triangles, in order; see `triangulate`.")
+          py::kw_only(), "job"_a = py::none(),
+          "(T, 3) int32: the polygons cut into triangles, in order; see `triangulate`.")
       .def(py::pickle([](const PolygonMesh& self) { return state_of(self); }, &polygons_from))
       .def("__repr__", [](const PolygonMesh& poly) {
         return py::str("<PolygonMesh: {} polygons, {} vertices, {}>")
@@ -178,7 +177,8 @@ void bind_meshing(py::module_& m) {
         const auto up = up_direction ? std::optional(read_direction(*up_direction, "up_direction")) : std::nullopt;
         return call(job, [&](Job& j) { return regularise(mesh, part, options, j, up); });
       },
-      "mesh"_a, "partition"_a, "options"_a = RegulariseOptions(), "job"_a = py::none(), "up_direction"_a = py::none(),
+      "mesh"_a, "partition"_a, "options"_a = RegulariseOptions(), py::kw_only(), "job"_a = py::none(),
+      "up_direction"_a = py::none(),
       R"(Snap the planes of regions: level, upright with right angles between them, equal slopes, parallel, coplanar.
 
 The labels stay. The returned partition has region_normal, region_offset and region_held set, and polygonize uses these
@@ -192,7 +192,7 @@ Raises InvalidInput (the partition is not one of this mesh, or an option out of 
         FlatMerge made = call(job, [&](Job& j) { return merge_flat(mesh, angle, groups, j); });
         return py::make_tuple(std::move(made.polygons), owned(std::move(made.face_region)));
       },
-      "mesh"_a, "angle"_a = kFlatAngle, "group"_a = py::none(), "job"_a = py::none(),
+      "mesh"_a, "angle"_a = kFlatAngle, "group"_a = py::none(), py::kw_only(), "job"_a = py::none(),
       R"(Merge coplanar faces into polygons: a PolygonMesh, whose vertices are where they were, bit by bit, and (F,) int32, the
 flat region of each face, as polygon_region numbers them.
 
@@ -211,7 +211,7 @@ Raises InvalidInput (an angle out of its range, not F groups) or Cancelled. Cost
         return call(job, [&](Job& j) { return align_planes(mesh, part, indices, align, up, length, j); });
       },
       "mesh"_a, "partition"_a, "faces"_a, "to"_a, "up_direction"_a = py::make_tuple(0.0, 0.0, 1.0),
-      "length"_a = py::none(), "job"_a = py::none(),
+      "length"_a = py::none(), py::kw_only(), "job"_a = py::none(),
       R"(Set the planes of the regions of some faces. Returns a new Partition, whose planes polygonize uses.
 
 faces: (K,) integers, indices into mesh.triangles; the region of the first leads. to: "level", "upright", "parallel" or
@@ -248,7 +248,7 @@ Raises InvalidInput (the partition is not one of this mesh).)");
       [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, Job* job) {
         return expectation(call(job, [&](Job& j) { return expected_polygons(mesh, part, options, j); }));
       },
-      "mesh"_a, "partition"_a, "options"_a = MeshingOptions(), "job"_a = py::none(),
+      "mesh"_a, "partition"_a, "options"_a = MeshingOptions(), py::kw_only(), "job"_a = py::none(),
       R"(An estimate of the number of polygons that `polygonize` makes of a partition, with its causes, as a dict.
 
 polygons, regions; split_for_holes, split_for_handles, split_for_closed, split_for_unconnected and split_for_pinches: the
@@ -260,7 +260,7 @@ Raises InvalidInput or Cancelled as `polygonize`.)");
       [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, Job* job) {
         return call(job, [&](Job& j) { return polygonize(mesh, part, options, j); });
       },
-      "mesh"_a, "partition"_a, "options"_a = MeshingOptions(), "job"_a = py::none(),
+      "mesh"_a, "partition"_a, "options"_a = MeshingOptions(), py::kw_only(), "job"_a = py::none(),
       R"(Turn the regions of a partition into polygons that meet edge to edge.
 
 Raises InvalidInput (the partition is not one of this mesh, or an option out of its range) or Cancelled.

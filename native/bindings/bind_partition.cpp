@@ -41,8 +41,7 @@ py::object regularity_of(const Partition& part) {
   if (!part.regularity) return py::none();
   const Regularity& r = *part.regularity;
   py::dict found("directions"_a = r.directions, "planes"_a = r.planes, "rms_added"_a = r.rms - r.rms_before,
-                 "rms"_a = r.rms, "length"_a = r.length, "evenly_spaced"_a = r.even,
-                 "islands_merged"_a = r.islands_merged,
+                 "rms"_a = r.rms, "length"_a = r.length,
                  "snapped_to"_a = py::dict("level"_a = r.level, "upright"_a = r.upright, "slope"_a = r.slopes,
                                            "parallel"_a = r.parallel, "free"_a = r.free, "by_hand"_a = r.by_hand));
   const RegularAxes& a = r.axes;
@@ -50,18 +49,6 @@ py::object regularity_of(const Partition& part) {
     found["axes"] = py::dict("upright"_a = a.upright, "level"_a = a.level, "parallel"_a = a.parallel, "free"_a = a.free,
                              "coaxial"_a = a.coaxial, "equal_radii"_a = a.equal_radii);
   return found;
-}
-
-py::object symmetry_of(const Partition& part) {
-  if (!part.symmetry) return py::none();
-  const Mirror& m = *part.symmetry;
-  return py::dict("normal"_a = py::make_tuple(m.normal[0], m.normal[1], m.normal[2]), "offset"_a = m.offset,
-                  "mismatch_mean"_a = m.mismatch_mean, "mismatch"_a = m.mismatch,
-                  "regions"_a = m.regions == kNone ? py::object(py::none()) : py::object(py::int_(m.regions)));
-}
-
-const char* name_of(Metric metric) {
-  return metric == Metric::mixed ? "mixed" : metric == Metric::distance ? "distance" : "normals";
 }
 
 const char* name_of(CurvedKind kind) {
@@ -148,7 +135,7 @@ py::dict report_of(const Partition& part) {
                   "tolerance"_a = given_or_none(part.tolerance > 0, part.tolerance),
                   "noise"_a = given_or_none(part.tolerance > 0 || is_bounded(part), part.noise),
                   "distance_max"_a = given_or_none(is_bounded(part), part.distance_max), "snapped"_a = part.snapped,
-                  "symmetry"_a = symmetry_of(part), "curved"_a = curved_of(part), "warnings"_a = warnings(part));
+                  "curved"_a = curved_of(part), "warnings"_a = warnings(part));
   if (part.regularity) report.attr("update")(regularity_of(part));
   return report;
 }
@@ -216,7 +203,7 @@ void bind_result(py::module_& m) {
       .def_readonly("smooth", &Partition::smooth,
                     "PartitionOptions.smooth of the partition; 0 where another method made it.")
       .def_property_readonly(
-          "metric", [](const Partition& part) { return name_of(part.metric); },
+          "metric", [](const Partition& part) { return name_of(kMetrics, part.metric); },
           "PartitionOptions.metric of the partition; 'normals' where another method made it.")
       .def_readonly(
           "snapped", &Partition::snapped,
@@ -224,11 +211,6 @@ void bind_result(py::module_& m) {
       .def_property_readonly(
           "regularity", &regularity_of,
           "The result of regularise for the planes, a dict; it is in the report too. None without, or edited since.")
-      .def_property_readonly("symmetry", &symmetry_of, R"(The plane in which it mirrors, a dict; None if there is none.
-
-normal (unit) and offset: the plane is normal @ x = offset, scene units. mismatch_mean and mismatch: distance of the scan
-from its mirror image, the mean by area, and the limit for nine tenths of the area. regions: how many mirror; None if it
-was edited since. polygonize makes corners mirror in this plane where the regions do.)")
       .def_property_readonly(
           "curved",
           [](const Partition& part) {
@@ -267,7 +249,7 @@ void bind_partition(py::module_& m) {
         const Constraints constraints{.guides = read_guides(weights, barriers)};
         return call(job, [&](Job& j) { return mesh.partitioner().run(options, constraints, j); });
       },
-      "mesh"_a, "options"_a = PartitionOptions(), "job"_a = py::none(), "weights"_a = py::none(),
+      "mesh"_a, "options"_a = PartitionOptions(), py::kw_only(), "job"_a = py::none(), "weights"_a = py::none(),
       "barriers"_a = py::none(),
       R"(Split a surface into connected, near-planar regions.
 
@@ -301,8 +283,8 @@ Edits treat such faces as no neighbours. Cost: O(F).)");
           return before == nullptr ? std::move(part) : inherited(std::move(part), *before);
         });
       },
-      "mesh"_a, "face_region"_a, "job"_a = py::none(), "weights"_a = py::none(), "barriers"_a = py::none(),
-      "before"_a = py::none(),
+      "mesh"_a, "face_region"_a, py::kw_only(), "job"_a = py::none(), "weights"_a = py::none(),
+      "barriers"_a = py::none(), "before"_a = py::none(),
       R"(A partition from given labels.
 
 face_region: (F,) integers of at least 0, or -1 for a face in no region. A label that is not connected becomes one region

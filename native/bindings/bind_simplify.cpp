@@ -86,7 +86,7 @@ void bind_openings(py::module_& m) {
       [](const KeptMesh& mesh, std::int32_t regions, Job* job) {
         return call_here(job, [&](Job& j) { return opening_length(mesh, regions, j); });
       },
-      "mesh"_a, "regions"_a, "job"_a = py::none(),
+      "mesh"_a, "regions"_a, py::kw_only(), "job"_a = py::none(),
       R"(The length up to which the loops of holes and handles are errors of scanning, in scene units.
 
 Photogrammetry makes tunnels and pinholes that are too small for this number of regions, and each costs polygons. The
@@ -101,7 +101,7 @@ Raises InvalidInput (regions below 1) or Cancelled. Cost: O(V + F).)");
         const OpeningLengths lengths = call_here(job, [&](Job& j) { return opening_lengths(mesh, regions, j); });
         return std::pair{lengths.holes, lengths.handles};
       },
-      "mesh"_a, "regions"_a, "job"_a = py::none(),
+      "mesh"_a, "regions"_a, py::kw_only(), "job"_a = py::none(),
       R"((fill_holes, cut_handles) for CleanOptions, as the command and the add-on use them: see opening_length.
 
 Holes of up to 8 mean edges, such as a missing vertex makes, are filled up to sqrt(area / regions). `openings.lengths`
@@ -134,33 +134,15 @@ void bind_constraints(py::module_& m) {
   m.def(
       "_partition",
       [](const KeptMesh& mesh, PartitionOptions options, Job* job, const Given& weights, const Given& barriers,
-         const Given& cuts, const Given& faces, const Partition* before, const KeptMesh* part) {
+         const Given& cuts, const Given& faces, const Partition* before) {
         const Constraints constraints{.guides = read_guides(weights, barriers),
                                       .cuts = to_pairs(cuts, "cuts"),
                                       .faces = to_faces(faces),
-                                      .before = before,
-                                      .part = part == nullptr ? nullptr : &part->partitioner()};
+                                      .before = before};
         return call(job, [&](Job& j) { return mesh.partitioner().run(options, constraints, j); });
       },
       "mesh"_a, "options"_a, "job"_a = py::none(), "weights"_a = py::none(), "barriers"_a = py::none(),
-      "cuts"_a = py::none(), "faces"_a = py::none(), "before"_a = py::none(), "part"_a = py::none(),
-      "See guided.partition_guided.");
-  m.def(
-      "_open_faces",
-      [](const KeptMesh& mesh, const Given& faces, const Partition* before, std::int32_t proxies, double leave_out,
-         Job* job) -> py::object {
-        const Constraints constraints{.faces = to_faces(faces), .before = before};
-        auto open = call_here(job, [&](Job& j) { return open_faces(mesh, constraints, proxies, leave_out, j); });
-        return open ? py::object(owned(std::move(*open))) : py::object(py::none());
-      },
-      "mesh"_a, "faces"_a, "before"_a, "proxies"_a, "leave_out"_a, "job"_a = py::none(), "See guided.open_faces.");
-  m.def(
-      "_part_of",
-      [](const KeptMesh& mesh, const py::object& faces, Job* job) {
-        const std::vector<std::int32_t> chosen = read_indices(faces, "faces", "(K,)");
-        return call(job, [&](Job& j) { return std::make_shared<KeptMesh>(part_of(mesh, chosen, j)); });
-      },
-      "mesh"_a, "faces"_a, "job"_a = py::none(), "See guided.part_of.");
+      "cuts"_a = py::none(), "faces"_a = py::none(), "before"_a = py::none(), "See guided.partition_guided.");
   m.def(
       "_inside_regions",
       [](const KeptMesh& mesh, const Partition& part, const py::object& barriers, Job* job) {
@@ -168,14 +150,6 @@ void bind_constraints(py::module_& m) {
         return call_here(job, [&](Job& j) { return inside_regions(mesh, part, edges, j); });
       },
       "mesh"_a, "partition"_a, "barriers"_a, "job"_a = py::none(), "See guided.inside_regions.");
-  m.def(
-      "_parted_at",
-      [](const KeptMesh& mesh, const Partition& part, const py::object& cuts, Job* job) -> py::object {
-        const std::vector<VertexPair> edges = read_pairs(cuts, "cuts");
-        auto labels = call_here(job, [&](Job& j) { return parted_at(mesh, part, edges, j); });
-        return labels ? py::object(owned(std::move(*labels))) : py::object(py::none());
-      },
-      "mesh"_a, "partition"_a, "cuts"_a, "job"_a = py::none(), "See guided.parted_at.");
 }
 
 void bind_search(py::module_& m) {

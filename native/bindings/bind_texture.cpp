@@ -15,7 +15,6 @@
 #include "isimp/texture/bake.h"
 #include "isimp/texture/closest_places.h"
 #include "isimp/texture/corners.h"
-#include "isimp/texture/height.h"
 #include "isimp/texture/occlusion.h"
 #include "isimp/texture/unwrap.h"
 #include "kept_mesh.h"
@@ -95,35 +94,6 @@ Appearance layer_of(const py::handle& item, std::vector<py::object>& kept) {
   return look;
 }
 
-/// The parts of an earlier bake, in the order of EarlierBake. It keeps the arrays that it refers to.
-struct Earlier {
-  Contiguous<std::uint8_t> color, normal;
-  std::vector<Contiguous<std::uint8_t>> layers;
-  std::vector<PolygonTexels> texels;
-  std::optional<EarlierBake> bake;
-
-  explicit Earlier(const py::object& given) {
-    if (given.is_none()) return;
-    const auto parts = py::cast<py::tuple>(given);
-    color = py::cast<Contiguous<std::uint8_t>>(parts[3]);
-    if (!parts[4].is_none()) normal = py::cast<Contiguous<std::uint8_t>>(parts[4]);
-    const auto counts = py::cast<Contiguous<std::int64_t>>(parts[6]);
-    for (py::ssize_t i = 0; i + 2 < counts.size(); i += 3)
-      texels.push_back({counts.data()[i], counts.data()[i + 1], counts.data()[i + 2]});
-    bake.emplace(EarlierBake{py::cast<const Partition&>(parts[0]),
-                             py::cast<const PolygonMesh&>(parts[1]),
-                             py::cast<const Atlas&>(parts[2]),
-                             span_of(color),
-                             span_of(normal),
-                             {},
-                             texels});
-    for (const py::handle& layer : py::cast<py::list>(parts[5])) {
-      layers.push_back(py::cast<Contiguous<std::uint8_t>>(layer));
-      bake->layers.push_back(span_of(layers.back()));
-    }
-  }
-};
-
 py::array texels_of(const std::vector<PolygonTexels>& texels) {
   Contiguous<std::int64_t> counts({static_cast<py::ssize_t>(texels.size()), py::ssize_t{3}});
   std::int64_t* out = counts.mutable_data();
@@ -138,7 +108,7 @@ using Look =
 
 py::tuple bake_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
                        const Look& arrays, const py::list& pictures, const py::list& layers, const py::object& relief,
-                       const TextureOptions& options, const py::object& before, Job* job) {
+                       const TextureOptions& options, Job* job) {
   const auto& [uv, image, colors, known] = arrays;
   Appearance look{span_of(uv), span_of(image), span_of(colors), span_of(known), {}};
   for (std::size_t i = 0; i < pictures.size(); ++i) look.pictures.push_back(picture_of(pictures[i], i));
@@ -146,71 +116,45 @@ py::tuple bake_texture(const KeptMesh& mesh, const Partition& part, const Polygo
   std::vector<py::object> kept;
   for (const py::handle& layer : layers) more.images.push_back(layer_of(layer, kept));
   if (!relief.is_none()) more.relief = layer_of(relief, kept);
-  const Earlier earlier(before);
-  Texture made = call(job, [&, options](Job& j) {
-    return bake(mesh, part, poly, atlas, look, options, j, more, earlier.bake ? &*earlier.bake : nullptr);
-  });
+  Texture made = call(job, [&, options](Job& j) { return bake(mesh, part, poly, atlas, look, options, j, more); });
   py::list images;
   for (Array<std::uint8_t>& layer : made.layers) images.append(pixels(std::move(layer), made.side, 4));
   const py::object normal =
       made.normal.empty() ? py::object(py::none()) : py::object(pixels(std::move(made.normal), made.side, 3));
-  return py::make_tuple(pixels(std::move(made.color), made.side, 4), normal, images, texels_of(made.texels),
-                        owned(std::move(made.same)));
+  return py::make_tuple(pixels(std::move(made.color), made.side, 4), normal, images, texels_of(made.texels));
 }
 
-constexpr double kLeastHeight = 1e-3;  // texels
-
-/// The images that are made of one map: occlusion and heights, None if not requested, and the range of heights.
-/// \param same     as in Texture: polygons that copy their occlusion from an earlier image
-/// \param earlier  that image, or None
-py::tuple map_layers(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
-                     const TextureOptions& options, const Contiguous<std::int32_t>& same, const py::object& earlier,
-                     Job* job) {
-  const auto grey = earlier.is_none() ? Contiguous<std::uint8_t>() : py::cast<Contiguous<std::uint8_t>>(earlier);
-  const EarlierGrey kept{span_of(same), span_of(grey)};
-  const EarlierGrey* before = earlier.is_none() ? nullptr : &kept;
-  HeightImage height;
+/// Ambient occlusion, (rows, side).
+py::array occlusion_of(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
+                       const TextureOptions& options, Job* job) {
   Array<std::uint8_t> dark = call(job, [&, options](Job& j) {
     BakeMap map;
     {
-      const Job::Stage mapping(j, "baking", options.occlusion ? 0.3 : 0.6, options.occlusion ? 0.4 : 0.98);
-      // Heights are shares of the largest one, so all of them are found.
-      const bool all = before == nullptr || options.height;
-      map = bake_map(mesh, part, poly, atlas, options, j, all ? std::span<const std::int32_t>() : kept.same);
+      const Job::Stage mapping(j, "baking", 0.3, 0.4);
+      map = bake_map(mesh, part, poly, atlas, options, j);
     }
-    if (options.height) height = height_image(map, kLeastHeight / atlas.scale);
-    if (!options.occlusion) return Array<std::uint8_t>();
     const Job::Stage tracing(j, "occlusion", 0.4, 0.98);
-    return occlusion(mesh, part, map, options, j, before);
+    return occlusion(mesh, part, map, options, j);
   });
-  py::object none = py::none();
-  return py::make_tuple(options.occlusion ? py::object(pixels(std::move(dark), atlas.side, 1)) : none,
-                        options.height ? py::object(pixels(std::move(height.grey), atlas.side, 1)) : none,
-                        height.range);
+  return pixels(std::move(dark), atlas.side, 1);
 }
 
 py::tuple map_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
                       const TextureOptions& options, Job* job) {
   BakeMap map = call(job, [&, options](Job& j) { return bake_map(mesh, part, poly, atlas, options, j); });
   return py::make_tuple(pixels(std::move(map.polygon), map.side, 1), pixels(std::move(map.face), map.side, 1),
-                        pixels(std::move(map.barycentric), map.side, 2), pixels(std::move(map.height), map.side, 1));
+                        pixels(std::move(map.barycentric), map.side, 2));
 }
 
-/// \param group    (Q) of each polygon, or of no length
-/// \param earlier  earlier polygons and their atlas, or None
+/// \param group  (Q) of each polygon, or of no length
 Atlas lay_out(const PolygonMesh& poly, const TextureOptions& options, double density,
-              const Contiguous<std::int32_t>& group, const py::object& earlier, Job* job) {
+              const Contiguous<std::int32_t>& group, Job* job) {
   check_fields(options);
   if (group.size() != 0 && group.size() != static_cast<py::ssize_t>(poly.loop_start.size()))
     throw InvalidInput("there must be a group for each polygon");
   const AtlasOptions asked{options.size.value_or(0),  density,       options.unfold, options.gutter.value_or(0),
                            options.tiles.value_or(0), span_of(group)};
-  std::optional<EarlierAtlas> before;
-  if (!earlier.is_none()) {
-    const auto parts = py::cast<py::tuple>(earlier);
-    before.emplace(EarlierAtlas{py::cast<const PolygonMesh&>(parts[0]), py::cast<const Atlas&>(parts[1])});
-  }
-  return call(job, [&](Job& j) { return unwrap(poly, asked, j, before ? &*before : nullptr); });
+  return call(job, [&](Job& j) { return unwrap(poly, asked, j); });
 }
 
 py::tuple places_of(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly,
@@ -249,20 +193,19 @@ void bind_texture(py::module_& m) {
       .def_readonly("gutter", &Atlas::gutter)
       .def_readonly("tiles", &Atlas::tiles)
       .def_readonly("chart_count", &Atlas::chart_count)
-      .def_readonly("kept", &Atlas::kept)
       .def_property_readonly("chart", viewer<Atlas>(&Atlas::chart))
       .def_property_readonly("tile", viewer<Atlas>(&Atlas::tile))
       .def_property_readonly("tile_group", viewer<Atlas>(&Atlas::tile_group))
       .def_property_readonly("tangent", [](const Atlas& atlas) { return directions(atlas, &ChartFrame::u); })
       .def_property_readonly("normal", [](const Atlas& atlas) { return directions(atlas, &ChartFrame::n); });
   m.def("_unwrap", &lay_out, "polygons"_a, "options"_a, "density"_a, "group"_a = Contiguous<std::int32_t>(),
-        "earlier"_a = py::none(), "job"_a = py::none());
+        "job"_a = py::none());
   m.def("_uv", &uv_of, "polygons"_a, "atlas"_a);
   m.def("_bake", &bake_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "look"_a, "pictures"_a, "layers"_a,
-        "relief"_a, "options"_a, "earlier"_a = py::none(), "job"_a = py::none());
+        "relief"_a, "options"_a, "job"_a = py::none());
   m.def("_bake_map", &map_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a, "job"_a = py::none());
-  m.def("_map_layers", &map_layers, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a,
-        "same"_a = Contiguous<std::int32_t>(), "earlier"_a = py::none(), "job"_a = py::none());
+  m.def("_occlusion", &occlusion_of, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a,
+        "job"_a = py::none());
   m.def("_closest_places", &places_of, "mesh"_a, "partition"_a, "polygons"_a, "known"_a,
         "group"_a = Contiguous<std::int32_t>(), "threads"_a = 0, "job"_a = py::none());
   m.def("_source_corners", &corners_of, "mesh"_a, "vertices"_a, "triangles"_a, "job"_a = py::none());

@@ -83,6 +83,10 @@ std::string to_text(py::handle value, const std::string& name) {
   return *text;
 }
 
+void warn(const std::string& text) {
+  if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+}
+
 std::size_t to_choice(py::handle value, const std::string& name, const std::vector<std::string>& names) {
   if (PyUnicode_Check(value.ptr()) != 0) {
     const auto at = std::find(names.begin(), names.end(), utf8_of(value));

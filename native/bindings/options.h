@@ -11,6 +11,7 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "isimp/core/options.h"
@@ -63,6 +64,9 @@ std::string type_name() {
     return "str";
 }
 
+/// Warns the caller. Throws where the caller's filters make the warning an error.
+void warn(const std::string& text);
+
 /// \throws InvalidInput  the message lists the names
 std::size_t to_choice(py::handle value, const std::string& name, const std::vector<std::string>& names);
 
@@ -72,8 +76,14 @@ template <class Options>
 class OptionsClass {
  public:
   OptionsClass(py::module_& m, const char* name, const char* doc)
-      : name_(name), fields_(std::make_shared<Fields>()), class_(m, name, py::module_local(), doc) {
-    std::apply([&](const auto&... all) { (add(all), ...); }, isimp::fields(static_cast<const Options*>(nullptr)));
+      : name_(name),
+        fields_(std::make_shared<Fields>()),
+        gone_(std::make_shared<Fields>()),
+        class_(m, name, py::module_local(), doc) {
+    const Options* none = nullptr;
+    std::apply([&](const auto&... all) { (add(all), ...); }, isimp::fields(none));
+    if constexpr (requires { isimp::gone_fields(none); })
+      for (const Gone& field : isimp::gone_fields(none)) add(field);
     finish();
   }
 
@@ -151,12 +161,29 @@ class OptionsClass {
         about);
   }
 
+  /// Binds a field of earlier versions: another value than the one without effect gives a warning.
+  void add(const Gone& field) {
+    const std::string full = name_ + "." + field.name;
+    const auto get = [field](const Options&) {
+      return std::visit([](const auto& value) { return py::object(py::cast(value)); }, field.without);
+    };
+    const auto set = [get](Options& options, py::handle value, const std::string& name) {
+      if (!value.equal(get(options))) warn(name + " has no effect: this version of iSimp does not have it");
+    };
+    class_.def_property(
+        field.name, get, [set, full](Options& options, const py::object& value) { set(options, value, full); },
+        "Of earlier versions. It has no effect.");
+    gone_->push_back({field.name, get, set, nullptr});
+  }
+
   void finish() {
-    const auto fields = fields_;
+    const auto fields = fields_, gone = gone_;
     const std::string name = name_;
-    const auto make = [fields, name](const py::dict& values) {
+    const auto make = [fields, gone, name](const py::dict& values) {
       Options options;
-      for (const auto& [key, value] : values) set(*fields, options, name, key, value);
+      for (const auto& [key, value] : values)
+        if (!set(*fields, options, name, key, value) && !set(*gone, options, name, key, value))
+          refuse(*fields, name, key);
       return options;
     };
     class_.def(py::init([make](const py::kwargs& values) { return make(values); }))
@@ -176,6 +203,9 @@ class OptionsClass {
             "The table of the fields, in order: dicts of name, type, default and about. Numbers have range (in words), "
             "unit ('length': scene units), and where there is an end, least and above_least (least itself is no "
             "value), most and below_most. A field with a few names as values has choices.")
+        .def_static(
+            "gone", [gone] { return dict(*gone, Options()); },
+            "The fields of earlier versions, which have no effect: by name, the value that means so.")
         .def("__repr__",
              [fields, name](const Options& options) {
                std::string text;
@@ -208,17 +238,24 @@ class OptionsClass {
     return values;
   }
 
-  static void set(const Fields& fields, Options& options, const std::string& owner, py::handle name, py::handle value) {
-    std::string known;
+  /// Sets one of some fields; false if it is none of them.
+  static bool set(const Fields& fields, Options& options, const std::string& owner, py::handle name, py::handle value) {
     for (const Slot& field : fields) {
-      if (name.equal(py::str(field.name))) return field.set(options, value, owner + "." + field.name);
-      known += (known.empty() ? "" : ", ") + field.name;
+      if (!name.equal(py::str(field.name))) continue;
+      field.set(options, value, owner + "." + field.name);
+      return true;
     }
+    return false;
+  }
+
+  [[noreturn]] static void refuse(const Fields& fields, const std::string& owner, py::handle name) {
+    std::string known;
+    for (const Slot& field : fields) known += (known.empty() ? "" : ", ") + field.name;
     throw py::type_error(owner + " has no field " + std::string(py::repr(name)) + "; its fields are " + known);
   }
 
   std::string name_;
-  std::shared_ptr<Fields> fields_;
+  std::shared_ptr<Fields> fields_, gone_;
   py::class_<Options> class_;
 };
 

@@ -26,11 +26,6 @@ bool all_in(const Integers& items, std::int32_t low, std::size_t end) {
 constexpr std::size_t kAny = std::numeric_limits<std::uint32_t>::max();  // for indices into arrays that are not in the
                                                                          // pickle
 
-bool is_unit(const Vec3& v) {
-  constexpr double kRounding = 1e-6;
-  return std::abs(v.norm() - 1) < kRounding;
-}
-
 template <class... Numbers>
 bool all_finite(Numbers... numbers) {
   return (std::isfinite(numbers) && ...);
@@ -160,31 +155,31 @@ CurvedProxy unpack_curved(const py::tuple& packed) {
 
 py::tuple pack_report(const MeshingReport& report) {
   const auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
-               closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean,
+               closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
                distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
                diagonals, rounds, work, capped, planar, rims, boxes, let_go] = report;
   const auto& [work_faces, work_corners, work_polygons] = work;
   const auto& [rim_reach, rim_edges, rim_added, rim_lost] = rims;
   const auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting, left_off] = planar;
   return pack_all(polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
-                  closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max,
-                  planarity_mean, distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least,
-                  without_area, imperfect, diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked,
-                  is_planar, whole, added, apart, crossed, turned, meeting, left_off, rim_reach, rim_edges, rim_added,
-                  rim_lost, boxes, let_go);
+                  closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
+                  distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area,
+                  imperfect, diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar,
+                  whole, added, apart, crossed, turned, meeting, left_off, rim_reach, rim_edges, rim_added, rim_lost,
+                  boxes, let_go);
 }
 
 MeshingReport unpack_report(const py::tuple& packed) {
   MeshingReport report;
   auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches, closed_regions,
-         repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
-         crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds,
-         work, capped, planar, rims, boxes, let_go] = report;
+         repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean, distance_max, crossing,
+         flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds, work,
+         capped, planar, rims, boxes, let_go] = report;
   auto& [work_faces, work_corners, work_polygons] = work;
   auto& [rim_reach, rim_edges, rim_added, rim_lost] = rims;
   auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting, left_off] = planar;
   unpack_all(packed, polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
-             closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean,
+             closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
              distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
              diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar, whole, added, apart,
              crossed, turned, meeting, left_off, rim_reach, rim_edges, rim_added, rim_lost, boxes, let_go);
@@ -235,25 +230,33 @@ std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
 py::tuple state_of(const Partition& partition) {
   const auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, off_planes, metric,
                tolerance, noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out,
-               guided, locked, held, curved, cell, regularity, symmetry] = partition;
+               guided, locked, held, curved, cell, regularity] = partition;
   py::list patches;
   for (const CurvedProxy& proxy : curved) patches.append(pack_curved(proxy));
-  const auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, islands, length, rms_before,
-               rms, axes] = regularity.value_or(Regularity{});
+  const auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, length, rms_before, rms, axes] =
+      regularity.value_or(Regularity{});
   const auto& [axes_upright, axes_level, axes_parallel, axes_free, coaxial, equal_radii] = axes;
-  const auto& [normal, offset, mismatch_mean, mismatch, mirrored] = symmetry.value_or(Mirror{});
-  return py::make_tuple(
-      pack_all(face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped,
-               bound, distance_max, region_offset, asked, needed, left_out, area_left_out, locked, held,
-               regularity.has_value(), directions, planes, level, upright, slopes, parallel, free, by_hand, even,
-               islands, length, rms_before, rms, symmetry.has_value(), std::vector<Vec3>{normal}, offset, mismatch_mean,
-               mismatch, mirrored),
-      pack_guided(guided), py::tuple(patches), pack(cell),
-      pack_all(axes_upright, axes_level, axes_parallel, axes_free, coaxial, equal_radii),
-      pack_all(static_cast<std::int32_t>(metric), off_planes));
+  return py::make_tuple(pack_all(face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance,
+                                 noise, snapped, bound, distance_max, region_offset, asked, needed, left_out,
+                                 area_left_out, locked, held, regularity.has_value(), directions, planes, level,
+                                 upright, slopes, parallel, free, by_hand, length, rms_before, rms),
+                        pack_guided(guided), py::tuple(patches), pack(cell),
+                        pack_all(axes_upright, axes_level, axes_parallel, axes_free, coaxial, equal_radii),
+                        pack_all(static_cast<std::int32_t>(metric), off_planes));
 }
 
 namespace {
+
+/// The values of a partition without the ones of features that only older versions have: two counts of `regularise`, and
+/// the plane of symmetry.
+py::tuple without_gone(const py::tuple& values) {
+  constexpr std::size_t kCounts = 28, kPlane = 33, kBefore = 39;  // places of the first left-out values, and all values
+  if (values.size() != kBefore) return values;
+  py::list kept;
+  for (std::size_t i = 0; i < kPlane; ++i)
+    if (i < kCounts || i > kCounts + 1) kept.append(values[i]);
+  return py::tuple(kept);
+}
 
 Partition partition_of(const py::tuple& state) {
   // Older versions have no curved patches, axes or metric.
@@ -261,19 +264,14 @@ Partition partition_of(const py::tuple& state) {
   Partition partition;
   auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, off_planes, metric, tolerance,
          noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked,
-         held, curved, cell, regularity, symmetry] = partition;
+         held, curved, cell, regularity] = partition;
   Regularity found;
-  Mirror plane;
-  std::vector<Vec3> normals;
-  auto& [normal, offset, mismatch_mean, mismatch, mirrored] = plane;
-  bool is_symmetric = false;
-  auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, islands, length, rms_before, rms,
-         axes] = found;
+  auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, length, rms_before, rms, axes] = found;
   bool is_regular = false;
-  unpack_all(state[0].cast<py::tuple>(), face_region, region_seed, region_normal, region_sum, error, history, smooth,
-             tolerance, noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out,
-             locked, held, is_regular, directions, planes, level, upright, slopes, parallel, free, by_hand, even,
-             islands, length, rms_before, rms, is_symmetric, normals, offset, mismatch_mean, mismatch, mirrored);
+  unpack_all(without_gone(state[0].cast<py::tuple>()), face_region, region_seed, region_normal, region_sum, error,
+             history, smooth, tolerance, noise, snapped, bound, distance_max, region_offset, asked, needed, left_out,
+             area_left_out, locked, held, is_regular, directions, planes, level, upright, slopes, parallel, free,
+             by_hand, length, rms_before, rms);
   if (state.size() >= 5)
     unpack_all(state[4].cast<py::tuple>(), axes.upright, axes.level, axes.parallel, axes.free, axes.coaxial,
                axes.equal_radii);
@@ -284,13 +282,9 @@ Partition partition_of(const py::tuple& state) {
     check(metric == Metric::normals || metric == Metric::mixed || metric == Metric::distance);
   }
   if (is_regular) regularity = found;
-  check(normals.size() == 1);
-  normal = normals[0];
-  if (is_symmetric) symmetry = plane;
   check(all_finite(error, smooth, off_planes, tolerance, noise, bound, distance_max, area_left_out) &&
         all_finite(history));
   check(!is_regular || all_finite(length, rms_before, rms));
-  check(!is_symmetric || (is_unit(normal) && all_finite(offset, mismatch_mean, mismatch)));
   guided = unpack_guided(state[1], face_region.size());
   if (state.size() > 2) {
     for (const py::handle item : state[2].cast<py::tuple>()) curved.push_back(unpack_curved(item.cast<py::tuple>()));

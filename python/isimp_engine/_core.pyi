@@ -69,21 +69,23 @@ class CleanOptions:
     ) -> None: ...
     @staticmethod
     def fields() -> list[dict[str, Any]]: ...
+    @staticmethod
+    def gone() -> dict[str, Any]: ...
     def as_dict(self) -> dict[str, Any]: ...
 
 def clean(
     vertices: NDArray[np.floating],
     triangles: NDArray[np.integer],
     options: CleanOptions = ...,
-    job: Job | None = None,
     *,
+    job: Job | None = None,
     keep: NDArray[np.floating] | None = None,
 ) -> Mesh: ...
 def close_openings(
     mesh: Mesh,
     options: CleanOptions,
-    job: Job | None = None,
     *,
+    job: Job | None = None,
     keep: NDArray[np.floating] | None = None,
     left_out: int = 0,
 ) -> Mesh: ...
@@ -100,7 +102,6 @@ class PartitionOptions:
     adaptivity: float
     smooth: float
     metric: Literal["mixed", "normals", "distance"]
-    symmetry: Literal["none", "x", "y", "z", "found"]
     curved: bool
     leave_out: float
     seed: int
@@ -127,7 +128,6 @@ class PartitionOptions:
         adaptivity: float = ...,
         smooth: float = ...,
         metric: Literal["mixed", "normals", "distance"] = ...,
-        symmetry: Literal["none", "x", "y", "z", "found"] = ...,
         curved: bool = ...,
         leave_out: float = ...,
         seed: int = ...,
@@ -143,6 +143,8 @@ class PartitionOptions:
     ) -> None: ...
     @staticmethod
     def fields() -> list[dict[str, Any]]: ...
+    @staticmethod
+    def gone() -> dict[str, Any]: ...
     def as_dict(self) -> dict[str, Any]: ...
 
 class CurvedProxy:
@@ -190,8 +192,6 @@ class Partition:
     @property
     def metric(self) -> str: ...
     @property
-    def symmetry(self) -> dict[str, Any] | None: ...
-    @property
     def snapped(self) -> bool: ...
     @property
     def region_offset(self) -> NDArray[np.float64]: ...
@@ -219,6 +219,7 @@ class Partition:
 def partition(
     mesh: Mesh,
     options: PartitionOptions = ...,
+    *,
     job: Job | None = None,
     weights: NDArray[np.floating] | None = None,
     barriers: NDArray[np.integer] | None = None,
@@ -227,21 +228,23 @@ def barrier_faces(mesh: Mesh, part: Partition) -> NDArray[np.int32]: ...
 def partition_from(
     mesh: Mesh,
     face_region: NDArray[np.integer],
+    *,
     job: Job | None = None,
     weights: NDArray[np.floating] | None = None,
     barriers: NDArray[np.integer] | None = None,
     before: Partition | None = None,
 ) -> Partition: ...
-def add_proxy(mesh: Mesh, partition: Partition, face: int, job: Job | None = None) -> Partition: ...
-def delete_proxy(mesh: Mesh, partition: Partition, face: int, job: Job | None = None) -> Partition: ...
-def merge_regions(mesh: Mesh, partition: Partition, face: int, other: int, job: Job | None = None) -> Partition: ...
-def split_region(mesh: Mesh, partition: Partition, face: int, job: Job | None = None) -> Partition: ...
+def add_proxy(mesh: Mesh, partition: Partition, face: int, *, job: Job | None = None) -> Partition: ...
+def delete_proxy(mesh: Mesh, partition: Partition, face: int, *, job: Job | None = None) -> Partition: ...
+def merge_regions(mesh: Mesh, partition: Partition, face: int, other: int, *, job: Job | None = None) -> Partition: ...
+def split_region(mesh: Mesh, partition: Partition, face: int, *, job: Job | None = None) -> Partition: ...
 def split_along(
     mesh: Mesh,
     partition: Partition,
     face: int,
     line: NDArray[np.floating],
     direction: NDArray[np.floating] | None = None,
+    *,
     job: Job | None = None,
 ) -> Partition: ...
 def paint_faces(
@@ -249,29 +252,41 @@ def paint_faces(
     partition: Partition,
     faces: NDArray[np.integer],
     onto: int | None = None,
+    *,
     job: Job | None = None,
 ) -> Partition: ...
-def erase_faces(mesh: Mesh, partition: Partition, faces: NDArray[np.integer], job: Job | None = None) -> Partition: ...
-def grow_region(mesh: Mesh, partition: Partition, face: int, rings: int = 1, job: Job | None = None) -> Partition: ...
-def shrink_region(mesh: Mesh, partition: Partition, face: int, rings: int = 1, job: Job | None = None) -> Partition: ...
+def erase_faces(
+    mesh: Mesh, partition: Partition, faces: NDArray[np.integer], *, job: Job | None = None
+) -> Partition: ...
+def grow_region(
+    mesh: Mesh, partition: Partition, face: int, rings: int = 1, *, job: Job | None = None
+) -> Partition: ...
+def shrink_region(
+    mesh: Mesh, partition: Partition, face: int, rings: int = 1, *, job: Job | None = None
+) -> Partition: ...
 def lock_regions(mesh: Mesh, partition: Partition, faces: NDArray[np.integer]) -> Partition: ...
 def unlock_regions(mesh: Mesh, partition: Partition, faces: NDArray[np.integer]) -> Partition: ...
 def leave_out_regions(mesh: Mesh, partition: Partition, faces: NDArray[np.integer], box: bool = False) -> Partition: ...
-def add_worst(mesh: Mesh, partition: Partition, times: int = 1, job: Job | None = None) -> Partition: ...
-def delete_least(mesh: Mesh, partition: Partition, times: int = 1, job: Job | None = None) -> Partition: ...
-def merge_cheapest(mesh: Mesh, partition: Partition, times: int = 1, job: Job | None = None) -> Partition: ...
-def even_borders(mesh: Mesh, partition: Partition, strength: float = 1.0, job: Job | None = None) -> Partition: ...
+def add_worst(mesh: Mesh, partition: Partition, times: int = 1, *, job: Job | None = None) -> Partition: ...
+def delete_least(mesh: Mesh, partition: Partition, times: int = 1, *, job: Job | None = None) -> Partition: ...
+def merge_cheapest(mesh: Mesh, partition: Partition, times: int = 1, *, job: Job | None = None) -> Partition: ...
+def even_borders(mesh: Mesh, partition: Partition, strength: float = 1.0, *, job: Job | None = None) -> Partition: ...
 def make_round(
-    mesh: Mesh, part: Partition, faces: NDArray[np.integer] | list[int], kind: str | None = None, job: Job | None = None
+    mesh: Mesh,
+    part: Partition,
+    faces: NDArray[np.integer] | list[int],
+    kind: str | None = None,
+    *,
+    job: Job | None = None,
 ) -> Partition: ...
 def set_segments(
-    mesh: Mesh, part: Partition, face: int, segments: int, rings: int = 0, job: Job | None = None
+    mesh: Mesh, part: Partition, face: int, segments: int, rings: int = 0, *, job: Job | None = None
 ) -> Partition: ...
-def release_round(mesh: Mesh, part: Partition, face: int, job: Job | None = None) -> Partition: ...
+def release_round(mesh: Mesh, part: Partition, face: int, *, job: Job | None = None) -> Partition: ...
 def round_part_at(mesh: Mesh, part: Partition, face: int) -> int | None: ...
-def improve(mesh: Mesh, partition: Partition, job: Job | None = None) -> Partition: ...
-def region_statistics(mesh: Mesh, partition: Partition, face: int, job: Job | None = None) -> dict[str, Any]: ...
-def all_statistics(mesh: Mesh, partition: Partition, job: Job | None = None) -> list[dict[str, Any]]: ...
+def improve(mesh: Mesh, partition: Partition, *, job: Job | None = None) -> Partition: ...
+def region_statistics(mesh: Mesh, partition: Partition, face: int, *, job: Job | None = None) -> dict[str, Any]: ...
+def all_statistics(mesh: Mesh, partition: Partition, *, job: Job | None = None) -> list[dict[str, Any]]: ...
 def region_sides(
     vertices: NDArray[np.floating], triangles: NDArray[np.integer], region: NDArray[np.integer], regions: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
@@ -281,19 +296,17 @@ class RegulariseOptions:
     angle: float
     length: float | None
     up: Literal["x", "y", "z", "none"]
-    even_spacing: bool
-    merge_islands: float
     def __init__(
         self,
         *,
         angle: float = ...,
         length: float | None = ...,
         up: Literal["x", "y", "z", "none"] = ...,
-        even_spacing: bool = ...,
-        merge_islands: float = ...,
     ) -> None: ...
     @staticmethod
     def fields() -> list[dict[str, Any]]: ...
+    @staticmethod
+    def gone() -> dict[str, Any]: ...
     def as_dict(self) -> dict[str, Any]: ...
 
 class MeshingOptions:
@@ -329,6 +342,8 @@ class MeshingOptions:
     ) -> None: ...
     @staticmethod
     def fields() -> list[dict[str, Any]]: ...
+    @staticmethod
+    def gone() -> dict[str, Any]: ...
     def as_dict(self) -> dict[str, Any]: ...
 
 class PolygonMesh:
@@ -349,17 +364,18 @@ class PolygonMesh:
     @property
     def report(self) -> dict[str, Any]: ...
     def faces(self) -> list[NDArray[np.int32]]: ...
-    def triangles(self, job: Job | None = None) -> NDArray[np.int32]: ...
+    def triangles(self, *, job: Job | None = None) -> NDArray[np.int32]: ...
 
 def regularise(
     mesh: Mesh,
     partition: Partition,
     options: RegulariseOptions = ...,
+    *,
     job: Job | None = None,
     up_direction: ArrayLike | None = None,
 ) -> Partition: ...
 def merge_flat(
-    mesh: Mesh, angle: float = ..., group: ArrayLike | None = None, job: Job | None = None
+    mesh: Mesh, angle: float = ..., group: ArrayLike | None = None, *, job: Job | None = None
 ) -> tuple[PolygonMesh, NDArray[np.int32]]: ...
 def align_planes(
     mesh: Mesh,
@@ -368,32 +384,34 @@ def align_planes(
     to: Literal["level", "upright", "parallel", "perpendicular", "coplanar", "free"],
     up_direction: ArrayLike = ...,
     length: float | None = None,
+    *,
     job: Job | None = None,
 ) -> Partition: ...
 def region_fits(
     mesh: Mesh, partition: Partition
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
 def expected_polygons(
-    mesh: Mesh, partition: Partition, options: MeshingOptions = ..., job: Job | None = None
+    mesh: Mesh, partition: Partition, options: MeshingOptions = ..., *, job: Job | None = None
 ) -> dict[str, int]: ...
 def polygonize(
-    mesh: Mesh, partition: Partition, options: MeshingOptions = ..., job: Job | None = None
+    mesh: Mesh, partition: Partition, options: MeshingOptions = ..., *, job: Job | None = None
 ) -> PolygonMesh: ...
 def read(
-    path: str | PathLike[str], job: Job | None = None, *, threads: int = 0
+    path: str | PathLike[str], *, job: Job | None = None, threads: int = 0
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
 def read_polygons(
-    path: str | PathLike[str], job: Job | None = None, *, threads: int = 0
+    path: str | PathLike[str], *, job: Job | None = None, threads: int = 0
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
 def triangulate(
     vertices: NDArray[np.floating],
     loops: NDArray[np.integer],
     loop_start: NDArray[np.integer],
+    *,
     job: Job | None = None,
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]: ...
-def write(path: str | PathLike[str], polygons: PolygonMesh, job: Job | None = None) -> None: ...
-def opening_length(mesh: Mesh, regions: int, job: Job | None = None) -> float: ...
-def opening_lengths(mesh: Mesh, regions: int, job: Job | None = None) -> tuple[float, float]: ...
+def write(path: str | PathLike[str], polygons: PolygonMesh, *, job: Job | None = None) -> None: ...
+def opening_length(mesh: Mesh, regions: int, *, job: Job | None = None) -> float: ...
+def opening_lengths(mesh: Mesh, regions: int, *, job: Job | None = None) -> tuple[float, float]: ...
 
 # Private functions that the modules guides, guided, within and tiles publish under their own names.
 _inner_edges: Callable[[Mesh], tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]]
@@ -405,10 +423,7 @@ _guess_opening_lengths: Callable[[Mesh, PartitionOptions, Job | None], tuple[flo
 _left_out_count: Callable[[Mesh, PartitionOptions, Job | None], int]
 _partition: Callable[..., Partition]
 _read_columns: Callable[..., tuple[Any, Any, Any, dict[str, Any], dict[str, Any], Any, list[str], list[Any], list[str]]]
-_open_faces: Callable[[Mesh, NDArray[Any] | None, Partition | None, int, float], NDArray[np.int32] | None]
-_part_of: Callable[[Mesh, NDArray[Any], Job | None], Mesh]
 _inside_regions: Callable[[Mesh, Partition, NDArray[Any]], int]
-_parted_at: Callable[[Mesh, Partition, NDArray[Any]], NDArray[np.int32] | None]
 _scan_distances: Callable[[Mesh, Partition, PolygonMesh, float, int, int, Job | None], NDArray[np.float64]]
 _distances_to_triangles: Callable[[NDArray[Any], NDArray[Any]], NDArray[np.float64]]
 _tightened: Callable[[Mesh, Partition, float, MeshingOptions], MeshingOptions]
@@ -442,7 +457,6 @@ class TextureOptions:
     gutter: int | None
     band: int
     normals: bool
-    height: bool
     occlusion: bool
     occlusion_distance: float | None
     occlusion_rays: int
@@ -457,7 +471,6 @@ class TextureOptions:
         gutter: int | None = ...,
         band: int = ...,
         normals: bool = ...,
-        height: bool = ...,
         occlusion: bool = ...,
         occlusion_distance: float | None = ...,
         occlusion_rays: int = ...,
@@ -465,19 +478,21 @@ class TextureOptions:
     ) -> None: ...
     @staticmethod
     def fields() -> list[dict[str, Any]]: ...
+    @staticmethod
+    def gone() -> dict[str, Any]: ...
     def as_dict(self) -> dict[str, Any]: ...
 
-_Atlas = Any  # side, tiles, scale, fill, gutter, chart_count, kept, chart, tile, tile_group, tangent, normal
+_Atlas = Any  # side, tiles, scale, fill, gutter, chart_count, chart, tile, tile_group, tangent, normal
 
 _unwrap: Callable[..., _Atlas]
 _uv: Callable[[PolygonMesh, _Atlas], NDArray[np.float64]]
 _bake: Callable[
     ...,
-    tuple[NDArray[np.uint8], NDArray[np.uint8] | None, list[NDArray[np.uint8]], NDArray[np.int64], NDArray[np.int32]],
+    tuple[NDArray[np.uint8], NDArray[np.uint8] | None, list[NDArray[np.uint8]], NDArray[np.int64]],
 ]
-_map_layers: Callable[..., tuple[NDArray[np.uint8] | None, NDArray[np.uint16] | None, float]]
+_occlusion: Callable[..., NDArray[np.uint8]]
 _closest_places: Callable[..., tuple[NDArray[np.int32], NDArray[np.float32]]]
-_bake_map: Callable[..., tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32], NDArray[np.float32]]]
+_bake_map: Callable[..., tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]]
 _source_corners: Callable[
     [Mesh, NDArray[Any], NDArray[Any], Job | None], tuple[NDArray[np.int32], NDArray[np.float32], int, int]
 ]

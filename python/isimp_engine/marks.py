@@ -66,7 +66,7 @@ def guides_of(marks: Marks, angle: float | None, repaired: Repaired, job: Job) -
         barriers.append(guides.attribute_borders(mesh, marks.borders[face], among=face >= 0))
     before = None
     if marks.base is not None:
-        before = partition_from(mesh, np.where(face >= 0, marks.base[face], -1), job)
+        before = partition_from(mesh, np.where(face >= 0, marks.base[face], -1), job=job)
     return Guides(
         weights=None if marks.weights is None else np.where(face >= 0, marks.weights[face], 1.0),
         barriers=np.concatenate(barriers) if barriers else None,

@@ -37,7 +37,7 @@ class Lengths:
         """The repaired scan without these openings; the mesh itself if the lengths are 0. See `close_openings`."""
         if not self:
             return mesh
-        return close_openings(mesh, CleanOptions(**self.options(), threads=threads), job, left_out=self.left_out)
+        return close_openings(mesh, CleanOptions(**self.options(), threads=threads), job=job, left_out=self.left_out)
 
     def options(self) -> dict[str, float]:
         """Return the lengths as keywords of CleanOptions."""

@@ -104,7 +104,7 @@ class Model(Regions):
             "regions": part.region_count,
             "error": part.error,
             "history": part.history.tolist(),
-            "partition": part.report | {"warnings": self.found.warnings},
+            "partition": part.report | {"warnings": [*(recipe.gone if recipe else ()), *self.found.warnings]},
             "curved": part.report["curved"],
             "expected": self.expected,
             "output": self.found.report,
@@ -128,11 +128,11 @@ def make_regions(
     mesh, part, made = state.repaired.mesh, state.partition, state.made
     if regular is not None:
         with steps("regularise") as job, refused():
-            part, made = regularise(mesh, part, regular, job), None
+            part, made = regularise(mesh, part, regular, job=job), None
     elif recipe is not None:
         regular = recipes.regularise_options(recipe)
     with steps("mesh") as job:
-        expected = expected_polygons(mesh, part, settings.meshing, job)
+        expected = expected_polygons(mesh, part, settings.meshing, job=job)
     return Regions(settings, state.repaired, part, expected, regular, made, replay.clicks)
 
 
@@ -175,7 +175,6 @@ def _textured(wanted: Texturing, source: Source, mesh: Mesh, found: Within, thre
         size=wanted.size or None,
         tiles=wanted.tiles,
         materials=wanted.materials,
-        height=wanted.height,
         occlusion=wanted.occlusion is not None,
         occlusion_distance=wanted.occlusion or None,
         threads=threads,

@@ -201,7 +201,7 @@ def read(
     with _named(path, job) as place:
         if _is_3mf(place):
             return _read_3mf(place)
-        return _core.read(place, job, threads=threads)
+        return _core.read(place, job=job, threads=threads)
 
 
 def read_polygons(
@@ -215,7 +215,7 @@ def read_polygons(
         if _is_3mf(place):
             vertices, triangles = _read_3mf(place)
             return vertices, triangles.ravel(), np.arange(0, triangles.size, 3, dtype=np.int32)
-        return _core.read_polygons(place, job, threads=threads)
+        return _core.read_polygons(place, job=job, threads=threads)
 
 
 def head_of(path: Path, size: int) -> bytes:

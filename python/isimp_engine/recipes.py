@@ -78,7 +78,7 @@ def options_of(recipe: Recipe) -> dict[str, Any]:
         found |= rcp.engine_options(meshes[-1], rcp.MESHING)
     if (shown := recipe.texture()) is not None:
         ao = shown.occlusion_distance if shown.occlusion else None
-        found |= {"texture": shown.size, "ao": ao, "height": shown.height, "tiles": shown.tiles or None}
+        found |= {"texture": shown.size, "ao": ao, "tiles": shown.tiles or None}
         found["materials"] = shown.materials
     return {name: value for name, value in found.items() if value is not None}
 

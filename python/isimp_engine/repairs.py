@@ -113,10 +113,10 @@ def _mesh(source: Source, repair: Repair, opened: Repaired | None, job: Job) -> 
     """The repaired mesh. opened: the one whose openings are closed for the regions."""
     options, places = repair.options, np.array(repair.kept, np.float64).reshape(-1, 3)
     if opened is not None:
-        return close_openings(opened.mesh, options, job, keep=places, left_out=repair.lengths.left_out)
+        return close_openings(opened.mesh, options, job=job, keep=places, left_out=repair.lengths.left_out)
     if source.mesh is None:
-        return clean(source.vertices, source.triangles, options, job, keep=places)
+        return clean(source.vertices, source.triangles, options, job=job, keep=places)
     default = CleanOptions().as_dict()
     if of_repair := [name for name in ("weld", "stitch", "grid") if options.as_dict()[name] != default[name]]:
         raise OptionError("{} is of the repair, which a Mesh has had: give the arrays of the scan", of_repair[0])
-    return close_openings(source.mesh, options, job, keep=places) if repair.closes else source.mesh
+    return close_openings(source.mesh, options, job=job, keep=places) if repair.closes else source.mesh

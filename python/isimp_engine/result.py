@@ -12,7 +12,7 @@ from .jobs import OneJob
 from .marks import MARKS, marks_of
 from .pipeline import Model, make_model, make_regions, require_texture
 from .recipes import RecipeLike
-from .settings import ANY_DISTANCE, LIKE_THE_SCAN, option_names, settings_of
+from .settings import ANY_DISTANCE, LIKE_THE_SCAN, option_names, settings_of, without_gone
 from .source import source_of
 from .texturing import Texture, write_textured
 
@@ -105,6 +105,7 @@ def simplify(
     Raises InvalidInput (the scan, or options that do not fit it), FileError, RecipeError, Cancelled, or
     TypeError for an option that does not exist.
     """
+    options = without_gone(options)
     if unknown := options.keys() - option_names() - MARKS:
         raise TypeError(f"simplify has no option {min(unknown)!r}; it has {', '.join(sorted(option_names() | MARKS))}")
     given = options | {

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ._core import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions, RegulariseOptions
+from ._core import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions, RegulariseOptions, TextureOptions
 from .exporting import UNITS
 from .recipe import COUNTS
 from .recipes import Recipe, RecipeLike, recipe_of
@@ -22,7 +22,6 @@ CHOICES = {"clutter": CLUTTER, "unit": UNITS}
 RENAMED: dict[tuple[Kind, str], str] = {(RegulariseOptions, "angle"): "regularise"}
 _NEEDS = {
     "ao": ("texture", "it is an image of the texture's material"),
-    "height": ("texture", "it has the places of the texture"),
     "tiles": ("texture", "it sets the number of images of the texture"),
     "materials": ("texture", "it sets the number of images of the texture"),
     "base": ("part", "it gives the regions of the faces outside the part"),
@@ -51,7 +50,6 @@ class Texturing:
     size: int  #: size of an image, pixels; LIKE_THE_SCAN: as dense as the scan's images
     tiles: int | None = None  #: number of images; None: as many as the density of the scan needs
     materials: bool = False  #: images of their own for each of the scan's materials
-    height: bool = False  #: a height map
     occlusion: float | None = None  #: largest distance of the faces that keep light off; ANY_DISTANCE; None: no image
 
 
@@ -86,9 +84,17 @@ def snapping() -> list[str]:
 
 def option_names() -> frozenset[str]:
     """The names of all options of `settings_of`."""
-    own = {"regularise", "keep_openings", "keep_opening", "clutter", "angle", "texture", "ao", "height", "tiles"}
+    own = {"regularise", "keep_openings", "keep_opening", "clutter", "angle", "texture", "ao", "tiles"}
     engine = {name for kind in (PartitionOptions, CleanOptions, MeshingOptions) for name in names(kind)}
     return frozenset({"materials", "crs", "unit", "strict"} | own | engine | set(snapping()))
+
+
+def without_gone(options: Mapping[str, Any]) -> dict[str, Any]:
+    """The options without those of earlier versions; each that had an effect gives a warning."""
+    kinds = PartitionOptions, RegulariseOptions, TextureOptions
+    for kind in kinds:
+        kind(**{name: options[name] for name in kind.gone() if name in options})
+    return {name: value for name, value in options.items() if not any(name in kind.gone() for kind in kinds)}
 
 
 def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) -> Settings:
@@ -112,8 +118,7 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
         raise OptionError(f"{{}} must be in [0, 180], got {angle:g}", "angle")
     texture = None
     if "texture" in given:
-        materials, height = bool(given.get("materials")), bool(given.get("height"))
-        texture = Texturing(given["texture"], given.get("tiles"), materials, height, given.get("ao"))
+        texture = Texturing(given["texture"], given.get("tiles"), bool(given.get("materials")), given.get("ao"))
     return Settings(
         clean=options_of(given, CleanOptions),
         partition=options_of(given, PartitionOptions),

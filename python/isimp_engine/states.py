@@ -95,7 +95,7 @@ def partitioned(wanted: Split, source: Source, meshes: Meshes, steps: Steps, bef
 def _lengths(repaired: Repaired, options: PartitionOptions, regions: int | None, job: Job) -> Lengths:
     """The lengths up to which openings are closed. regions: their number; None or 0: the partition finds it."""
     mesh = repaired.mesh
-    return lengths_for(mesh, options, regions or None, lambda: partition(mesh, options, job).region_count, job)
+    return lengths_for(mesh, options, regions or None, lambda: partition(mesh, options, job=job).region_count, job)
 
 
 @contextmanager

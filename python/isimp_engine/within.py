@@ -158,7 +158,7 @@ def polygonize_within(
         return _within_triangles(mesh, part, meshing, made, jobs)
     if part.bound is None:
         with jobs(0.0, 1.0) as own:
-            return Within(part, polygonize(mesh, part, meshing, own), None, None, 1)
+            return Within(part, polygonize(mesh, part, meshing, job=own), None, None, 1)
     allowed, bound = SLACK * part.bound, part.bound
     search, best = _BoundSearch(allowed, made is not None), None
     while (step := search.next()) is not None:
@@ -167,7 +167,7 @@ def polygonize_within(
                 part = made.again(mesh, step.share, own)
                 continue
             tight = _tightened(mesh, part, step.share * (part.bound or bound), meshing)
-            polygons = polygonize(mesh, part, tight, own)
+            polygons = polygonize(mesh, part, tight, job=own)
             away = _scan_distances(mesh, part, polygons, allowed, meshing.threads, _CHUNK, own)
             distance = float(np.nanmax(away))
         if search.take(distance):
@@ -184,7 +184,7 @@ def _within_triangles(mesh: Mesh, part: Partition, meshing: MeshingOptions, made
         with jobs(done, end) as own:
             if proxies is not None:
                 part = made.with_count(mesh, proxies, own)
-            polygons = polygonize(mesh, part, meshing, own)
+            polygons = polygonize(mesh, part, meshing, job=own)
         done, tried = end, proxies or part.region_count
         if search.take(tried, triangles_of(polygons)):
             best = part, polygons

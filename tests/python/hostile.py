@@ -37,7 +37,7 @@ RECIPE = [
         "keep_openings": [[0, 0, 1]],
         "angle": 40,
     },
-    {"step": "regularise", "up": "z", "even_spacing": True, "merge_islands": 0.1, "direction": [0, 0, 1]},
+    {"step": "regularise", "up": "z", "length": 0.1, "direction": [0, 0, 1]},
     {"step": "even_borders", "strength": 0.4},
     {"step": "add_worst", "times": 2},
     {"step": "mesh", "planar": True, "flatten": 2},

@@ -171,19 +171,6 @@ def facade(columns=8, rows=5, depth=2, noise=0.0):
     return vertices - [0, 0, z], triangles.reshape(-1, 3).astype(np.int32)
 
 
-def slab_with_pane(depth=1, set_back=0):
-    """A slab with a pane behind a groove of this depth, and the plane of each face by number. set_back: of the pane."""
-    solid = np.ones((40, 30, 8), bool)
-    solid[9:23, 7:21, 8 - depth :] = False
-    solid[10:22, 8:20, 8 - depth : 8 - set_back] = True
-    vertices, triangles = voxels(solid)
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    axis, face = np.abs(normal).argmax(1), np.arange(len(a))
-    plane = np.stack([axis, a[face, axis], normal[face, axis] > 0], 1)
-    return vertices, triangles, np.unique(plane, axis=0, return_inverse=True)[1].ravel().astype(np.int32)
-
-
 def volume(vertices, triangles):
     """Signed volume: positive when a closed surface is oriented outwards."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))

@@ -193,7 +193,6 @@ void Edit::keep_planes() {
     if (!result.region_cell.empty()) result.region_cell[r] = {};  // what an edit changes leaves its patch
   }
   result.regularity.reset();
-  if (result.symmetry) result.symmetry->regions = kNone;
 }
 
 Partition Edit::finish() {

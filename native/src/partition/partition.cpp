@@ -66,7 +66,6 @@ void take_how_found(Partition& part, const Partition& before) {
   part.tolerance = before.tolerance;
   part.noise = before.noise;
   part.snapped = before.snapped;
-  part.symmetry = before.symmetry;
 }
 
 void check_is_of(const Mesh& mesh, const Partition& partition) {

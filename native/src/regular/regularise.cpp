@@ -9,9 +9,7 @@
 #include <vector>
 
 #include "compass.h"
-#include "even_spacing.h"
 #include "isimp/core/sorted.h"
-#include "islands.h"
 #include "kept_planes.h"
 #include "region_planes.h"
 #include "round_axes.h"
@@ -88,59 +86,6 @@ void align_offsets(std::vector<Region>& regions, Some all, const Limits& limits,
       done[r] = true;
     }
   }
-}
-
-/// Moves planes of one direction to equal distances.
-/// \return the number of planes at equal distances
-int space_evenly_along(const Vec3& axis, std::vector<Region>& regions, const Some& parallel, const Limits& limits,
-                       const Job& job) {
-  std::vector<ParallelPlane> planes;
-  std::vector<std::size_t> plane_of;
-  for (const std::int32_t r : parallel) {
-    job.poll();
-    const Region& region = regions[r];
-    const bool along = region.snapped.dot(axis) > 0;
-    const double offset = along ? region.offset : -region.offset, middle = axis.dot(region.scan.centre),
-                 reach = limits.reach(region);
-    const auto same = std::find_if(planes.begin(), planes.end(), [&](const ParallelPlane& plane) {
-      return plane.faces_along == along && std::abs(plane.offset - offset) <= limits.one;
-    });
-    plane_of.push_back(static_cast<std::size_t>(same - planes.begin()));
-    if (same == planes.end()) planes.push_back({offset, -kAnywhere, kAnywhere, 0, along, false});
-    ParallelPlane& plane = planes[plane_of.back()];
-    plane.area += region.scan.area;
-    plane.low = std::max(plane.low, std::min(offset, middle - reach));
-    plane.high = std::min(plane.high, std::max(offset, middle + reach));
-    if (region.is_by_hand()) plane.is_fixed = true;
-  }
-  for (ParallelPlane& plane : planes)
-    if (plane.is_fixed) plane.low = plane.high = plane.offset;
-  const EvenSpacing found = even_spacing(planes, limits.length, &job);
-  for (std::size_t k = 0; k < parallel.size(); ++k) {
-    const std::size_t i = plane_of[k];
-    if (found.offset[i] != planes[i].offset)
-      regions[parallel[k]].offset = planes[i].faces_along ? found.offset[i] : -found.offset[i];
-  }
-  return found.planes;
-}
-
-/// Moves parallel planes to equal distances.
-int space_evenly(std::vector<Region>& regions, const Some& all, const Limits& limits, const Job& job) {
-  int even = 0;
-  std::vector<bool> done(regions.size(), false);
-  for (const std::int32_t lead : all) {
-    if (done[lead] || regions[lead].is_free()) continue;
-    job.poll();
-    const Vec3 axis = regions[lead].snapped;
-    Some parallel;
-    for (const std::int32_t r : all) {
-      if (done[r] || regions[r].is_free() || regions[r].snapped.cross(axis).norm() > kSame) continue;
-      done[r] = true;
-      parallel.push_back(r);
-    }
-    even += space_evenly_along(axis, regions, parallel, limits, job);
-  }
-  return even;
 }
 
 /// Moves round parts to the axes that were snapped.
@@ -257,21 +202,6 @@ Regularity summary(const std::vector<Region>& regions, double diagonal, const Jo
   return summary_of({regions.begin(), regions.end()}, diagonal, job);
 }
 
-/// Makes islands and their rims parts of their walls.
-/// \param depth  of rims behind which islands become part of their wall
-void merge_islands(const Mesh& mesh, Partition& out, std::vector<Region>& regions, double depth, Regularity& found,
-                   const Job& job) {
-  std::vector<RegionPlane*> planes;
-  planes.reserve(regions.size());
-  for (Region& r : regions) planes.push_back(&r);
-  std::vector<Region> left;
-  for (const std::int32_t r : regular::merge_islands(mesh, out, planes, depth, job)) left.push_back(regions[r]);
-  regions.swap(left);
-  const double before = std::exchange(found, summary(regions, mesh.diagonal(), job)).rms_before;
-  found.rms_before = before;
-  found.islands_merged = static_cast<std::int32_t>(left.size() - regions.size());
-}
-
 void count(Regularity& found, Kind kind) {
   std::int32_t* const counts[] = {&found.free,   &found.level,    &found.upright,
                                   &found.slopes, &found.parallel, &found.by_hand};  // in the order of Kind
@@ -294,7 +224,6 @@ Partition regularised(const Mesh& mesh, const Partition& partition, const Regula
   for (const std::int32_t r : all)
     if (!regions[r].is_by_hand()) regions[r].offset = regions[r].snapped.dot(regions[r].scan.centre);
   align_offsets(regions, all, limits, job);
-  const int even = options.even_spacing ? space_evenly(regions, all, limits, job) : 0;
   move_round(round, std::span(regions).subspan(planes.size()), limits);
   if (!options.length) release(regions, all, round, least);
   job.poll();
@@ -304,13 +233,10 @@ Partition regularised(const Mesh& mesh, const Partition& partition, const Regula
   if (partition.bound > 0) keep_bound(mesh, partition, regions);
   store_planes(out, regions, mesh.origin());
   Regularity found = summary(regions, mesh.diagonal(), job);
-  const double depth = partition.bound > 0 ? std::min(options.merge_islands, partition.bound) : options.merge_islands;
-  if (depth > 0) merge_islands(mesh, out, regions, depth, found, job);
   if (partition.bound > 0) out.distance_max = largest_distance(mesh, out);
   for (const Region& r : regions)
     if (r.scan.area > 0 && r.chosen != kPlaneRound) count(found, r.kind);
   found.length = limits.length;
-  found.even = even;
   found.axes = axes;
   out.regularity = found;
   return out;

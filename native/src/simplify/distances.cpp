@@ -14,7 +14,6 @@
 #include "isimp/mesh/io.h"
 #include "isimp/simplify/within.h"
 #include "judge/boxes.h"
-#include "rounded_box.h"
 
 namespace isimp {
 namespace {
@@ -22,6 +21,16 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kMargin = 1e-7;  // margin of boxes, as a share of the diagonal, for the rounding of distances
 constexpr std::int32_t kPollEvery = 64;
+
+/// The box of floats that contains one of doubles: rounded away from the middle.
+meshing::Box box_between(const Vec3& low, const Vec3& high) {
+  meshing::Box box;
+  for (int k = 0; k < 3; ++k) {
+    box.low[k] = std::nextafter(static_cast<float>(low[k]), -std::numeric_limits<float>::infinity());
+    box.high[k] = std::nextafter(static_cast<float>(high[k]), std::numeric_limits<float>::infinity());
+  }
+  return box;
+}
 
 /// A triangle, with the values that do not depend on the point.
 class Target {

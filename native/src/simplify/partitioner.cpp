@@ -21,13 +21,11 @@
 #include "isimp/partition/regions.h"
 #include "isimp/partition/soundness.h"
 #include "isimp/simplify/edges.h"
-#include "isimp/simplify/mirror.h"
 #include "isimp/simplify/openings.h"
 #include "isimp/thesis/thesis.h"
 #include "make_partition.h"
 #include "methods.h"
 #include "sharp_edges.h"
-#include "symmetric.h"
 
 namespace isimp {
 
@@ -117,15 +115,13 @@ Partition Partitioner::with_all_components(const PartitionOptions& options, cons
   if (options.proxies)
     constraints.guides.weights =
         weights_without_patches(*mesh_, mesh_->source_face(), given.guides.weights, *options.proxies);
-  const bool plain = options.symmetry == Symmetry::none;
-  Partition result = options.curved ? with_round_parts(options, constraints, job)
-                     : plain        ? without_symmetry(options, constraints, job)
-                                    : with_symmetry(options, constraints, job);
+  Partition result =
+      options.curved ? with_round_parts(options, constraints, job) : by_planes(options, constraints, job);
   const bool whole = constraints.before == nullptr && !constraints.faces;
   // Round parts begin with a partition by planes, whose edges are sharp already.
   std::optional<double> sharp_edges = options.sharp_edges;
   if (!sharp_edges && options.snap && result.tolerance > 0 && is_of_planes(*mesh_, result)) sharp_edges = 0.0;
-  if (sharp_edges && !options.curved && plain && whole && !options.bound)
+  if (sharp_edges && !options.curved && whole && !options.bound)
     if (const auto labels = without_strips(*mesh_, result, *sharp_edges, job)) {
       Partition sharp = inherited(partition_from(Surface(*mesh_, result.guided), *labels, job), result);
       sharp.proxies_asked = std::min(sharp.proxies_asked, sharp.region_count());
@@ -137,8 +133,7 @@ Partition Partitioner::with_all_components(const PartitionOptions& options, cons
 
 Partition Partitioner::with_round_parts(const PartitionOptions& options, const Constraints& constraints,
                                         Job& job) const {
-  const std::string other = options.bound ? "a bound" : options.symmetry != Symmetry::none ? "symmetry" : "";
-  if (!other.empty()) throw InvalidInput("round parts can't be had with " + other + ": leave out one of the two");
+  if (options.bound) throw InvalidInput("round parts can't be had with a bound: leave out one of the two");
   PartitionOptions plain = options;
   plain.curved = false;
   Partition part = [&] {
@@ -181,31 +176,7 @@ std::vector<std::int32_t> Partitioner::small_regions(const Surface& surface, Kep
   return {data.face_region.begin(), data.face_region.end()};
 }
 
-Partition Partitioner::with_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const {
-  if (options.bound)
-    throw InvalidInput("symmetry can't be had with a bound: give proxies, detail or tolerance, or no symmetry");
-  PartitionOptions plain = options;
-  plain.symmetry = Symmetry::none;
-  check(*mesh_, plain);
-  const auto mirror = [&] {
-    const Job::Stage stage(job, "finding the mirror plane", 0.0, 0.2);
-    return find_mirror(*mesh_, options.symmetry, mirror_allowance(*mesh_, options, job), options.threads, job);
-  }();
-  const Job::Stage stage(job, "partitioning", 0.2, 1.0);
-  if (!mirror) return without_symmetry(plain, constraints, job);
-  const bool some = open_faces(*mesh_, constraints, options.proxies.value_or(1), options.leave_out, job).has_value();
-  if (!some) {
-    const Surface surface = prepare(constraints.with_cuts(), options.adaptivity, job).surface;
-    return symmetric_partition(*this, surface, plain, constraints, *mirror, job);
-  }
-  Partition result = without_symmetry(plain, constraints, job);
-  result.symmetry = mirror;
-  result.symmetry->regions = mirrored_regions(*mesh_, result, *mirror);
-  return result;
-}
-
-Partition Partitioner::without_symmetry(const PartitionOptions& options, const Constraints& constraints,
-                                        Job& job) const {
+Partition Partitioner::by_planes(const PartitionOptions& options, const Constraints& constraints, Job& job) const {
   const auto open = open_faces(*mesh_, constraints, options.proxies.value_or(1), options.leave_out, job);
   Prepared prepared = prepare(constraints.with_cuts(), options.adaptivity, job);
   const Surface& surface = prepared.surface;
@@ -266,12 +237,8 @@ namespace {
 /// The face of the whole mesh for each face of a part.
 std::vector<std::int32_t> whole_faces(const Mesh& part, std::span<const std::int32_t> open) {
   std::vector<std::int32_t> face;
-  for (const std::int32_t f : part.source_face()) {
-    if (f < 0 || static_cast<std::size_t>(f) >= open.size())
-      throw InvalidInput("the part has a face " + std::to_string(f) + " of the " + std::to_string(open.size()) +
-                         " that may be split: it was made of others");
-    face.push_back(open[f]);
-  }
+  face.reserve(open.size());
+  for (const std::int32_t f : part.source_face()) face.push_back(open[f]);
   return face;
 }
 
@@ -393,21 +360,16 @@ Partition Partitioner::on_part(const Surface& surface, std::span<const std::int3
                                const PartitionOptions& options, const Constraints& constraints, Job& job) const {
   check(surface, options);
   Thesis::check(options);
-  std::shared_ptr<const Submesh> own;
-  const Partitioner* part = constraints.part;
-  double done = 0.0;
-  if (part == nullptr) {
-    done = 0.1;
-    const Job::Stage stage(job, "cutting off a part", 0.0, done);
-    own = submesh(open, job);
-    part = &own->partitioner;
-  }
-  const std::vector<std::int32_t> face = whole_faces(part->mesh(), open);
-  ISIMP_ASSERT(constraints.part != nullptr || face.size() == open.size(), "a part has all faces that are split");
-  const Constraints inner{.guides = guides_of_part(constraints.with_cuts(), part->mesh(), face, job)};
+  const std::shared_ptr<const Submesh> part = [&] {
+    const Job::Stage stage(job, "cutting off a part", 0.0, 0.1);
+    return submesh(open, job);
+  }();
+  const std::vector<std::int32_t> face = whole_faces(part->mesh, open);
+  ISIMP_ASSERT(face.size() == open.size(), "a part has all faces that are split");
+  const Constraints inner{.guides = guides_of_part(constraints.with_cuts(), part->mesh, face, job)};
   const Partition split = [&] {
-    const Job::Stage stage(job, "partitioning", done, 0.95);
-    return part->run(options_of_part(options, constraints), inner, job);
+    const Job::Stage stage(job, "partitioning", 0.1, 0.95);
+    return part->partitioner.run(options_of_part(options, constraints), inner, job);
   }();
   std::vector<std::int32_t> labels = labels_that_stay(constraints, mesh_->face_count());
   const std::int32_t first = *std::ranges::max_element(labels) + 1;

@@ -12,7 +12,6 @@
 #include "sampler.h"
 #include "samples.h"
 #include "shade.h"
-#include "unchanged.h"
 
 namespace isimp {
 namespace {
@@ -40,7 +39,7 @@ void for_all(const Scene& scene, const Threads& threads, Job& job, SamplesOf sam
   std::vector<std::int32_t> small, large;
   for (std::int32_t q = 0; q < count; ++q) {
     const TexelBox box = detail::box_of_outline(scene.polygons, scene.atlas, q);
-    if (box.width() <= 0 || box.height() <= 0 || scene.skipped[q] != 0) continue;
+    if (box.width() <= 0 || box.height() <= 0) continue;
     const bool one_thread_does = std::max(box.width(), box.height()) <= 4 * PolygonView::kSquare;
     (one_thread_does ? small : large).push_back(q);
   }
@@ -74,14 +73,12 @@ void for_all(const Scene& scene, const Threads& threads, Job& job, SamplesOf sam
   });
 }
 
-/// As many samples a side as the scan's images have pixels a texel, within limits; none for polygons that are not
-/// baked.
+/// As many samples a side as the scan's images have pixels a texel, within limits.
 std::vector<std::int32_t> sample_counts(const Scene& scene, const detail::Sampler& sampler, const Threads& threads) {
-  std::vector<std::int32_t> counts(scene.skipped.size(), 0);
+  std::vector<std::int32_t> counts(scene.polygons.loop_start.size(), 0);
   threads.share(static_cast<std::int32_t>(counts.size()), [&](const auto& next) {
     const auto v = scene.mesh.vertices();
     for (std::int32_t q = next(); q < static_cast<std::int32_t>(counts.size()); q = next()) {
-      if (scene.skipped[q] != 0) continue;
       const std::int32_t r = scene.polygons.polygon_region[q];
       double pixels = 0, area = 0;
       for (std::int32_t i = scene.near.start[r]; i < scene.near.start[r + 1]; ++i) {
@@ -95,27 +92,6 @@ std::vector<std::int32_t> sample_counts(const Scene& scene, const detail::Sample
     }
   });
   return counts;
-}
-
-/// Copies the earlier texels of polygons that are not baked again.
-void copy_same(const Scene& scene, const EarlierBake& earlier, const Threads& threads, Job& job, Texture& texture) {
-  for (std::size_t q = 0; q < texture.same.size(); ++q)
-    if (texture.same[q] != kNone) texture.texels[q] = earlier.texels[texture.same[q]];
-  const auto copy = [](std::span<const std::uint8_t> from, Array<std::uint8_t>& to, std::size_t pixel, int channels) {
-    if (!to.empty()) std::copy_n(from.data() + channels * pixel, channels, to.data() + channels * pixel);
-  };
-  threads.blocks(texture.height, 64, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-    job.poll();
-    for (std::int32_t row = begin; row < end; ++row)
-      for (std::int32_t x = 0; x < texture.side; ++x) {
-        const std::int32_t owner = scene.owner_of(x, texture.height - 1 - row);
-        if (owner == kNone || scene.skipped[detail::polygon_of(owner)] == 0) continue;
-        const std::size_t pixel = static_cast<std::size_t>(row) * texture.side + x;
-        copy(earlier.color, texture.color, pixel, 4);
-        copy(earlier.normal, texture.normal, pixel, 3);
-        for (std::size_t l = 0; l < texture.layers.size(); ++l) copy(earlier.layers[l], texture.layers[l], pixel, 4);
-      }
-  });
 }
 
 void flood_all(const Scene& scene, const detail::Canvas& canvas, const Threads& threads, Texture& texture, Job& job) {
@@ -134,11 +110,10 @@ void flood_all(const Scene& scene, const detail::Canvas& canvas, const Threads& 
 }  // namespace
 
 Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons, const Atlas& atlas,
-             const Appearance& appearance, const TextureOptions& options, Job& job, const MaterialLayers& layers,
-             const EarlierBake* earlier) {
+             const Appearance& appearance, const TextureOptions& options, Job& job, const MaterialLayers& layers) {
   const Threads threads(options.threads);
   const detail::Sampler sampler(mesh, appearance);
-  Scene scene(mesh, partition, polygons, atlas, appearance.known, options, threads, job);
+  const Scene scene(mesh, partition, polygons, atlas, appearance.known, options, threads, job);
   const std::vector<Eigen::Vector3f> normals =
       options.normals ? detail::vertex_normals(mesh) : std::vector<Eigen::Vector3f>();
   Texture texture;
@@ -147,7 +122,6 @@ Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& po
   const std::size_t pixels = scene.owner.size();
   texture.color.resize(4 * pixels);
   texture.texels.resize(polygons.loop_start.size());
-  texture.same.assign(polygons.loop_start.size(), kNone);
   if (options.normals) texture.normal.resize(3 * pixels);
   detail::Canvas canvas{texture, sampler, normals, {}, {}};
   for (const Appearance& layer : layers.images) {
@@ -155,13 +129,8 @@ Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& po
     texture.layers.emplace_back().resize(4 * pixels);
   }
   if (options.normals && layers.relief) canvas.relief.emplace(mesh, normals, *layers.relief);
-  if (earlier != nullptr) {
-    texture.same = detail::unchanged_polygons(scene, appearance.known, *earlier, texture, threads, job);
-    for (std::size_t q = 0; q < texture.same.size(); ++q) scene.skipped[q] = texture.same[q] != kNone ? 1 : 0;
-    copy_same(scene, *earlier, threads, job, texture);
-  }
   const std::vector<std::int32_t> counts = sample_counts(scene, sampler, threads);
-  const Job::Stage stage(job, "baking", 0, options.occlusion ? 0.3 : options.height ? 0.6 : 0.9);
+  const Job::Stage stage(job, "baking", 0, options.occlusion ? 0.3 : 0.9);
   for_all(
       scene, threads, job, [&](std::int32_t q) { return counts[q]; },
       [&](const PolygonView& view, std::int32_t q) { return detail::ColourShade(scene, view, q, canvas); });
@@ -170,13 +139,9 @@ Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& po
 }
 
 BakeMap bake_map(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons, const Atlas& atlas,
-                 const TextureOptions& options, Job& job, std::span<const std::int32_t> same) {
+                 const TextureOptions& options, Job& job) {
   const Threads threads(options.threads);
-  Scene scene(mesh, partition, polygons, atlas, {}, options, threads, job);
-  if (!same.empty() && same.size() != scene.skipped.size())
-    throw InvalidInput("there must be an earlier polygon or none for each of the " +
-                       std::to_string(scene.skipped.size()) + " polygons, got " + std::to_string(same.size()));
-  for (std::size_t q = 0; q < same.size(); ++q) scene.skipped[q] = same[q] != kNone ? 1 : 0;
+  const Scene scene(mesh, partition, polygons, atlas, {}, options, threads, job);
   const std::size_t pixels = scene.owner.size();
   BakeMap map;
   map.side = atlas.side;
@@ -184,7 +149,6 @@ BakeMap bake_map(const Mesh& mesh, const Partition& partition, const PolygonMesh
   map.polygon.resize(pixels);
   map.face.resize(pixels);
   map.barycentric.resize(2 * pixels);
-  map.height.resize(pixels);
   for (std::int32_t y = 0; y < map.rows; ++y)
     for (std::int32_t x = 0; x < map.side; ++x) {
       const std::int32_t owner = scene.owner_of(x, y);
@@ -192,12 +156,10 @@ BakeMap bake_map(const Mesh& mesh, const Partition& partition, const PolygonMesh
     }
   std::fill(map.face.begin(), map.face.end(), kNone);
   std::fill(map.barycentric.begin(), map.barycentric.end(), 0.0F);
-  std::fill(map.height.begin(), map.height.end(), 0.0F);
-  const auto scale = static_cast<float>(1 / atlas.scale);
   for_all(
       scene, threads, job, [](std::int32_t) { return 1; },
       [&](const PolygonView& view, std::int32_t) {
-        return [&map, &view, scale](const Texel& texel, const Samples& samples) {
+        return [&map, &view](const Texel& texel, const Samples& samples) {
           const std::int32_t index = samples.middle(texel.x - samples.box.x0, texel.y - samples.box.y0);
           const auto x = static_cast<float>(texel.x) + 0.5F, y = static_cast<float>(texel.y) + 0.5F;
           const Hit hit = texel.closest > 0.5F ? texel.hit : index == kNone ? view.closest(x, y) : view.at(index, x, y);
@@ -205,7 +167,6 @@ BakeMap bake_map(const Mesh& mesh, const Partition& partition, const PolygonMesh
           map.face[pixel] = hit.face;
           map.barycentric[2 * pixel] = hit.b;
           map.barycentric[2 * pixel + 1] = hit.c;
-          map.height[pixel] = hit.height * scale;
         };
       });
   return map;

@@ -69,21 +69,9 @@ struct Packing {
 struct Room {
   std::int32_t side, tiles;
   double grow;
-  double used = 1;  ///< the share of the rows that `pack` uses
 };
 
 /// The largest scale at which all charts fit into the room, and their places. Empty if they do not fit at any scale.
 std::optional<Packing> pack(const Layout& layout, const Room& room, Job& job);
-
-/// An outline that takes room already, texels, and its tile.
-struct Taken {
-  std::vector<Vec2> outline;
-  std::int32_t tile;
-};
-
-/// Places for all charts at this scale in the free room: the lowest free place, the largest charts first. Empty if they
-/// do not fit.
-std::optional<Packing> pack_beside(const Layout& layout, const Room& room, double scale, std::span<const Taken> taken,
-                                   Job& job);
 
 }  // namespace isimp::detail

@@ -131,26 +131,19 @@ void smooth(const BakeMap& map, const Array<float>& open, std::size_t at, std::u
 }  // namespace
 
 Array<std::uint8_t> occlusion(const Mesh& mesh, const Partition& partition, const BakeMap& map,
-                              const TextureOptions& options, Job& job, const EarlierGrey* earlier) {
+                              const TextureOptions& options, Job& job) {
   check_fields(options);
   check_is_of(mesh, partition);
   check(mesh, map);
-  if (earlier != nullptr && earlier->grey.size() != map.polygon.size())
-    throw InvalidInput("the earlier occlusion has another size");
-  if (earlier != nullptr && !map.polygon.empty() &&
-      *std::max_element(map.polygon.begin(), map.polygon.end()) >= static_cast<std::int64_t>(earlier->same.size()))
-    throw InvalidInput("the earlier occlusion is of " + std::to_string(earlier->same.size()) +
-                       " polygons, and the map has more");
   const Threads threads(options.threads);
   std::vector<std::int32_t> some;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
     if (partition.kept_region(f) != kNone) some.push_back(f);
   const Tracer tracer(mesh, some, options, job);
   const std::size_t pixels = map.polygon.size();
-  const auto is_same = [&](std::size_t i) { return earlier != nullptr && earlier->same[map.polygon[i]] != kNone; };
   std::vector<std::size_t> texels;
   for (std::size_t i = 0; i < pixels; ++i)
-    if (map.polygon[i] != kNone && !is_same(i)) texels.push_back(i);
+    if (map.polygon[i] != kNone) texels.push_back(i);
   const auto count = static_cast<std::int32_t>(texels.size());
   Array<float> open(pixels);
   std::atomic<std::int32_t> done{0};
@@ -174,11 +167,6 @@ Array<std::uint8_t> occlusion(const Mesh& mesh, const Partition& partition, cons
   });
   Array<std::uint8_t> rgba(4 * pixels);
   each([&](std::size_t at) { smooth(map, open, at, rgba.data() + 4 * at); });
-  for (std::size_t i = 0; earlier != nullptr && i < pixels; ++i)
-    if (map.polygon[i] != kNone && is_same(i)) {
-      std::fill_n(rgba.data() + 4 * i, 3, earlier->grey[i]);
-      rgba[4 * i + 3] = 255;
-    }
   Array<std::int32_t> owner(pixels);  // rows from the bottom
   for (std::int32_t y = 0; y < map.rows; ++y)
     std::copy_n(map.polygon.begin() + static_cast<std::ptrdiff_t>(y) * map.side, map.side,

@@ -22,10 +22,7 @@ struct Pile {
 class Packer {
  public:
   Packer(const Layout& layout, const Room& room)
-      : cells_(layout, room),
-        rows_(static_cast<std::int32_t>(room.used * cells_.count())),
-        tiles_(room.tiles),
-        groups_(layout.groups) {}
+      : cells_(layout, room), rows_(cells_.count()), tiles_(room.tiles), groups_(layout.groups) {}
 
   /// The places at `scale` texels per scene unit; false if the charts do not fit.
   bool attempt(double scale, Packing& packing, Job& job) {
@@ -97,58 +94,11 @@ class Packer {
   }
 
   Cells cells_;
-  std::int32_t rows_;            // number of rows of cells in use
+  std::int32_t rows_;            // number of rows of cells
   std::int32_t tiles_, groups_;  // tiles of each group
   std::array<Profile, 4> profile_;
   std::vector<Pile> piles_;
 };
-
-/// A tile with charts anywhere: for each cell the highest one that is taken at or below it in its column.
-class Taking {
- public:
-  explicit Taking(std::int32_t cells)
-      : cells_(cells), last_(static_cast<std::size_t>(cells) * cells, static_cast<Cell>(-1)) {}
-
-  /// The lowest free row for a chart with left column x. If none is below it, a row from which the chart reaches
-  /// beyond row `most`.
-  [[nodiscard]] std::int32_t lowest(std::int32_t x, const Profile& p, std::int32_t most) const {
-    std::int32_t y = 0;
-    for (std::int32_t k = 0, clear = 0; clear < p.width() && y + p.height <= most; k = k + 1 < p.width() ? k + 1 : 0) {
-      const Cell taken = last_[static_cast<std::size_t>(x + k) * cells_ + y + p.high[k]];
-      if (taken >= y + p.low[k]) {
-        y = taken - p.low[k] + 1;
-        clear = 0;
-      } else {
-        ++clear;
-      }
-    }
-    return y;
-  }
-
-  void take(std::int32_t x, std::int32_t y, const Profile& p) {
-    for (std::int32_t k = 0; k < p.width(); ++k) {
-      if (p.low[k] > p.high[k]) continue;
-      Cell* column = last_.data() + static_cast<std::size_t>(x + k) * cells_;
-      const std::int32_t end = y + p.high[k];
-      for (std::int32_t j = y + p.low[k]; j <= end; ++j) column[j] = static_cast<Cell>(j);
-      for (std::int32_t j = end + 1; j < cells_ && column[j] < end; ++j) column[j] = static_cast<Cell>(end);
-    }
-  }
-
- private:
-  std::int32_t cells_;
-  std::vector<Cell> last_;
-};
-
-/// The cells of an outline, not of whole columns, so that charts can lie between its parts.
-void take_outline(const Taken& taken, const Cells& cells, Taking& tile) {
-  Profile profile = empty_profile(cells.count(), cells.count());
-  const Vec2 zero(0, double{1.0} * taken.tile * cells.count());
-  const auto at = [&](std::size_t i) -> Vec2 { return taken.outline[i] / cells.size() - zero; };
-  for (std::size_t i = 0, h = taken.outline.size() - 1; i < taken.outline.size(); h = i++)
-    add_edge(at(h), at(i), cells.grow(), profile);
-  tile.take(0, 0, profile);
-}
 
 }  // namespace
 
@@ -157,8 +107,7 @@ std::optional<Packing> pack(const Layout& layout, const Room& room, Job& job) {
   Packer packer(layout, room);
   Packing best, tried;
   double low = 0, high = 0;  // scales that fit and that do not, 0 as long as unknown
-  double scale =
-      room.side * std::sqrt(kGuess * room.used / std::max(layout.tile_area, std::numeric_limits<double>::min()));
+  double scale = room.side * std::sqrt(kGuess / std::max(layout.tile_area, std::numeric_limits<double>::min()));
   for (int tries = 0; tries < 40 && !(low > 0 && high > 0 && high < 1.012 * low); ++tries) {
     if (packer.attempt(scale, tried, job)) {
       low = scale;
@@ -174,38 +123,6 @@ std::optional<Packing> pack(const Layout& layout, const Room& room, Job& job) {
   }
   if (low == 0) return std::nullopt;
   return best;
-}
-
-std::optional<Packing> pack_beside(const Layout& layout, const Room& room, double scale, std::span<const Taken> taken,
-                                   Job& job) {
-  const Cells cells(layout, room);
-  std::vector<Taking> tiles(static_cast<std::size_t>(room.tiles) * layout.groups, Taking(cells.count()));
-  for (const Taken& outline : taken) take_outline(outline, cells, tiles[outline.tile]);
-  Packing packing{scale, std::vector<Rigid>(layout.chart_count), std::vector<std::int32_t>(layout.chart_count, kNone)};
-  std::array<Profile, 4> profile;
-  for (const std::int32_t c : cells.order()) {
-    job.poll();
-    if (!cells.shape(c, scale, profile)) return std::nullopt;
-    const std::int32_t first = cells.group(c) * room.tiles;
-    for (std::int32_t tile = first; tile < first + room.tiles && packing.tile[c] == kNone; ++tile) {
-      std::int32_t least = cells.count() + 1, best_x = 0, best_turn = 0;  // the row above the chart
-      for (std::int32_t turn = 0; turn < 4; ++turn)
-        for (std::int32_t x = 0; x + profile[turn].width() <= cells.count(); ++x) {
-          const std::int32_t above = tiles[tile].lowest(x, profile[turn], least - 1) + profile[turn].height;
-          if (above >= least) continue;
-          least = above;
-          best_x = x;
-          best_turn = turn;
-        }
-      if (least > cells.count()) continue;
-      const std::int32_t y = least - profile[best_turn].height;
-      tiles[tile].take(best_x, y, profile[best_turn]);
-      packing.tile[c] = tile;
-      packing.place[c] = cells.place(profile, best_turn, best_x, y, tile);
-    }
-    if (packing.tile[c] == kNone) return std::nullopt;
-  }
-  return packing;
 }
 
 }  // namespace isimp::detail

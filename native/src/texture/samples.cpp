@@ -66,7 +66,6 @@ Scene::Scene(const Mesh& m, const Partition& partition, const PolygonMesh& poly,
     if (r < 0 || r >= partition.region_count())
       throw InvalidInput("a polygon is of region " + std::to_string(r) + ", but there are " +
                          std::to_string(partition.region_count()));
-  skipped.assign(poly.loop_start.size(), 0);
   near = find_neighbourhood(mesh, partition, known);
   owner = find_owners(polygons, atlas, threads, job);
   slopes = corner_slopes(polygons, atlas);

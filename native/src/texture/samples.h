@@ -17,7 +17,6 @@ struct Scene {
   const Mesh& mesh;
   const PolygonMesh& polygons;
   const Atlas& atlas;
-  std::vector<std::uint8_t> skipped;  ///< (Q) 1 for polygons that are not baked
   Neighbourhood near;
   Array<std::int32_t> owner;
   std::vector<Slope> slopes;  ///< (L)

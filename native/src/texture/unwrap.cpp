@@ -7,7 +7,6 @@
 #include "isimp/core/errors.h"
 #include "isimp/core/to_integer.h"
 #include "layout.h"
-#include "rearrange.h"
 
 namespace isimp {
 namespace {
@@ -15,10 +14,10 @@ namespace {
 using detail::Layout;
 using detail::Packing;
 using detail::Room;
+using detail::Vec2;
 
 constexpr std::int32_t kLeastSide = 16, kMostSide = 8192, kMostChosen = 16384, kMostTiles = 100;
 constexpr double kUsualFill = 0.55;
-constexpr double kUsedByEdits = 0.93;  // share of the rows, where an edit did not fit: the next ones then do
 
 double gutter_of(std::int32_t side, std::int32_t gutter) { return gutter > 0 ? gutter : std::clamp(side / 512, 3, 16); }
 
@@ -44,9 +43,39 @@ AtlasOptions with_tiles(const PolygonMesh& polygons, AtlasOptions options) {
   return options;
 }
 
+/// Puts a polygon of a packed layout into an atlas.
+void put(const Layout& layout, const Packing& packing, std::int32_t q, Atlas& atlas) {
+  const detail::Rigid& chart = packing.place[layout.chart[q]];
+  const detail::Plane& plane = layout.plane[q];
+  const auto texel = [&](const Vec2& p) -> Vec2 {
+    return chart.turn * (packing.scale * layout.place[q](p)) + chart.shift;
+  };
+  for (std::int32_t i = layout.start[q]; i < layout.start[q + 1]; ++i) {
+    const Vec2 at = texel(layout.flat[i]);
+    atlas.corner[i] = {at.x(), at.y()};
+  }
+  const Eigen::Matrix2d back = (chart.turn * layout.place[q].turn).transpose() / packing.scale;
+  const Vec2 zero = texel(Vec2::Zero());
+  ChartFrame& frame = atlas.frame[q];
+  frame.u = plane.u * back(0, 0) + plane.v * back(1, 0);
+  frame.v = plane.u * back(0, 1) + plane.v * back(1, 1);
+  frame.n = plane.n;
+  frame.origin = plane.centre - frame.u * zero.x() - frame.v * zero.y();
+  atlas.tile[q] = packing.tile[layout.chart[q]];
+}
+
 Atlas atlas_of(const Layout& layout, const Packing& packing, const Room& room) {
-  Atlas atlas = detail::empty_atlas(layout, room, packing.scale);
-  for (std::int32_t q = 0; q < layout.polygon_count(); ++q) detail::put(layout, packing, q, atlas, q, layout.start[q]);
+  Atlas atlas;
+  atlas.side = room.side;
+  atlas.tiles = room.tiles * layout.groups;
+  atlas.scale = packing.scale;
+  atlas.gutter = 2 * room.grow;
+  atlas.fill = layout.area * packing.scale * packing.scale / (static_cast<double>(room.side) * atlas.height());
+  atlas.corner.resize(layout.flat.size());
+  atlas.tile.resize(layout.plane.size());
+  atlas.frame.resize(layout.plane.size());
+  for (std::int32_t t = 0; t < atlas.tiles; ++t) atlas.tile_group.push_back(t / room.tiles);
+  for (std::int32_t q = 0; q < layout.polygon_count(); ++q) put(layout, packing, q, atlas);
   atlas.chart = layout.chart;
   atlas.chart_count = layout.chart_count;
   return atlas;
@@ -61,19 +90,11 @@ Layout charts_of(const PolygonMesh& polygons, const AtlasOptions& options, Job& 
 
 }  // namespace
 
-Atlas unwrap(const PolygonMesh& polygons, const AtlasOptions& asked, Job& job, const EarlierAtlas* earlier) {
+Atlas unwrap(const PolygonMesh& polygons, const AtlasOptions& asked, Job& job) {
   if (polygons.polygon_count() == 0) throw InvalidInput("there are no polygons to lay out");
   const AtlasOptions options = with_tiles(polygons, asked);
   const Layout layout = charts_of(polygons, options, job);
-  double used = 1;
-  const auto room_of = [&](std::int32_t side) {
-    return Room{side, options.tiles, grow_of(side, options.gutter), used};
-  };
-  if (earlier != nullptr) {
-    auto atlas = detail::rearrange(polygons, options, layout, *earlier, room_of(earlier->atlas.side), job);
-    if (atlas) return *std::move(atlas);
-    if (detail::has_room_of(options, layout, earlier->atlas, room_of(earlier->atlas.side))) used = kUsedByEdits;
-  }
+  const auto room_of = [&](std::int32_t side) { return Room{side, options.tiles, grow_of(side, options.gutter)}; };
   const bool chosen = options.side > 0;
   std::int32_t side = chosen ? options.side : side_for(layout.tile_area, options.density);
   for (;; side *= 2) {

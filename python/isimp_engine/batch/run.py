@@ -20,7 +20,7 @@ from ..cli.files import check
 from ..cli.options import settings_of
 from ..cli.simplify import output_kinds
 from ..folders import WORK, discard
-from ..settings import Settings, option_names
+from ..settings import Settings, option_names, without_gone
 from . import page
 from .scans import Scan, estimated_faces, find_scans, fixed_part, needed_mb
 from .table import MADE, PICTURE, Lock, Row, Table, sync_folder
@@ -301,7 +301,7 @@ def _suffix(kind: str, settings: Settings) -> str:
 
 def _checked_options(options: dict[str, Any], recipe: str | os.PathLike[str] | dict[str, Any] | None) -> Settings:
     """Return options and recipe in the form for the steps. Raises BatchError if they are wrong for all scans."""
-    known = option_names()
+    known, options = option_names(), without_gone(options)
     for name in options:
         if name not in known:
             raise BatchError(f"there is no option '{name}'; there are {', '.join(sorted(known))}")

@@ -1,12 +1,13 @@
 """The options of `isimp simplify`, which batches take too: flags made from the engine's table, and their values."""
 
 import argparse
+import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .. import CleanOptions, MeshingOptions, PartitionOptions, RegulariseOptions, recipes, settings
+from .. import CleanOptions, MeshingOptions, PartitionOptions, RegulariseOptions, TextureOptions, recipes, settings
 from ..exporting import UNITS
 from ..settings import ANY_DISTANCE, CLUTTER, LIKE_THE_SCAN, Kind, OptionError, Settings, names, snapping
 from . import closing, guiding, texturing
@@ -49,6 +50,8 @@ def simplify_options() -> argparse.ArgumentParser:
     angle = RegulariseOptions().angle
     command.add_argument("--regularise", type=float, nargs="?", const=angle, metavar="ANGLE", help=turned)
     add_fields(command, RegulariseOptions, snapping())
+    for kind in (PartitionOptions, RegulariseOptions, TextureOptions):
+        _add_gone(command, kind)
     command.add_argument(
         "--texture",
         type=partial(texturing.whole, "size"),
@@ -66,13 +69,6 @@ def simplify_options() -> argparse.ArgumentParser:
         metavar="DISTANCE",
         help="with --texture: an image of ambient occlusion by the scan's faces up to DISTANCE away, in scene units; "
         "without DISTANCE: by all",
-    )
-    command.add_argument(
-        "--height",
-        action="store_true",
-        default=None,
-        help="with --texture: OUTPUT_height.png, of 16 bits: how far the scan lies above or below each polygon; the "
-        "report has its range",
     )
     command.add_argument(
         "--tiles",
@@ -124,6 +120,19 @@ def add_fields(command: Any, options: Kind, wanted: Sequence[str]) -> None:
         metavar = "auto|off|L" if name == "grid" else metavar
         bare = {"nargs": "?", "const": _BARE[name]} if name in _BARE else {}
         command.add_argument("--" + word, dest=name, type=parse, metavar=metavar, help=about, **bare)
+
+
+class _Gone(argparse.Action):
+    """An option of an earlier version: it is taken and has no effect, and stderr says so."""
+
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
+        print(f"isimp: {option_string} has no effect: this version does not have it", file=sys.stderr)
+
+
+def _add_gone(command: Any, options: Kind | type[TextureOptions]) -> None:
+    for name, without in options.gone().items():
+        count = 0 if isinstance(without, bool) else None
+        command.add_argument("--" + name.replace("_", "-"), action=_Gone, nargs=count, help=argparse.SUPPRESS)
 
 
 def _grid(text: str) -> float | None:

@@ -172,8 +172,6 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
         yield f"  {words.found(report['partition'])}"
     if report["options"]["triangles"] is None:  # else the search asked
         yield from words.more_proxies(part.region_count, part.proxies_asked)
-    wanted, plane = report["options"]["symmetry"], report["partition"]["symmetry"]
-    yield from words.symmetry(wanted, plane, part.region_count, out)
     if report["options"]["curved"]:
         yield f"  {words.round_parts(report['curved'])}"
     yield words.polygons(out, out["regions"])

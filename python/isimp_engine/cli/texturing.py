@@ -48,7 +48,7 @@ def check_output(task: Simplification) -> list[Path]:
         return []
     if why := refusal(task.output):
         raise UsageError(why)
-    beside = companions(task.output, task.settings.texture.height)
+    beside = companions(task.output)
     for path in beside:
         check(path)
     return beside
@@ -70,7 +70,5 @@ def summary(report: dict[str, Any]) -> Iterator[str]:
     yield f"  texture: {pixels} pixels, {charts}, {report['fill']:.0%} filled"
     if report["layers"]:
         yield f"  with {', '.join(report['layers'])}"
-    if "height_range" in report:
-        yield f"  heights: black to white is {report['height_range']:.6g} scene units"
     if report["unknown"]:
         yield f"  warning: {report['unknown']:,} pixels show the mean colour, since no face with a texture is near"

@@ -143,20 +143,6 @@ def found(partition: dict[str, Any]) -> str:
     return text + (", the number of planes it is made of" if partition["snapped"] else "")
 
 
-def symmetry(wanted: str, plane: dict[str, Any] | None, regions: int, out: dict[str, Any]) -> Iterator[str]:
-    """`mirrors across x: 290 of 300 regions, 530 of 560 corners`, if symmetry was requested."""
-    if wanted == "none":
-        return
-    if plane is None:
-        yield "  no mirror plane found"
-        return
-    normal = plane["normal"]
-    axis = max(range(3), key=lambda k: abs(normal[k]))
-    across = "xyz"[axis] if abs(normal[axis]) > 0.94 else "(" + ", ".join(f"{x:.3f}" for x in normal) + ")"
-    known = "" if plane["regions"] is None else f"{plane['regions']:,} of {count(regions, 'region')}, "
-    yield f"  mirrors across {across}: {known}{out['mirrored_corners']:,} of {count(out['vertices'], 'corner')}"
-
-
 def round_parts(parts: list[dict[str, Any]]) -> str:
     """`round: 2 cylinders, 1 cone`."""
     kinds = [part["kind"] for part in parts]

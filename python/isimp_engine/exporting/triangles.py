@@ -26,7 +26,7 @@ _PARTS = {
 
 def write_stl(draft: Path, polygons: PolygonMesh, job: Job | None = None) -> None:
     """Write binary STL; far from zero, where float32 has too few digits, STL as text."""
-    triangles, _ = triangulate(polygons.vertices, polygons.loops, polygons.loop_start, job)
+    triangles, _ = triangulate(polygons.vertices, polygons.loops, polygons.loop_start, job=job)
     corners = polygons.vertices[triangles]
     normal = _normals(corners)
     size = np.linalg.norm(np.ptp(polygons.vertices, axis=0))
@@ -45,7 +45,7 @@ def write_stl(draft: Path, polygons: PolygonMesh, job: Job | None = None) -> Non
 
 def write_3mf(draft: Path, polygons: PolygonMesh, unit: str, job: Job | None = None) -> None:
     """Write 3MF with one object: a model if the polygons are closed, else a surface. unit: the scene unit."""
-    triangles, _ = triangulate(polygons.vertices, polygons.loops, polygons.loop_start, job)
+    triangles, _ = triangulate(polygons.vertices, polygons.loops, polygons.loop_start, job=job)
     kind = "model" if polygons.report["closed"] else "surface"
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',

@@ -62,7 +62,7 @@ def write(
     named = Path(like if like is not None else path)
     found = format_of(named)
     if found is None or found.writer is None:
-        _core.write(path, polygons, job)
+        _core.write(path, polygons, job=job)
         return {}
     require(named)
     writer, told = found.writer, dict[str, Any]()

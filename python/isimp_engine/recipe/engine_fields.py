@@ -37,7 +37,6 @@ class PartitionFields(Step):
     adaptivity: float = 0.0
     smooth: float = 0.5
     metric: str = "mixed"
-    symmetry: str = "none"
     curved: bool = False
     leave_out: float = 0.001
     seed: int = 1
@@ -55,8 +54,6 @@ class RegulariseFields(Step):
     angle: float = 8.0
     length: float = 0.0
     up: str = "z"
-    even_spacing: bool = False
-    merge_islands: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -68,7 +65,6 @@ class TextureFields(Step):
     gutter: int = 0
     band: int = 2
     normals: bool = True
-    height: bool = False
     occlusion: bool = False
     occlusion_distance: float = 0.0
     occlusion_rays: int = 144

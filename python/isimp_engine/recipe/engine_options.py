@@ -2,7 +2,16 @@
 # fmt: off
 # ruff: noqa: E501
 
+from typing import Any
+
 from .options import Option
+
+#: settings of earlier versions by step, which have no effect, and the value that means so
+GONE: dict[str, dict[str, Any]] = {
+    "partition": {"symmetry": "none"},
+    "regularise": {"even_spacing": False, "merge_islands": 0.0},
+    "texture": {"height": False},
+}
 
 CLEAN: dict[str, Option] = {
     "stitch": Option(
@@ -227,17 +236,9 @@ PARTITION: dict[str, Option] = {
         kind="str",
         default="mixed",
         choices=("mixed", "normals", "distance"),
-        label="Metric",
-        tip="What borders between regions go by, beside their length",
-        items=(("mixed", "Mixed", "Normals, and distances from the plane of the region: polygons are nearer to the scan"), ("normals", "Normals", "Normals alone, as in the first paper"), ("distance", "Distance", "Distances from the plane of the region alone")),
-    ),
-    "symmetry": Option(
-        kind="str",
-        default="none",
-        choices=("none", "x", "y", "z", "found"),
-        label="Symmetry",
-        tip="Regions and corners mirror, as the scan does within its noise",
-        items=(("none", "None", "Regions do not mirror"), ("x", "X", "Mirror in a plane across the scan's X axis, or nearly so"), ("y", "Y", "Mirror in a plane across the scan's Y axis, or nearly so"), ("z", "Z", "Mirror in a plane across the scan's Z axis, or nearly so"), ("found", "Found", "Mirror in the plane in which the scan mirrors, if there is one")),
+        label="Difference",
+        tip="The measure that decides to which of two regions a face at their border belongs",
+        items=(("mixed", "Mixed", "Direction and distance: polygons are nearest to the scan"), ("normals", "Normals", "Direction of the face, as in the first paper"), ("distance", "Distance", "Distance of the face from the plane of the region")),
     ),
     "curved": Option(
         kind="bool",
@@ -346,22 +347,6 @@ REGULARISE: dict[str, Option] = {
         choices=("x", "y", "z", "none"),
         items=(("x", "", ""), ("y", "", ""), ("z", "", ""), ("none", "", "")),
     ),
-    "even_spacing": Option(
-        kind="bool",
-        default=False,
-        label="Even Spacing",
-        tip="Make distances of parallel planes equal: of storeys, steps and rows of windows, and the widths that three or more windows have in common",
-    ),
-    "merge_islands": Option(
-        kind="float",
-        default=0.0,
-        words="a finite length, at least 0",
-        least=0.0,
-        unit="length",
-        label="Merge Islands",
-        tip="Window panes that are coplanar with the wall round them become part of it, with rims up to this depth. 0: none do",
-        high=1.0,
-    ),
 }
 
 TEXTURE: dict[str, Option] = {
@@ -413,12 +398,6 @@ TEXTURE: dict[str, Option] = {
     "normals": Option(
         kind="bool",
         default=True,
-    ),
-    "height": Option(
-        kind="bool",
-        default=False,
-        label="Height Map",
-        tip="Make an image of how far the scan lies above or below each polygon, with a Displacement node that is not linked: the normal map shows the same relief",
     ),
     "occlusion": Option(
         kind="bool",

@@ -16,7 +16,7 @@ from .places import Places, faces_of
 from .plane_steps import AlignPlanes, Regularise
 from .round_steps import RoundSegments
 from .step import Step
-from .steps import LockRegions, Mesh, PaintFaces, Partition, Texture, UnlockRegions, step_from_dict
+from .steps import LockRegions, Mesh, PaintFaces, Partition, Texture, UnlockRegions, gone_from, step_from_dict
 
 VERSION = 1
 
@@ -28,6 +28,8 @@ class Recipe:
     steps: tuple[Step, ...] = ()
     #: places of the faces that the steps name, in a recipe that was written; None: the numbers are of one scan
     places: Places | None = field(default=None, compare=False)
+    #: sentences about settings that the steps had when they were read, and that this version does not have
+    gone: tuple[str, ...] = field(default=(), compare=False)
 
     def then(self, step: Step) -> Recipe:
         """The recipe with one more step, in place of a Mesh step at its end and its texture.
@@ -170,7 +172,7 @@ class Recipe:
         steps = values.get("steps")
         check(not isinstance(steps, list), said("not a recipe: 'steps' must be a list"))
         places = None if values.get("places") is None else Places.from_values(values["places"])
-        return Recipe(tuple(numbered_step(number, step) for number, step in enumerate(steps, 1)), places)
+        return Recipe(tuple(numbered_step(number, step) for number, step in enumerate(steps, 1)), places, gone(steps))
 
 
 def parsed(text: str, problem: str) -> Any:
@@ -181,6 +183,13 @@ def parsed(text: str, problem: str) -> Any:
         raise RecipeError(said("{problem}: it is not JSON ({error})", problem=problem, error=error)) from None
     except RecursionError:
         raise RecipeError(said("{problem}: its brackets are nested too deeply", problem=problem)) from None
+
+
+def gone(steps: list[Any]) -> tuple[str, ...]:
+    """A sentence about each setting of saved steps that this version does not have."""
+    text = own("step {number}: {name} has no effect: this version of iSimp does not have it")
+    found = [(number, name) for number, values in enumerate(steps, 1) for name in gone_from(values)]
+    return tuple(said(text, number=number, name=name) for number, name in found)
 
 
 def numbered_step(number: int, values: Any) -> Step:

@@ -14,7 +14,7 @@ from typing import Any
 
 from .checks import RecipeError, check, check_choice, check_face, check_options, indices, must, numbers, short
 from .engine_fields import CleanFields, MeshingFields, PartitionFields, TextureFields
-from .engine_options import CLEAN, MESHING, PARTITION, TEXTURE
+from .engine_options import CLEAN, GONE, MESHING, PARTITION, TEXTURE
 from .language import own, said
 from .options import COUNTS
 from .plane_steps import AlignPlanes, Regularise
@@ -431,6 +431,7 @@ def step_from_dict(values: Any) -> Step:
     if cls is None:
         raise RecipeError(said("{kind} is not a step of this version", kind=short(kind)))
     fields = {field.name: field for field in dataclasses.fields(cls)}
+    values = {name: value for name, value in values.items() if name not in GONE.get(str(kind), ())}
     for name, value in values.items():
         if name not in fields:
             raise RecipeError(said("{kind} has no setting {name}", kind=kind, name=short(name)))
@@ -439,6 +440,12 @@ def step_from_dict(values: Any) -> Step:
     names, meant = _EARLIER.get(kind, (set(), {}))
     meant = _ABSENT.get(kind, {}) | (meant if names <= values.keys() else {})
     return cls(**(meant | values))
+
+
+def gone_from(values: Any) -> tuple[str, ...]:
+    """The settings in a saved step that had an effect in an earlier version, and have none in this one."""
+    known = GONE.get(str(values.get("step")), {}) if isinstance(values, dict) else {}
+    return tuple(name for name, without in known.items() if values.get(name, without) != without)
 
 
 def _check_value(what: str, wanted: str, value: Any, is_seed: bool) -> None:

@@ -43,7 +43,7 @@ def _upward(step: rcp.Regularise | rcp.AlignPlanes, faces: Faces, part: Partitio
 def _regularise(step: rcp.Regularise, faces: Faces, part: Partition, job: Job | None) -> Partition:
     up = _upward(step, faces, part)
     own = rcp.engine_options(step, rcp.REGULARISE) | {"up": "none" if up is None else "z"}
-    return _core.regularise(faces.mesh, part, RegulariseOptions(**own), job, up_direction=up)
+    return _core.regularise(faces.mesh, part, RegulariseOptions(**own), job=job, up_direction=up)
 
 
 def _align(step: Any, faces: Faces, part: Partition, job: Job | None) -> Partition:
@@ -53,12 +53,12 @@ def _align(step: Any, faces: Faces, part: Partition, job: Job | None) -> Partiti
             raise ValueError("level and upright need an up direction: choose an axis for Up")
         up = np.array([0.0, 0.0, 1.0])
     chosen = np.array([faces.triangle_at(face) for face in step.faces])
-    return _core.align_planes(faces.mesh, part, chosen, step.to, up, step.length or None, job)
+    return _core.align_planes(faces.mesh, part, chosen, step.to, up, step.length or None, job=job)
 
 
 def _paint(step: rcp.PaintFaces, faces: Faces, part: Partition, job: Job | None) -> Partition:
     onto = None if step.onto < 0 else faces.triangle_at(step.onto)
-    part = _core.paint_faces(faces.mesh, part, faces.triangles_at(step.faces), onto, job)
+    part = _core.paint_faces(faces.mesh, part, faces.triangles_at(step.faces), onto, job=job)
     if not step.lock:
         return part
     return _core.lock_regions(faces.mesh, part, np.array([part.region_seed[-1] if onto is None else onto]))
@@ -71,7 +71,7 @@ def _erase(step: rcp.EraseFaces, faces: Faces, part: Partition, job: Job | None)
     locked = region >= 0 and bool(part.region_locked[region])
     if locked:
         part = _core.unlock_regions(mesh, part, chosen[:1])
-    part = _core.erase_faces(mesh, part, chosen, job)
+    part = _core.erase_faces(mesh, part, chosen, job=job)
     if locked and part.region_count == count:  # the region still exists
         part = _core.lock_regions(mesh, part, np.flatnonzero(part.face_region == region)[:1])
     return part
@@ -106,7 +106,7 @@ def _smooth(step: rcp.SmoothFaces, faces: Faces, part: Partition, job: Job | Non
         if moved.any():
             whole = faces.with_split(part, moved, now == now[stays], pairs)
             chosen = faces.triangles_at(np.flatnonzero(whole).tolist())
-            part = _core.paint_faces(mesh, part, chosen, faces.triangle_at(stays), job)
+            part = _core.paint_faces(mesh, part, chosen, faces.triangle_at(stays), job=job)
     if locked:
         stays = int(np.flatnonzero((label == first) & (wanted == first))[0])
         part = _core.lock_regions(mesh, part, np.array([faces.triangle_at(stays)]))
@@ -121,7 +121,7 @@ def _poll(job: Job | None) -> None:
 def _cut(step: rcp.CutRegion, faces: Faces, part: Partition, job: Job | None) -> Partition:
     direction = np.array(step.direction, float) if step.direction else None
     line = np.array(step.line, float)
-    return _core.split_along(faces.mesh, part, faces.triangle_at(step.face), line, direction, job)
+    return _core.split_along(faces.mesh, part, faces.triangle_at(step.face), line, direction, job=job)
 
 
 def _locks(change: Callable[..., Partition], *names: str) -> Edit:
@@ -153,11 +153,11 @@ def _everywhere(change: Callable[..., Partition], *names: str) -> Edit:
 
 def _merge(step: rcp.MergeRegions, faces: Faces, part: Partition, job: Job | None) -> Partition:
     other = faces.triangle_at(step.other)
-    return _core.merge_regions(faces.mesh, part, faces.triangle_at(step.face), other, job)
+    return _core.merge_regions(faces.mesh, part, faces.triangle_at(step.face), other, job=job)
 
 
 def _round(step: rcp.RoundRegions, faces: Faces, part: Partition, job: Job | None) -> Partition:
-    return _core.make_round(faces.mesh, part, faces.triangles_at(step.faces), step.kind or None, job)
+    return _core.make_round(faces.mesh, part, faces.triangles_at(step.faces), step.kind or None, job=job)
 
 
 #: the steps that change regions, by their names in recipes

@@ -1,8 +1,6 @@
 """The scan's texture put on its polygons."""
 
-import hashlib
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,7 +16,7 @@ from .._core import (
     TextureOptions,
     _Atlas,
     _bake,
-    _map_layers,
+    _occlusion,
     _source_corners,
     _unwrap,
     _uv,
@@ -37,9 +35,8 @@ class Texture:
     image: (H, W, 4) uint8, row 0 at the top. normal: (H, W, 3) uint8 tangent-space normals (green up), None if not
     requested: they are right if all corners of a polygon have its `polygon_normal` and `polygon_tangent`.
     layers: further images that the scan's materials have, or that were requested: (H, W) uint8 "roughness", "metallic"
-    and "occlusion", (H, W) uint16 "height", (H, W, 3) uint8 "emission", stored as colours are. factors: "roughness" and
-    "metallic" where they are one number everywhere, the factor of the image of "emission", and the range of "height":
-    the scan lies (value / 65535 - 0.5) * range above the polygon, in scene units.
+    and "occlusion", (H, W, 3) uint8 "emission", stored as colours are. factors: "roughness" and "metallic" where they
+    are one number everywhere, and the factor of the image of "emission".
     With several tiles all images have one more axis in front, (N, H, W, ...). tile: (Q,) int32, the tile of each
     polygon; its UVs are from 0 to 1 there. tile_material: the source's material of each tile, -1 for none, or if
     materials are not kept apart.
@@ -56,7 +53,6 @@ class Texture:
     tile: NDArray[np.int32] | None = field(default=None, repr=False)
     tile_material: tuple[int, ...] = (-1,)
     tile_name: tuple[str, ...] = ("",)  #: the name of that material
-    made_of: "_MadeOf | None" = field(default=None, repr=False)  #: for `texture(..., previous=...)`
 
     @property
     def materials_apart(self) -> bool:
@@ -68,22 +64,6 @@ class Texture:
         yield self.image
 
 
-@dataclass(frozen=True, eq=False)
-class _MadeOf:
-    """The input of a texture, as a later one needs it."""
-
-    part: Partition
-    poly: PolygonMesh
-    atlas: _Atlas
-    layout: tuple[Any, ...]  # options that the layout depends on
-    digest: bytes  # digest of the mesh, the source and the options
-    color: NDArray[np.uint8]  # images as the engine made them, tiles upon each other
-    normal: NDArray[np.uint8] | None
-    layers: list[NDArray[np.uint8]]
-    occlusion: NDArray[np.uint8] | None
-    texels: NDArray[np.int64]  # (Q, 3)
-
-
 def texture(
     mesh: Mesh,
     part: Partition,
@@ -92,23 +72,15 @@ def texture(
     options: TextureOptions | None = None,
     *,
     job: Job | None = None,
-    previous: Texture | None = None,
 ) -> Texture:
     """Lay the polygons out in an image, and show the scan there.
 
     source: the input of the mesh: `clean(source.vertices, source.triangles)`.
-    previous: a texture of other polygons of the same scan. Polygons whose corners have moved by no more than a pixel
-    (or two, if need be) keep their places, the others are put into the free room; if they do not fit there, more
-    polygons make room, and finally all are laid out again. Polygons that show the same faces at the same pixels copy
-    them, which gives the same images as baking them. Therefore a texture keeps its input: 7 bytes a pixel, and 4 for
-    each layer.
     The report: `size`, `tiles`, `materials` (how many are kept apart, 0: none are), `charts`, `fill` (area of the
     polygons over that of the image), `texels_per_unit` and `source_texels_per_unit` (of the result and of the scan, per
     scene unit), `gutter`, `texels` (in polygons), `searched` (texels that show the closest face, since none lies above
     or below), `unknown` (texels that show the mean colour), `turned_faces` (faces that repairs changed), `lost_faces`
-    (faces without a place on the scan), `kept_places` (polygons at their places of the previous texture), `kept_pixels`
-    (pixels that were not baked), `layers` (the names of further images) and, with a height map, `height_range` (see
-    `Texture.factors`).
+    (faces without a place on the scan) and `layers` (the names of further images).
     Raises InvalidInput (the source is not the mesh's, or shows nothing; charts do not fit into the size) or Cancelled.
     """
     options = options or TextureOptions()
@@ -118,45 +90,25 @@ def texture(
     look = _look(source, face, weight)
     density = _density(mesh, look)
     group, tile_materials = _groups(mesh, part, poly, source, face) if options.materials else (_NO_GROUP, [-1])
-    layout = (options.size, options.tiles, options.materials, options.unfold, options.gutter, density, tile_materials)
-    before = previous.made_of if previous is not None else None
-    earlier = (before.poly, before.atlas) if before is not None and before.layout == layout else None
-    atlas = _unwrap(poly, options, FINER * density, group, earlier, job)
+    atlas = _unwrap(poly, options, FINER * density, group, job)
     wanted, factors = _wanted(source)
     shown = [_layer(source, name, face, weight, look.uv) for name in wanted]
     relief = None
     if options.normals and NORMAL in source.layers:
         relief = _layer(source, NORMAL, face, weight, look.uv)
-    known = None
-    with ThreadPoolExecutor(1) as beside:  # hashing takes a twentieth of the bake, and needs no more than its arrays
-        digest = beside.submit(_digest, mesh, source, options)
-        if options.threads == 1:
-            digest.result()
-        if before is not None and atlas.kept and before.digest == digest.result():
-            known = (before.part, before.poly, before.atlas, before.color, before.normal, before.layers, before.texels)
-        args = ((look.uv, look.image, look.colors, look.known), look.pictures, shown, relief)
-        color, normal, images, texels, same = _bake(mesh, part, poly, atlas, *args, options, known, job)
+    args = ((look.uv, look.image, look.colors, look.known), look.pictures, shown, relief)
+    color, normal, images, texels = _bake(mesh, part, poly, atlas, *args, options, job)
     layers: dict[str, NDArray[Any]] = {
         n: np.ascontiguousarray(i[:, :, :3] if n == "emission" else i[:, :, 0])
         for n, i in zip(wanted, images, strict=True)
     }
-    occlusion = None
-    if options.height or options.occlusion:
-        dark = before.occlusion if before is not None and known is not None else None
-        occlusion, height, span = _map_layers(mesh, part, poly, atlas, options, same, dark, job)
-        if height is not None:
-            layers["height"], factors["height"] = height, span
-        if occlusion is not None:  # in place of that of the scan's materials
-            layers["occlusion"] = occlusion
+    if options.occlusion:  # in place of that of the scan's materials
+        layers["occlusion"] = _occlusion(mesh, part, poly, atlas, options, job)
     report: dict[str, Any] = {"size": atlas.side, "tiles": atlas.tiles, "charts": atlas.chart_count, "fill": atlas.fill}
     report |= {"materials": len(tile_materials) if options.materials else 0}
     report |= {"gutter": atlas.gutter, "texels_per_unit": atlas.scale, "source_texels_per_unit": density}
     report |= dict(zip(("texels", "searched", "unknown"), texels.sum(axis=0).tolist(), strict=True))
     report |= {"turned_faces": turned, "lost_faces": lost, "layers": list(layers)}
-    report |= {"kept_places": atlas.kept, "kept_pixels": int((same >= 0).sum())}
-    if options.height:
-        report["height_range"] = factors["height"]
-    made_of = _MadeOf(part, poly, atlas, layout, digest.result(), color, normal, images, occlusion, texels)
     return Texture(
         _uv(poly, atlas),
         _tiles(color, atlas),
@@ -169,7 +121,6 @@ def texture(
         np.array(atlas.tile),
         tuple(tile_materials[g] for g in atlas.tile_group.tolist()),
         tuple(source.material_name(tile_materials[g]) for g in atlas.tile_group.tolist()),
-        made_of,
     )
 
 
@@ -197,29 +148,6 @@ def _groups(
     chosen = votes.argmax(axis=1)[poly.polygon_region]
     materials, group = np.unique(chosen, return_inverse=True)
     return group.astype(np.int32), [-1 if m == count - 1 else m for m in materials.tolist()]
-
-
-def _digest(mesh: Mesh, source: TexturedSoup, options: TextureOptions) -> bytes:
-    """A digest of all data that the pixels of a polygon depend on, except its place."""
-    found = hashlib.blake2b(digest_size=16)
-
-    def add(*arrays: Any) -> None:
-        for array in arrays:
-            if array is None:
-                found.update(b"-")
-                continue
-            values = np.ascontiguousarray(array)
-            found.update(repr((values.shape, values.dtype.str)).encode())
-            found.update(values.view(np.uint8).data if values.size else b"")
-
-    wanted = {name: value for name, value in options.as_dict().items() if name not in ("threads", "size")}
-    found.update(repr(sorted(wanted.items())).encode())
-    add(mesh.vertices, mesh.triangles, mesh.source_face, source.vertices, source.triangles, source.uv)
-    add(source.material, source.colors, *_distinct(source.images))
-    for name, layer in sorted(source.layers.items()):
-        found.update(repr((name, layer.strength)).encode())
-        add(layer.uv, *_distinct(layer.images))
-    return found.digest()
 
 
 @dataclass(frozen=True)

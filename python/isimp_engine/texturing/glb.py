@@ -198,7 +198,7 @@ def filled(poly: PolygonMesh, job: Job | None) -> tuple[NDArray[np.float64], NDA
     """
     corners = poly.vertices[poly.loops]
     each = np.arange(len(poly.loops), dtype=np.int32)
-    return corners, *ngons.fans(corners, poly.loop_start, *triangulate(corners, each, poly.loop_start, job))
+    return corners, *ngons.fans(corners, poly.loop_start, *triangulate(corners, each, poly.loop_start, job=job))
 
 
 def plain(name: str, poly: PolygonMesh, job: Job | None = None) -> bytes:

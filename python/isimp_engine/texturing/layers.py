@@ -14,7 +14,6 @@ from .images import Image, by_rows, rgba, settled
 NEUTRAL = {"roughness": 1.0, "metallic": 0.0, "emission": 0.0, "occlusion": 1.0}
 LARGEST_UV = 1e30  #: UVs of any use are below, and single precision holds them
 NORMAL = "normal"
-HEIGHT = "height"  #: made here, never read
 NUMBERS = ("roughness", "metallic")  #: with one value everywhere these are a number of the result, and no image
 
 

@@ -29,7 +29,7 @@ _LARGEST = 1e30  # largest of such numbers
 
 def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
     look, materials, libraries = _read(path, job, threads, named.refuse)
-    triangles, polygon = triangulate(look.vertices, look.loops, look.loop_start, job)
+    triangles, polygon = triangulate(look.vertices, look.loops, look.loop_start, job=job)
     places = corner_places(look.loops, look.loop_start, triangles, polygon)
     pictures, shown = images.Pictures(), list[Any]()
     for m in materials.values():

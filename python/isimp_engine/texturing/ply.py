@@ -26,7 +26,7 @@ Columns = dict[str, NDArray[Any]]
 
 def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
     look, textures, files = _read(path, job, threads, named.refuse)
-    triangles, polygon = triangulate(look.vertices, look.loops, look.loop_start, job)
+    triangles, polygon = triangulate(look.vertices, look.loops, look.loop_start, job=job)
     loader = images.Pictures()
     pictures = [loader.load(file, str(path)) for file in files] if look.uv is not None else []
     colors: NDArray[np.uint8] | None = None

@@ -18,22 +18,22 @@ from . import images, obj
 from .baking import Texture
 from .glb import filled, glb
 from .gltf_layers import Shown
-from .layers import HEIGHT, NORMAL
+from .layers import NORMAL
 
 Put = Callable[[Path, bytes], object]
 
 
 #: Names of the further layers in MTL files. They have no word for occlusion: it dims the ambient light.
-_MAPS = {"roughness": "map_Pr", "metallic": "map_Pm", "emission": "map_Ke", "occlusion": "map_Ka", HEIGHT: "disp"}
+_MAPS = {"roughness": "map_Pr", "metallic": "map_Pm", "emission": "map_Ke", "occlusion": "map_Ka"}
 
 
-def companions(path: Path, height: bool = False) -> list[Path]:
-    """The files that can accompany an output: OBJ has a material file and images, GLB has no place for heights.
+def companions(path: Path) -> list[Path]:
+    """The files that can accompany an output: OBJ has a material file and images.
 
     Files of a result with tiles or several materials have more in their names.
     """
     if path.suffix.lower() != ".obj":
-        return [_beside(path, HEIGHT)] if height else []
+        return []
     return [path.with_suffix(".mtl"), path.with_suffix(".png"), *(_beside(path, n) for n in (NORMAL, *_MAPS))]
 
 
@@ -117,8 +117,6 @@ def files_of(path: Path, poly: PolygonMesh, made: Texture, job: Job | None = Non
     files = {}
     if kind == ".glb":
         files[path] = _glb(path, poly, made, tiles, job)
-        for sheet in tiles if HEIGHT in made.layers else ():
-            files[path.with_name(sheet.name(HEIGHT))] = images.png(sheet.layers[HEIGHT], path)
         return files
     mtl = path.with_suffix(".mtl")
     files[path] = _obj(mtl.name, poly, made, tiles)
@@ -138,8 +136,7 @@ def write_textured(
     OBJ keeps the n-gons and has an MTL file and PNG images of the same name; images of several tiles are UDIM images
     (`model.1001.png`, in the MTL file `model.<UDIM>.png`), and images of materials kept apart have the material's name
     (`model-red.png`). GLB has triangles, which FB_ngon_encoding groups to n-gons, a material for each tile, and holds
-    its images; the coordinates are the scan's, though glTF takes y for up. A height map is a separate file, as glTF
-    has no word for it.
+    its images; the coordinates are the scan's, though glTF takes y for up.
     Each file is replaced only when all are complete. Raises FileError (another extension, or the place can't be
     written).
     """
@@ -199,8 +196,6 @@ def _mtl(sheet: _Sheet, factors: dict[str, float]) -> bytes:
     if sheet.normal is not None:
         normal = sheet.name(NORMAL, sheet.any_udim)
         lines += [f"map_Bump {normal}", f"norm {normal}"]
-    if HEIGHT in more:
-        lines.append(f"# height above the polygon: (value of disp, from 0 to 1, - 0.5) * {factors[HEIGHT]:.9g}")
     lines += [f"{word} {more[name]}" for name, word in _MAPS.items() if name in more]
     return os.fsencode("\n".join(lines) + "\n")
 

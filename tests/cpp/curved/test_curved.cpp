@@ -319,13 +319,12 @@ TEST(Curved, AnyNumberOfThreadsGivesTheSame) {
   EXPECT_EQ(parts[0].region_normal, parts[1].region_normal);
 }
 
-TEST(Curved, ABoundAndSymmetryAreRefused) {
+TEST(Curved, ABoundIsRefused) {
   const Mesh mesh = shapes::mesh(can());
   Job job;
-  PartitionOptions bound{.bound = 0.1}, mirrored{.symmetry = Symmetry::x};
-  bound.curved = mirrored.curved = true;
+  PartitionOptions bound{.bound = 0.1};
+  bound.curved = true;
   EXPECT_THROW(Partitioner(mesh).run(bound, {}, job), InvalidInput);
-  EXPECT_THROW(Partitioner(mesh).run(mirrored, {}, job), InvalidInput);
 }
 
 TEST(Curved, SegmentsChangeOnePatchOnly) {

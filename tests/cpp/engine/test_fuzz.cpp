@@ -192,7 +192,6 @@ PartitionOptions partition_options(Dice& dice, std::int32_t faces) {
     options.detail = 0.001 * std::pow(10.0, 2 * dice.share());
     if (dice.chance(3)) options.adaptivity = 0.25;
   }
-  if (dice.chance(5)) options.symmetry = static_cast<Symmetry>(dice.number(1, 4));
   return options;
 }
 

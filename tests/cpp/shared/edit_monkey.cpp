@@ -429,7 +429,6 @@ void run_all(const Mesh& mesh, const std::string& name, const std::vector<double
   try_it("proxies", {.proxies = few}, {});
   try_it("proxies lloyd", {.proxies = few, .method = Method::lloyd}, {});
   try_it("bound", {.bound = 0.01 * mesh.diagonal()}, {});
-  try_it("symmetry", {.detail = details.back(), .symmetry = Symmetry::found}, {});
   const std::vector<VertexPair> edges = some_edges(mesh, random, 40);
   try_it("barriers", plain, {.guides = {.weights = {}, .barriers = edges}});
   try_it("cuts", plain, {.guides = {}, .cuts = edges});

@@ -39,7 +39,7 @@ struct Settings {
 /// \param name  of the scan and of how it was split, for findings
 void run(const Mesh& mesh, const Partition& partition, const std::string& name, const Settings& settings, Tally& tally);
 
-/// Options of partitions that a scan is split with: by detail, number, bound, with adaptivity, symmetry, weights,
+/// Options of partitions that a scan is split with: by detail, number, bound, with adaptivity, weights,
 /// barriers, cuts, locks and of some faces only.
 /// \param details  (K) each is taken with adaptivity 0 and .25 and smooth 0 and .5
 /// \param guided   whether constraints are tried too

@@ -287,14 +287,9 @@ TEST(Constraints, KeptDataOfAPartChangesNothing) {
   Constraints constraints = all_kinds(mesh, before);
   for (const bool only_some : {true, false, true}) {
     constraints.faces = only_some ? std::optional(upper_faces(mesh)) : std::nullopt;
-    const Mesh part = part_of(mesh, *open_faces(mesh, constraints, 12, 0.001, job), job);
-    const Partitioner own(part);
     for (const std::int32_t proxies : {30, 50}) {
       const Partition fresh = run(mesh, {.proxies = proxies}, constraints);
       expect_same(kept.run({.proxies = proxies}, constraints, job), fresh);
-      Constraints with_part = constraints;
-      with_part.part = &own;
-      expect_same(kept.run({.proxies = proxies}, with_part, job), fresh);
     }
   }
 }
@@ -322,7 +317,6 @@ TEST(Constraints, BadOnesAreNamed) {
   const Mesh other = shapes::mesh(shapes::cube());
   const Partition before = with_locked(mesh, {.proxies = 4}, 4), some = with_locked(mesh, {.proxies = 4}, 1);
   const Partition foreign = partition(other, {.proxies = 6}, job);
-  const Partitioner wrong(mesh);
   const auto said = [&](const Constraints& constraints, PartitionOptions options = {.proxies = 9}) {
     return message_of([&] { (void)run(mesh, options, constraints); });
   };
@@ -338,8 +332,6 @@ TEST(Constraints, BadOnesAreNamed) {
   EXPECT_EQ(said({.cuts = {{0, 0}}, .before = &some}),
             "barrier 0 runs between vertices 0 and 0, but there is no such edge in the mesh");
   EXPECT_EQ(said({.before = &some}, {.proxies = 0}), "proxies must be in [1, 5120], got 0");
-  EXPECT_EQ(said({.faces = Faces{1, 2}, .part = &wrong}),
-            "the part has a face 2 of the 2 that may be split: it was made of others");
   EXPECT_EQ(message_of([&] { (void)part_of(mesh, Faces{5120}, job); }), "faces must be in [0, 5120), got 5120");
   EXPECT_EQ(message_of([&] { (void)inside(mesh, foreign, {}); }),
             "the partition has 12 faces and the mesh has 5120: it was made for another mesh");

@@ -12,7 +12,6 @@
 #include "isimp/simplify/partitioner.h"
 #include "isimp/texture/bake.h"
 #include "isimp/texture/corners.h"
-#include "isimp/texture/height.h"
 #include "isimp/texture/unwrap.h"
 #include "shapes.h"
 
@@ -432,21 +431,6 @@ TEST(SourceCorners, OtherArraysAreRefused) {
   const Mesh mesh = shapes::mesh(shapes::cube(3));
   const shapes::Arrays other = shapes::sphere(2);
   EXPECT_THROW(source_corners(mesh, other.vertices, other.triangles, job), InvalidInput);
-}
-
-TEST(HeightImage, ReturnsItsRangeAndClampsGutters) {
-  BakeMap map;
-  map.side = 2;
-  map.polygon = {0, 0, kNone, kNone};
-  map.face = {3, 4, 5, kNone};
-  map.barycentric.assign(8, 0.0F);
-  map.height = {0.25F, -0.5F, 2, 7};
-  const HeightImage image = height_image(map, 0.1);
-  EXPECT_EQ(image.range, 1.0);
-  EXPECT_EQ(image.grey, (Array<std::uint16_t>{49151, 0, 65535, 32768}));
-  const HeightImage flat = height_image(map, 0.5);
-  EXPECT_EQ(flat.range, 0.0);
-  EXPECT_EQ(flat.grey, Array<std::uint16_t>(4, 32768));
 }
 
 }  // namespace

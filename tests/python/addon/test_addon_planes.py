@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import shapes
 from bench.generators import houses
 from isimp import messages, regularity, sketch
 from isimp import recipe as rcp
@@ -253,22 +252,6 @@ def test_a_bound_does_not_cost_the_planes(house, session):
     assert outcome.numbers["scan_distance"] > outcome.numbers["scan_distance_allowed"], "all steps are tried"
     assert outcome.numbers["held"] > 0
     assert outcome.numbers["regions"] == outcome.numbers["regions_before"]
-
-
-def test_panes_become_part_of_their_wall(session):
-    vertices, triangles, _ = shapes.slab_with_pane()
-    slab, begin = scan_of(vertices, triangles), rcp.Recipe((rcp.Partition(proxies=16),))
-    before = session.replay(slab, begin)
-    recipe = begin.then(rcp.Regularise(merge_islands=1.5))
-    assert rcp.Recipe.from_json(recipe.to_json()) == recipe
-    after = session.replay(slab, recipe)
-    assert (before.numbers["regions"], after.numbers["regions"]) == (16, 6)
-    assert after.numbers["planes"] == after.partition.region_count == len(after.region_color) == 6
-    assert set(after.region_color) <= set(before.region_color), "walls keep their colours"
-    assert np.array_equal(after.face_region, after.partition.face_region)
-    assert len(session.replay(slab, recipe.then(rcp.Mesh(planar=True))).polygons.loop_start) == 6
-    with pytest.raises(rcp.RecipeError, match="merge_islands must be"):
-        rcp.Regularise(merge_islands=-1.0)
 
 
 def test_the_engine_knows_no_other_alignments():

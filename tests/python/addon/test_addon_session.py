@@ -444,11 +444,11 @@ def test_the_search_for_polygons_within_a_bound_shows_how_far_it_is_and_can_be_s
     session.replay(quads, recipe)
     real = engine.within.polygonize
 
-    def polygonize(*args):
+    def polygonize(*args, **given):
         seen.append((watch.progress, watch.stage))
         if len(seen) == 3:
             watch.cancel()
-        return real(*args)
+        return real(*args, **given)
 
     monkeypatch.setattr(engine.within, "polygonize", polygonize)
     with pytest.raises(Stopped):

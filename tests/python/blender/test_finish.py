@@ -72,18 +72,6 @@ def test_locked_slivers_stay():
     assert store.numbers(scan)["regions"] == 7
 
 
-def test_symmetrise_changes_the_partition_and_does_edits_again():
-    scan = parted(12)
-    assert OPS.symmetrise() == {"FINISHED"}
-    assert store.load(scan).steps[0].symmetry == "x"
-    assert store.numbers(scan)["mirrored_regions"] == store.numbers(scan)["regions"]
-    OPS.add_proxy(face=3)
-    OPS.symmetrise(axis="y")
-    assert [type(step) for step in store.load(scan).steps] == [rcp.Partition, rcp.AddProxy]
-    OPS.symmetrise(axis="none")
-    assert store.load(scan).steps[0].symmetry == "none"
-
-
 def test_merge_flat_keeps_materials_and_places():
     source = scans.cube(cells=5)
     for name in ("Stone", "Glass"):

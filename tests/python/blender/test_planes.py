@@ -258,7 +258,7 @@ def test_every_button_of_the_panel_is_drawn():
     for name in ("Level", "Upright", "Parallel", "Perpendicular", "Coplanar", "Free"):
         assert ("operator", name) in drawn
     names = [name for _, name in drawn]
-    assert {"angle_turn", "up", "regularise_first", "even_spacing"} <= set(names)
+    assert {"angle_turn", "up", "regularise_first"} <= set(names)
     assert names.count("length_automatic") == 2
     assert "length" not in names
     bpy.context.window_manager.isimp.align.length_automatic = False

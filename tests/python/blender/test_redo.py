@@ -112,7 +112,6 @@ CHANGES = [
     ("regularise", rounded, {"angle": 8.0}, {"angle": 2.0}),
     ("align", parted, {"face": 0, "to": "upright"}, {"face": 0, "to": "free"}),
     ("align", parted, {"face": 0, "to": "upright"}, {"face": 0, "to": "upright", "length": 0.5}),
-    ("symmetrise", rounded, {"axis": "x"}, {"axis": "none"}),
     ("merge_slivers", slivered, {"share": 10.0}, {"share": 50.0}),
     ("merge_flat", rounded, {"angle": 0.001}, {"angle": 1.0}),
     ("make_editable", rounded, {"chord_tolerance": 0.35}, {"chord_tolerance": 0.05}),

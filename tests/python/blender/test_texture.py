@@ -192,14 +192,14 @@ def test_the_buttons_of_the_panel_change_one_setting_each():
         assert bpy.ops.isimp.texture(**settings) == {"FINISHED"}
         return steps_of(scan)[-1]
 
-    assert bpy.ops.isimp.texture(size=64, height=True) == {"FINISHED"}
+    assert bpy.ops.isimp.texture(size=64, occlusion=True) == {"FINISHED"}
     step = press("128 px")
-    assert (step.size, step.height, step.materials, texture.image_width(result)) == (128, True, False, 128)
+    assert (step.size, step.occlusion, step.materials, texture.image_width(result)) == (128, True, False, 128)
     assert press("64 px").size == 64
     step = press("Keep Materials Apart")
-    assert (step.size, step.height, step.materials, len(result.data.materials)) == (64, True, True, 2)
-    step = press("Height Map")
-    assert (step.size, step.height, step.materials) == (64, False, True)
+    assert (step.size, step.occlusion, step.materials, len(result.data.materials)) == (64, True, True, 2)
+    step = press("Ambient Occlusion")
+    assert (step.size, step.occlusion, step.materials) == (64, False, True)
     assert press("Keep Materials Apart").materials is False
     assert press("Like the Scan").size == 0
 

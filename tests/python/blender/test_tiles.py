@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender.scene import runtime, store
+from isimp.blender.scene import store
 from isimp.blender.texturing import materials
 from test_texture import COLOURS, image_of, shader, shown, simplify, textured_cube
 
@@ -106,7 +106,7 @@ def test_a_result_of_several_tiles_is_one_packed_image(tmp_path):
 def test_again_with_one_tile_it_is_a_plain_image():
     textured_cube()
     result = simplify()
-    assert bpy.ops.isimp.texture(size=64, tiles=2, height=True) == {"FINISHED"}
+    assert bpy.ops.isimp.texture(size=64, tiles=2, occlusion=True) == {"FINISHED"}
     assert bpy.ops.isimp.texture(size=64) == {"FINISHED"}
     assert shown(result).source != "TILED"
     assert sum(bool(image.get("isimp_texture")) for image in bpy.data.images) == 2
@@ -149,13 +149,7 @@ def sphere_with_a_picture():
     return scan
 
 
-def places(result):
-    """The UVs of each polygon's corners, by its middle."""
-    uv = np.array([corner.uv[:] for corner in result.data.uv_layers.active.data])
-    return np.array([np.hstack([p.center, uv[list(p.loop_indices)].mean(axis=0)]) for p in result.data.polygons])
-
-
-def test_after_an_edit_untouched_charts_keep_their_place_and_pixels():
+def test_after_an_edit_the_texture_is_made_again_with_its_settings():
     scan = sphere_with_a_picture()
     assert bpy.ops.isimp.partition(proxies=60) == {"FINISHED"}
     assert bpy.ops.isimp.mesh() == {"FINISHED"}
@@ -163,20 +157,13 @@ def test_after_an_edit_untouched_charts_keep_their_place_and_pixels():
     result = bpy.context.object
     result["mine"] = 5
     shader(result.data.materials[0]).inputs["Roughness"].default_value = 0.3
-    before, pixels = places(result), materials.pixels(shown(result))
+    before = materials.pixels(shown(result))
     scans.activate(scan)
     assert bpy.ops.isimp.add_proxy(face=500) == {"FINISHED"}
     assert bpy.ops.isimp.mesh() == {"FINISHED"}
     assert bpy.context.object == result
-    last = runtime.get().session._texture[1].report
-    assert last["size"] == 512, "the size that was chosen stays"
-    after = places(result)
-    away = np.linalg.norm(after[:, None, :3] - before[None, :, :3], axis=2)
-    moved = np.abs(after[:, 3:] - before[away.argmin(axis=1), 3:]).max(axis=1)
-    stayed = (away.min(axis=1) < 1e-2) & (moved < 1e-6)
-    assert 0 < last["kept_pixels"] <= stayed.sum()
-    at = np.clip((after[stayed, 3:] * [512, -512] + [0, 512]).astype(int), 0, 511).T
-    same = (materials.pixels(shown(result))[at[1], at[0]] == pixels[at[1], at[0]]).all(axis=1)
-    assert same.sum() >= last["kept_pixels"]
+    after = materials.pixels(shown(result))
+    assert after.shape == before.shape, "the size that was chosen stays"
+    assert not np.array_equal(after, before)
     assert result["mine"] == 5
     assert shader(result.data.materials[0]).inputs["Roughness"].default_value == pytest.approx(0.3)

@@ -32,7 +32,7 @@ NO_MESSAGES = (
 )
 #: Begin of patterns of the engine's reasons (messages.reason), and of code for the graphics card
 BEGINS = ("the region of face", "face \\d+", "the regions of .*", "faces? .*", "the line does not cut", "proxies must")
-BEGINS += ("all faces are in one", "symmetry can't be had with", "the surface does not", "a tenth of it")
+BEGINS += ("all faces are in one",)
 BEGINS += ("round parts can't be had with", "a cell of the round part", "the faces given determine")
 BEGINS += (
     "the faces to erase",

@@ -66,9 +66,9 @@ def test_a_cancelled_job_refuses_after_the_check_of_input(cube):
     job = engine.Job()
     job.cancel()
     with pytest.raises(engine.Cancelled):
-        engine.Mesh(cube.vertices, cube.triangles, job)
+        engine.Mesh(cube.vertices, cube.triangles, job=job)
     with pytest.raises(engine.InvalidInput):
-        engine.Mesh(cube.vertices, cube.triangles + 1, job)
+        engine.Mesh(cube.vertices, cube.triangles + 1, job=job)
 
 
 def test_ctrl_c_stops_a_long_call():

@@ -14,7 +14,6 @@ COUNTS = {
     "bound": {"bound": 0.8},
     "curved": {"proxies": 60, "curved": True},
     "sharp": {"proxies": 40, "sharp_edges": 2.0},
-    "symmetry": {"proxies": 40, "symmetry": "found"},
     "adaptivity": {"proxies": 40, "adaptivity": 0.5},
     "triangles": {"triangles": 200},
     "lloyd": {"proxies": 40, "method": "lloyd"},

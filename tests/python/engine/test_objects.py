@@ -180,9 +180,5 @@ def test_an_atlas_of_other_polygons_is_refused():
     atlas = _core._unwrap(others, options, 10.0)
     with pytest.raises(engine.InvalidInput, match="atlas is not of these polygons"):
         _core._uv(polygons, atlas)
-    own = _core._unwrap(polygons, options, 10.0)
-    grey = np.zeros((64, 64), np.uint8)
-    for count in (1, len(polygons.loop_start) + 1, 10**6):
-        same = np.zeros(count, np.int32)
-        with pytest.raises(engine.InvalidInput, match="earlier"):
-            _core._map_layers(mesh, part, polygons, own, options, same, grey)
+    with pytest.raises(engine.InvalidInput, match="atlas is not of these polygons"):
+        _core._occlusion(mesh, part, polygons, atlas, options)

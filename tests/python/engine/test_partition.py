@@ -201,7 +201,7 @@ def test_the_options_are_those_at_the_call(sheet):
     given = options(proxies=100)
     job = engine.Job()
     results = []
-    worker = threading.Thread(target=lambda: results.append(engine.partition(sheet, given, job)))
+    worker = threading.Thread(target=lambda: results.append(engine.partition(sheet, given, job=job)))
     worker.start()
     given.proxies = 5
     worker.join()
@@ -221,7 +221,7 @@ def test_it_can_be_cancelled_from_another_thread():
     canceller = threading.Thread(target=cancel_once_begun)
     canceller.start()
     with pytest.raises(engine.Cancelled):
-        engine.partition(mesh, options(proxies=2000, method="lloyd", iterations=200), job)
+        engine.partition(mesh, options(proxies=2000, method="lloyd", iterations=200), job=job)
     canceller.join()
 
 
@@ -258,7 +258,9 @@ def test_weights_draw_regions_to_large_ones(sheet):
 
 def test_equal_weights_change_nothing(sheet):
     plain = engine.partition(sheet, options(proxies=60))
-    ones = engine.partition(sheet, options(proxies=60), None, np.ones(len(sheet.triangles)), np.zeros((0, 2), int))
+    ones = engine.partition(
+        sheet, options(proxies=60), weights=np.ones(len(sheet.triangles)), barriers=np.zeros((0, 2), int)
+    )
     np.testing.assert_array_equal(plain.face_region, ones.face_region)
 
 

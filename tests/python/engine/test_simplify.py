@@ -174,10 +174,8 @@ def test_a_texture_is_kept(tmp_path):
         ({"proxies": 0}, "proxies must be at least 1, got 0"),
         ({"proxies": 3, "detail": 0.1}, "detail and proxies each set the number of regions"),
         ({"clutter": "drop"}, "clutter must be one of keep, leave-out, box, got 'drop'"),
-        ({"even_spacing": True}, "even_spacing needs regularise"),
         ({"weights": np.ones(3)}, r"weights: must be \(800\) numbers, is \(3,\) float64"),
         ({"base": np.zeros(800, int)}, "base needs part"),
-        ({"symmetry": "x", "proxies": 5}, "mirror"),
     ],
 )
 def test_what_is_wrong_is_named(files, options, words):

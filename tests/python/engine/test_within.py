@@ -85,7 +85,9 @@ def test_one_job_shows_how_far_all_the_tries_are(monkeypatch):
     monkeypatch.setattr(within, "SLACK", 0.8)
     mesh, options, job, seen = engine.Mesh(*shapes.torus(48, 24)), engine.PartitionOptions(bound=0.05), engine.Job(), []
     real = within.polygonize
-    monkeypatch.setattr(within, "polygonize", lambda *args: (seen.append((job.progress, job.stage)), real(*args))[1])
+    monkeypatch.setattr(
+        within, "polygonize", lambda *args, **given: (seen.append((job.progress, job.stage)), real(*args, **given))[1]
+    )
     within.polygonize_within(mesh, engine.partition(mesh, options), job=job, made=within.Made(options))
     assert seen[:3] == [(0, "meshing"), (0.5, "meshing"), (0.75, "meshing")]
     shares = [share for share, _ in seen]

@@ -19,7 +19,7 @@ ABOUT = "How crisp it is."
 #: by class of options: its header, and the member and the row before which the new ones are inserted
 CASES = {
     engine.PartitionOptions: ("partition/options.h", "  double leave_out = ", '      field("leave_out"'),
-    engine.RegulariseOptions: ("regular/regularise.h", "  bool even_spacing = ", '      field("even_spacing"'),
+    engine.RegulariseOptions: ("regular/regularise.h", "  Up up = ", '      choice("up"'),
 }
 MAIN = """
 #include <iostream>

@@ -44,7 +44,7 @@ class Whet(rcp.Step):
 @pytest.fixture
 def whet(monkeypatch):
     def edit(step, faces, part, job):
-        return engine.split_region(faces.mesh, part, faces.triangle_at(step.face), job)
+        return engine.split_region(faces.mesh, part, faces.triangle_at(step.face), job=job)
 
     monkeypatch.setitem(rcp.KINDS, Whet, "whet")
     monkeypatch.setitem(command_steps.KINDS, Whet, "whet")

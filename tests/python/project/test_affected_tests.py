@@ -22,7 +22,7 @@ def affected(monkeypatch):
     ("changed", "tests"),
     [
         ("native/src/partition/density/noise.cpp", ["engine/test_partition.py"]),
-        ("native/src/regular/islands.cpp", ["engine/test_islands.py"]),
+        ("native/src/regular/align_planes.cpp", ["engine/test_align_planes.py"]),
         ("native/include/isimp/meshing/options.h", ["engine", "project"]),
         ("python/isimp_engine/batch/run.py", ["batch"]),
         ("python/isimp_engine/exporting/dxf.py", ["command"]),
@@ -31,7 +31,7 @@ def affected(monkeypatch):
         ("addon/isimp/pick.py", ["addon"]),
         ("addon/isimp/blender/work/scene_outcome.py", []),
         ("bench/generators/scanned.py", ["addon/test_addon_presets.py", "engine/test_planar.py"]),
-        ("tests/shared/polygon_judge.py", ["engine/test_promises.py", "engine/test_symmetry.py"]),
+        ("tests/shared/polygon_judge.py", ["engine/test_promises.py"]),
         ("tests/python/engine/test_mesh.py", ["engine/test_mesh.py"]),
         ("tests/python/engine/test_removed.py", []),
         ("tests/cpp/mesh/test_mesh.cpp", []),

@@ -26,7 +26,7 @@ def test_the_page_has_a_section_for_every_public_name(page):
     titles = re.findall(r"^### (\w+)$", page, re.MULTILINE)
     assert set(engine.__all__) - {"__version__"} <= set(titles)
     assert re.search(r"### PartitionOptions\n(?s:.*?)\| `leave_out` \| `0.001` \| ", page)
-    assert "`partition(mesh, options=..., job=None, weights=None, barriers=None)`" in page
+    assert "`partition(mesh, options=..., *, job=None, weights=None, barriers=None)`" in page
 
 
 @pytest.mark.parametrize(

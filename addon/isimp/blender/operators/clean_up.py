@@ -1,42 +1,16 @@
-"""Operators that mirror all regions or merge slivers."""
-
-import dataclasses
+"""The operator that merges slivers."""
 
 import bpy
 import numpy as np
-from bpy.props import EnumProperty, FloatProperty
+from bpy.props import FloatProperty
 
 from ... import recipe as rcp
 from ... import slivers
 from ...engine import engine
 from ...language import said
 from .. import reading
-from ..controls.properties import PartitionSettings
-from ..scene import mesh_io, runtime, targets
+from ..scene import mesh_io, runtime
 from ..work.modal import RecipeOperator
-
-_AXES = PartitionSettings.__annotations__["symmetry"].keywords["items"]
-
-
-class ISIMP_OT_symmetrise(RecipeOperator, bpy.types.Operator):
-    """Mirror the regions across the scan's X axis, as far as the scan is symmetric. Edits run again"""
-
-    bl_idname = "isimp.symmetrise"
-    bl_label = "Symmetrise"
-    adjusted = ("axis",)
-
-    axis: EnumProperty(name="Axis", description="The axis across which regions mirror", items=_AXES, default="x")
-
-    @classmethod
-    def problem(cls, context, scan):
-        return targets.needs_steps(scan)
-
-    def wanted(self, context, target):
-        recipe = target.recipe.without_mesh()
-        index, step = recipe.whole()
-        if step is None:
-            raise mesh_io.Unusable(said("No step is a partition of the whole scan: press Partition first."))
-        return recipe.replaced(index, dataclasses.replace(step, symmetry=self.axis))
 
 
 class ISIMP_OT_merge_slivers(RecipeOperator, bpy.types.Operator):
@@ -81,4 +55,4 @@ def without_slivers(context, scan, recipe, share: float) -> tuple:
     return recipe, len(found)
 
 
-CLASSES = (ISIMP_OT_symmetrise, ISIMP_OT_merge_slivers)
+CLASSES = (ISIMP_OT_merge_slivers,)

@@ -43,13 +43,13 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
         recipe = Recipe.from_json(self.recipe)
         if not recipe.active():
             raise ValueError(said("The recipe has no active step."))
-        self._lost = 0
+        self._lost, self._gone = 0, recipe.gone
         if recipe.places is not None:
             recipe, self._lost = placed(reading.read(context, target.scan), recipe)
         return recipe
 
     def warnings(self, context, scan, before):
-        return [messages.lost(self._lost)] if self._lost else []
+        return [*self._gone, *([messages.lost(self._lost)] if self._lost else [])]
 
     def told(self, before, numbers):
         return messages.partitioned(numbers)

@@ -19,7 +19,6 @@ class ISIMP_PT_clean_up(SubPanel, bpy.types.Panel):
         column = layout.column(align=True)
         column.operator("isimp.even_borders", text="Even Borders", icon="MOD_SMOOTH")
         settings.give(rcp.Regularise, panel.regularise, column.operator("isimp.regularise", icon="SNAP_ON"))
-        column.operator("isimp.symmetrise", icon="MOD_MIRROR")
         column.operator("isimp.merge_slivers", icon="AUTOMERGE_ON")
 
 

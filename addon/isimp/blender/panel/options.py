@@ -64,7 +64,6 @@ class ISIMP_PT_scan(Popover, bpy.types.Panel):
 
     def draw(self, context):
         layout, partition = self.prepare(context), context.window_manager.isimp.partition
-        layout.prop(partition, "symmetry")
         layout.prop(partition, "curved")
         settings.draw(layout, rcp.Partition, partition, "leave_out")
         _draw_mended(layout, partition)

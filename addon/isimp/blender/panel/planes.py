@@ -41,11 +41,8 @@ class ISIMP_PT_regularise(Popover, bpy.types.Panel):
     def draw(self, context):
         layout, panel = self.prepare(context), context.window_manager.isimp
         _draw_limit(layout, panel.regularise)
-        for name in ("angle", "up", "merge_islands"):
+        for name in ("angle", "up"):
             settings.draw(layout, rcp.Regularise, panel.regularise, name)
-        ticks = layout.column(align=True)
-        ticks.use_property_split = False
-        ticks.prop(panel.regularise, "even_spacing")
         layout.label(text="Planes set by hand:")
         _draw_limit(layout, panel.align)
 

@@ -77,7 +77,6 @@ class ISIMP_MT_texture(bpy.types.Menu):
             button(f"{larger:,} px", size=larger, tiles=0)
         layout.separator()
         turned("Ambient Occlusion", "occlusion")
-        turned("Height Map", "height")
         if len(scan.material_slots) > 1:
             turned("Keep Materials Apart", "materials")
 

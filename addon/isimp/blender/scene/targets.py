@@ -181,6 +181,7 @@ def notes(scan) -> list:
         text = own("{problem}. Nothing is lost: Partition starts again and keeps this as {names}.")
         names = [store.text_name(scan)] * bool(found.text) + [mesh_io.REGION + unread_layers.KEPT]
         lines.append(said(text, problem=found.problem, names=", ".join(f"'{name}'" for name in names)))
+    lines += [f"{line}." for line in (found.recipe.gone if found.recipe else ())]
     twins = [obj.name for obj in bpy.data.objects if obj.data == scan.data and obj != scan]
     if twins:
         lines.append(messages.shared(twins))

@@ -304,21 +304,6 @@ def not_flat(numbers: dict) -> str:
     return said("{some} of {all} not exactly flat", some=f"{numbers['not_flat']:,}", all=f"{numbers['polygons']:,}")
 
 
-_PLANES = {"none": own("None found"), "oblique": own("Oblique plane")}
-
-
-def _mirrored(numbers: dict) -> str:
-    """Return the mirror axis, and the number of mirrored corners, or of mirrored regions before Mesh."""
-    plane = said(_PLANES.get(numbers["symmetry"], numbers["symmetry"]))
-    if "vertices" in numbers and "mirrored_corners" in numbers:
-        some, all_ = numbers["mirrored_corners"], _count(numbers["vertices"], "corner")
-    elif "mirrored_regions" in numbers:
-        some, all_ = numbers["mirrored_regions"], _count(numbers["regions"], "region")
-    else:
-        return plane
-    return said("{plane}: {some} of {all}", plane=plane, some=f"{some:,}", all=all_)
-
-
 def number_rows(numbers: dict, system: str, scale: float) -> list:
     """Return (name, value) of the last step's numbers, the most important first."""
     rows = [(said("Regions"), f"{numbers['regions']:,}")] if "regions" in numbers else []
@@ -327,8 +312,6 @@ def number_rows(numbers: dict, system: str, scale: float) -> list:
         corners = said("{number} ({each} each)", number=f"{numbers['corners']:,}", each=each)
         rows += [(said("Polygons"), f"{numbers['polygons']:,}"), (said("Corners"), corners)]
         rows += [(said("Vertices"), f"{numbers['vertices']:,}")]
-    if "symmetry" in numbers:
-        rows.append((said("Symmetry"), _mirrored(numbers)))
     if "error" in numbers:
         rows.append((said("Error"), f"{numbers['error']:.4g}"))
     if numbers.get("barriers"):

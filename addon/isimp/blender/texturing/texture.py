@@ -24,10 +24,9 @@ _PLACES = {
     "metallic": "Metallic",
     "emission": "Emission",
 }
-_ROWS = (*_PLACES, "occlusion", "height")
+_ROWS = (*_PLACES, "occlusion")
 _STEP = "isimp_texture_step"  #: on a result: the recipe's step of its texture
 _OF = "isimp_of"  #: on a material of the add-on: the name of the scan's material that it replaces
-_RANGE = "isimp_range"  #: on an image of heights: the range from black to white, scene units
 
 
 def is_textured(obj) -> bool:
@@ -173,8 +172,6 @@ def _images_of(group: list, name: str, title: str, factors: dict) -> dict:
         else:
             numbers = (1001 + sheet.column + 10 * sheet.row for sheet in group)
             images[kind] = _new_tiles(full, dict(zip(numbers, stored, strict=True)), kind)
-    if "height" in images:
-        images["height"][_RANGE] = factors["height"]
     return images
 
 
@@ -230,9 +227,7 @@ def _set_images(material, uv_map: str, images: dict, factors: dict) -> None:
         kind = None if old is None else old.get(OWN)
         if kind in images:
             node.image = images[kind]
-            if kind == "height":
-                _scale_height(node, old)
-        elif kind is not None:  # a kind that is not baked now
+        elif kind is not None:  # a kind that is not baked now, such as heights, which earlier versions made
             for shift in _displacements(node):
                 if not shift.outputs["Displacement"].is_linked:
                     tree.nodes.remove(shift)
@@ -248,7 +243,7 @@ def _set_images(material, uv_map: str, images: dict, factors: dict) -> None:
     if shader is not None:
         for kind in (kind for kind in images if kind not in given):
             _plug(tree, shader, uv_map, kind, images[kind])
-        for kind in (kind for kind in factors if kind != "height" and f"={kind}" not in given):
+        for kind in (kind for kind in factors if f"={kind}" not in given):
             socket = shader.inputs["Emission Strength"] if kind == "emission" else _input(shader, kind)
             socket.default_value = factors[kind]
     material[OWN] = " ".join([*images, *(f"={kind}" for kind in factors)])
@@ -270,21 +265,8 @@ def _plug(tree, shader, uv_map: str, kind: str, image) -> None:
         tree.links.new(turn.outputs["Normal"], shader.inputs["Normal"])
     elif kind == "occlusion":
         _put_occlusion(tree, node, (0, height))
-    elif kind == "height":
-        shift = tree.nodes.new("ShaderNodeDisplacement")
-        shift.location = (-250, height)
-        shift.inputs["Midlevel"].default_value, shift.inputs["Scale"].default_value = 0.5, image[_RANGE]
-        tree.links.new(node.outputs["Color"], shift.inputs["Height"])
     else:
         tree.links.new(node.outputs["Color"], _input(shader, kind))
-
-
-def _scale_height(node, old) -> None:
-    """Sets the Displacement nodes behind an image of heights to its range, times the user's factor."""
-    before = old.get(_RANGE, 0.0)
-    for shift in _displacements(node):
-        scale = shift.inputs["Scale"]
-        scale.default_value = node.image[_RANGE] * (scale.default_value / before if before > 0 else 1)
 
 
 def _displacements(node) -> list:
@@ -334,12 +316,10 @@ def _new_image(name: str, stored: np.ndarray, kind: str):
 def _loose_image(name: str, stored: np.ndarray, kind: str):
     """Return a new image that is not packed."""
     height, width = stored.shape[:2]
-    deep = stored.dtype == np.uint16
-    image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=deep)
+    image = bpy.data.images.new(name, width, height, alpha=False)
     image.colorspace_settings.name = "sRGB" if kind in {"color", "emission"} else "Non-Color"
     values = np.ones((height, width, 4), np.float32)
-    most = np.float32(np.iinfo(stored.dtype).max)
-    values[:, :, :3] = (stored[::-1, :, None] if stored.ndim == 2 else stored[::-1, :, :3]) / most
+    values[:, :, :3] = (stored[::-1, :, None] if stored.ndim == 2 else stored[::-1, :, :3]) / np.float32(255)
     image.pixels.foreach_set(values.ravel())
     image.update()
     return image
@@ -348,10 +328,9 @@ def _loose_image(name: str, stored: np.ndarray, kind: str):
 def _name_file(image) -> None:
     """Sets the file name of a packed image to its unique name. Exporters, such as USD, distinguish images by it."""
     name = image.name.replace("/", "_").replace("\\", "_")
-    suffix = "exr" if image.is_float else "png"
     if image.source != "TILED":
-        image.filepath_raw = f"//{name}.{suffix}"
+        image.filepath_raw = f"//{name}.png"
         return
-    image.filepath_raw = f"//{name}.<UDIM>.{suffix}"
+    image.filepath_raw = f"//{name}.<UDIM>.png"
     for packed in image.packed_files:  # USD writes each tile by its own name
-        packed.filepath = f"//{name}.{packed.tile_number}.{suffix}"
+        packed.filepath = f"//{name}.{packed.tile_number}.png"

@@ -48,16 +48,14 @@ def make(name: str, tiles: dict, single):
     with tempfile.TemporaryDirectory() as folder:
         for number, stored in tiles.items():
             one = single(name, stored)
-            deep = one.is_float
-            one.filepath_raw = str(Path(folder) / f"tile.{number}.{'exr' if deep else 'png'}")
-            one.file_format = "OPEN_EXR" if deep else "PNG"
+            one.filepath_raw = str(Path(folder) / f"tile.{number}.png")
+            one.file_format = "PNG"
             space = one.colorspace_settings.name
             one.save()
             bpy.data.images.remove(one)
-        suffix = "exr" if deep else "png"
-        image = bpy.data.images.load(str(Path(folder) / f"tile.{min(tiles)}.{suffix}"))
+        image = bpy.data.images.load(str(Path(folder) / f"tile.{min(tiles)}.png"))
         image.name, image.source = name, "TILED"
-        image.filepath_raw = str(Path(folder) / f"tile.<UDIM>.{suffix}")
+        image.filepath_raw = str(Path(folder) / "tile.<UDIM>.png")
         image.colorspace_settings.name = space
         there = {tile.number for tile in image.tiles}
         for number in sorted(tiles.keys() - there):

@@ -9,6 +9,7 @@
 #include <string>
 #include <tuple>
 #include <type_traits>
+#include <variant>
 
 #include "isimp/core/errors.h"
 
@@ -81,6 +82,14 @@ struct NamedValue {
   Shown texts = {};
 };
 
+/// The name of a value, which must be in the table.
+template <class Enum, std::size_t N>
+constexpr const char* name_of(const NamedValue<Enum> (&values)[N], Enum value) {
+  std::size_t i = 0;
+  while (values[i].value != value) ++i;
+  return values[i].name;
+}
+
 /// A member that is an enumeration, with the names of its values.
 template <class Options, class Enum, std::size_t N>
 struct Choice {
@@ -110,6 +119,13 @@ constexpr Choice<Options, Enum, N> choice(const char* name, Enum Options::*membe
                                           const char* about) {
   return {name, member, std::to_array(values), about};
 }
+/// A field of earlier versions whose feature this one lacks. Python accepts it and warns, so scripts still run. A struct
+/// with such fields has a function `constexpr auto gone_fields(const Options*)` that returns an array of them.
+struct Gone {
+  const char* name;
+  std::variant<bool, double, const char*> without;  ///< the value that had no effect
+};
+
 /// The field `threads`, which all structs have.
 template <class Options>
 constexpr auto threads_field(std::int32_t Options::*member) {

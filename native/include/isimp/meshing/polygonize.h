@@ -69,7 +69,6 @@ struct MeshingReport {
                split_for_closed = 0, split_for_repair = 0;
   std::int32_t merged_without_area = 0;  ///< charts of regions that a neighbour took over, as they had no area
   std::int32_t joined_junctions = 0;     ///< pairs of vertices of three regions that became one vertex of four or five
-  std::int32_t mirrored_corners = 0;     ///< vertices exactly at the image of another one; 0 without a mirror plane
   bool closed = false;                   ///< every edge has two polygons
   bool manifold = false;                 ///< every edge one or two, every vertex one fan, consistently oriented
   std::int64_t euler = 0;

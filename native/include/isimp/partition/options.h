@@ -1,6 +1,7 @@
 // The options of partition.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -40,21 +41,17 @@ enum class Search {
   brute,  ///< by a search of all of them, as in the thesis: O(F P); the same regions
 };
 
-/// The plane in which regions mirror.
-enum class Symmetry {
-  none,
-  x,  ///< one across the axis x, or nearly so
-  y,
-  z,
-  found,  ///< any plane in which the surface mirrors; none if there is none
-};
-
 /// The measure of the difference between a face and its region.
 enum class Metric {
   normals,   ///< the square difference of the normals, L2,1: the 2004 paper's
   mixed,     ///< that, and the square distance from the region's plane of least squares
   distance,  ///< that distance alone, L2
 };
+
+inline constexpr NamedValue<Metric> kMetrics[] = {
+    {"mixed", Metric::mixed, {"Mixed", "Direction and distance: polygons are nearest to the scan"}},
+    {"normals", Metric::normals, {"Normals", "Direction of the face, as in the first paper"}},
+    {"distance", Metric::distance, {"Distance", "Distance of the face from the plane of the region"}}};
 
 /// How to split a surface into regions. The table `fields` below describes each field.
 ///
@@ -71,7 +68,6 @@ struct PartitionOptions {
   double adaptivity = 0.0;
   double smooth = 0.5;
   Metric metric = Metric::mixed;
-  Symmetry symmetry = Symmetry::none;
   bool curved = false;
   double leave_out = 0.001;
   std::uint64_t seed = 1;
@@ -128,8 +124,8 @@ constexpr auto fields(const PartitionOptions*) {
       field("sharp_edges", &O::sharp_edges, at_least(0), Unit::length,
             "Rounded and dented edges become sharp: regions at edges that are narrower than this go to the planes "
             "beside them, in scene units. 0: three mean edges of the scan. None: the same where a detail finds a scan "
-            "of planes with noise and `snap` is on; else such regions stay. Not for a bound, a symmetry or a part of "
-            "a partition.")
+            "of planes with noise and `snap` is on; else such regions stay. Not for a bound or a part of a "
+            "partition.")
           .shown("Edge Width",
                  "Regions at edges that are narrower than this go to the planes beside them, in the scan's units. 0: "
                  "three mean edges. Below 0: only where the scan is of planes",
@@ -142,29 +138,15 @@ constexpr auto fields(const PartitionOptions*) {
             "'hierarchy', and for detail and tolerance.")
           .shown("Straight Borders",
                  "How much short, straight borders count beside the error. 0: least error. 1: cleanest shapes"),
-      choice("metric", &O::metric,
-             {{"mixed",
-               Metric::mixed,
-               {"Mixed", "Normals, and distances from the plane of the region: polygons are nearer to the scan"}},
-              {"normals", Metric::normals, {"Normals", "Normals alone, as in the first paper"}},
-              {"distance", Metric::distance, {"Distance", "Distances from the plane of the region alone"}}},
-             "What borders between regions go by at last. 'mixed': the normals of faces and their distances from the "
-             "plane of their region, so that polygons are nearer to the scan. 'normals': normals alone, the error of "
-             "the 2004 paper. 'distance': distances alone. For method 'hierarchy', and for detail and tolerance.")
-          .shown("Metric", "What borders between regions go by, beside their length"),
-      choice("symmetry", &O::symmetry,
-             {{"none", Symmetry::none, {"None", "Regions do not mirror"}},
-              {"x", Symmetry::x, {"X", "Mirror in a plane across the scan's X axis, or nearly so"}},
-              {"y", Symmetry::y, {"Y", "Mirror in a plane across the scan's Y axis, or nearly so"}},
-              {"z", Symmetry::z, {"Z", "Mirror in a plane across the scan's Z axis, or nearly so"}},
-              {"found", Symmetry::found, {"Found", "Mirror in the plane in which the scan mirrors, if there is one"}}},
-             "Regions that mirror, as the surface does. 'x', 'y', 'z': in a plane across that axis, or nearly so; "
-             "refused where the surface does not mirror in it. 'found': in the plane in which the surface mirrors, if "
-             "there is one. Not for a bound.")
-          .shown("Symmetry", "Regions and corners mirror, as the scan does within its noise"),
+      choice("metric", &O::metric, kMetrics,
+             "The measure of the difference between a face and a region. It decides to which of two regions a face at "
+             "their border belongs. 'mixed': the difference of the normals and the distance from the plane of the "
+             "region; polygons are nearest to the scan. 'normals': the difference of the normals alone, the error of "
+             "the 2004 paper. 'distance': the distance alone. For method 'hierarchy', and for detail and tolerance.")
+          .shown("Difference", "The measure that decides to which of two regions a face at their border belongs"),
       field("curved", &O::curved,
             "Makes round parts round: cylinders, cones, spheres, surfaces of revolution and extrusions become "
-            "regular segments. Not for a bound or symmetry.")
+            "regular segments; the number of regions is then about the given one. Not for a bound.")
           .shown("Round Parts",
                  "Cylinders, cones, spheres, surfaces of revolution and extrusions become regular segments"),
       field("leave_out", &O::leave_out, from_below(0, 1), Unit::none,
@@ -228,5 +210,8 @@ constexpr auto fields(const PartitionOptions*) {
             "Share of the faces that 'hybrid' keeps when it decimates."),
   };
 }
+
+/// The fields of earlier versions.
+constexpr auto gone_fields(const PartitionOptions*) { return std::array{Gone{"symmetry", "none"}}; }
 
 }  // namespace isimp

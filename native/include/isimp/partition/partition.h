@@ -11,7 +11,6 @@
 #include "isimp/core/types.h"
 #include "isimp/partition/curved.h"
 #include "isimp/partition/metric.h"
-#include "isimp/partition/mirror.h"
 #include "isimp/partition/options.h"
 #include "isimp/partition/surface.h"
 
@@ -31,8 +30,6 @@ struct Regularity {
   std::int32_t planes = 0;      ///< number of different planes
   std::int32_t level = 0, upright = 0, slopes = 0, parallel = 0, free = 0;  ///< number of regions by the kind of snap
   std::int32_t by_hand = 0;                                                 ///< set by align_planes
-  std::int32_t even = 0;            ///< number of different planes that are at equal distances
-  std::int32_t islands_merged = 0;  ///< regions merged into the wall around them: islands and their rims
   double length = 0;      ///< increase of a region's distance from its plane that a snap may cause, root mean square
   double rms_before = 0;  ///< distance of the scan from the regions' planes of best fit, root mean square
   double rms = 0;         ///< likewise from the snapped planes
@@ -93,7 +90,6 @@ struct Partition {
   std::vector<CurvedProxy> curved;       ///< the curved patches; each has a region
   std::vector<CurvedCell> region_cell;   ///< (R) the cell of a patch that a region is, if it is one; empty: none is
   std::optional<Regularity> regularity;  ///< if regularised and not edited since
-  std::optional<Mirror> symmetry;        ///< the plane in which it mirrors, for the polygons too; edits keep it
 
   [[nodiscard]] bool is_held(std::int32_t region) const {
     return !region_held.empty() && region_held[region] != 0 && region_held[region] != kPlaneFree;

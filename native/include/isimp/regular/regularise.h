@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <tuple>
@@ -19,8 +20,6 @@ struct RegulariseOptions {
   double angle = 8;
   std::optional<double> length;
   Up up = Up::z;
-  bool even_spacing = false;
-  double merge_islands = 0;
 };
 
 constexpr auto fields(const RegulariseOptions*) {
@@ -41,29 +40,18 @@ constexpr auto fields(const RegulariseOptions*) {
                  {.high = 1}),
       choice("up", &O::up, {{"x", Up::x}, {"y", Up::y}, {"z", Up::z}, {"none", Up::none}},
              "The axis that is up, for level and upright planes; none: planes are made parallel only."),
-      field("even_spacing", &O::even_spacing,
-            "Also make distances of parallel planes equal, as of storeys, stairs and rows of windows, and equal the "
-            "sizes that three or more pairs of them have in common, as windows have their widths. No plane moves "
-            "further than the length allows.")
-          .shown("Even Spacing",
-                 "Make distances of parallel planes equal: of storeys, steps and rows of windows, and the widths that "
-                 "three or more windows have in common"),
-      field("merge_islands", &O::merge_islands, at_least(0), Unit::length,
-            "Largest depth of a rim behind which islands become part of their wall: window panes that are coplanar "
-            "with the wall around them, which then is one polygon. No part of an island or its rim may be further from "
-            "the wall's plane. 0: none do.")
-          .shown("Merge Islands",
-                 "Window panes that are coplanar with the wall round them become part of it, with rims up to this "
-                 "depth. 0: none do",
-                 {.high = 1}),
   };
+}
+
+/// The fields of earlier versions.
+constexpr auto gone_fields(const RegulariseOptions*) {
+  return std::array{Gone{"even_spacing", false}, Gone{"merge_islands", 0.0}};
 }
 
 /// Snaps the planes of regions: level, upright with right angles between them, equal slopes, parallel, coplanar. Large
 /// regions lead; then the planes of a group are fitted to all of its regions by least squares. Each snap is made only
-/// if the scan stays within `length` of the plane. On request distances of parallel planes are made equal, and islands
-/// that are coplanar with the wall around them become part of it; only then labels change. A bound of the partition
-/// holds for the new planes too: planes that would leave it are released. Axes of round parts are snapped like planes,
+/// if the scan stays within `length` of the plane. A bound of the partition holds for the new planes too: planes that
+/// would leave it are released. Labels do not change. Axes of round parts are snapped like planes,
 /// within the same limits: parallel ones that are nearly one line become one, and nearly equal radii equal; the cells
 /// follow. `polygonize` uses the planes. Planes that `align_planes` has set do not change, and others are snapped to
 /// them first.

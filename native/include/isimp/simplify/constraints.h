@@ -13,8 +13,6 @@
 
 namespace isimp {
 
-class Partitioner;
-
 /// Constraints of a partition, in addition to its options.
 struct Constraints {
   Guides guides = {};                 ///< weights of the faces, and barriers: edges that no region crosses
@@ -22,7 +20,6 @@ struct Constraints {
   std::optional<std::vector<std::int32_t>> faces = std::nullopt;  ///< only these get new regions; the others keep the
                                                                   ///< regions of `before`, or get none
   const Partition* before = nullptr;  ///< its locked regions stay to the face, also without `faces`; null: none
-  const Partitioner* part = nullptr;  ///< of part_of(mesh, open_faces(...)), if the caller keeps it; null: it is made
 
   /// The guides with the cuts as barriers.
   [[nodiscard]] Guides with_cuts() const;

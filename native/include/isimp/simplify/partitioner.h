@@ -59,10 +59,6 @@ class Partitioner {
   ///    Borders to the other faces stay as they are; regions that fall apart by it become several. With locked regions
   ///    and without `faces`, `proxies` counts the locked ones too.
   ///
-  /// With `symmetry` regions mirror as the surface does, and the partition has the plane; see symmetric_partition. If
-  /// only some faces are split, or regions are locked, it has the plane alone. The number may differ a little from
-  /// `proxies`.
-  ///
   /// With `curved` round parts become rings of cells; see round_parts.
   ///
   /// \param job     polled at least every 50 ms; reports progress in [0, 1]
@@ -89,8 +85,7 @@ class Partitioner {
   [[nodiscard]] Prepared prepare(Guides guides, double adaptivity, Job& job) const;
   [[nodiscard]] std::shared_ptr<const Submesh> submesh(std::span<const std::int32_t> open, Job& job) const;
   Partition with_round_parts(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
-  Partition with_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
-  Partition without_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
+  Partition by_planes(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
   Partition with_all_components(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
   Partition on_kept(const Components& components, const PartitionOptions& options, const Constraints& constraints,
                     Job& job) const;

@@ -12,7 +12,6 @@
 #include "isimp/meshing/polygonize.h"
 #include "isimp/partition/partition.h"
 #include "isimp/texture/options.h"
-#include "isimp/texture/rebake.h"
 #include "isimp/texture/unwrap.h"
 
 namespace isimp {
@@ -39,6 +38,20 @@ struct MaterialLayers {
   std::optional<Appearance> relief;  ///< tangent-space normals, green up; a face whose image is kNone has none
 };
 
+/// Counts of a polygon's texels by their source.
+struct PolygonTexels {
+  std::int64_t inside = 0;    ///< texels whose centres lie in the polygon
+  std::int64_t searched = 0;  ///< inside texels at a place that no face was drawn to: they show the closest face
+  std::int64_t unknown = 0;   ///< inside texels without a known colour: they show the mean colour
+
+  PolygonTexels& operator+=(const PolygonTexels& other) {
+    inside += other.inside;
+    searched += other.searched;
+    unknown += other.unknown;
+    return *this;
+  }
+};
+
 /// The images of the polygons: rows from the top, without the texels that have no colour. The last of several tiles is
 /// at the top.
 struct Texture {
@@ -47,7 +60,6 @@ struct Texture {
   Array<std::uint8_t> normal;               ///< (3 n) tangent-space normals, green up; empty if not requested
   std::vector<Array<std::uint8_t>> layers;  ///< (4 n) each, one for each of the images of MaterialLayers
   std::vector<PolygonTexels> texels;        ///< (Q)
-  std::vector<std::int32_t> same;           ///< (Q) the earlier polygon whose texels were copied; kNone: baked
 
   [[nodiscard]] PolygonTexels total() const {
     PolygonTexels sum;
@@ -68,15 +80,13 @@ struct Texture {
 ///
 /// \param atlas  of these polygons
 /// \param layers  made like the colours; the relief bends the scan's normals in the normal map
-/// \param earlier  of the same mesh, appearance, layers and options; null: all polygons are baked
 /// \throws InvalidInput  arrays that are not of this mesh, or an option out of its range
 /// \throws Cancelled     nothing was made
 /// Cost: about 0.1 us a sample and 0.5 us a face; memory: the images, 4 bytes a pixel, 100 bytes a face, and
 /// while a polygon is baked 320 bytes for each face that it can show.
 /// The result does not depend on the number of threads.
 Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons, const Atlas& atlas,
-             const Appearance& appearance, const TextureOptions& options, Job& job, const MaterialLayers& layers = {},
-             const EarlierBake* earlier = nullptr);
+             const Appearance& appearance, const TextureOptions& options, Job& job, const MaterialLayers& layers = {});
 
 /// The place of the scan that each texel shows: rows from the top.
 struct BakeMap {
@@ -84,13 +94,11 @@ struct BakeMap {
   Array<std::int32_t> polygon;      ///< (n) the polygon a texel's centre lies in; kNone: gutter and the rest
   Array<std::int32_t> face;         ///< (n) of the mesh; kNone without a face
   Array<float> barycentric;         ///< (2 n) weights of the face's corners 1 and 2
-  Array<float> height;              ///< (n) of the place above the polygon's plane, scene units
 };
 
 /// The map by which `bake` samples colours, with one sample at the centre of each texel: for other layers.
 /// In the half of the band that is nearer to an edge it holds the closest point.
-/// \param same  (Q) polygons that are left out unless it is kNone; empty: none is
 BakeMap bake_map(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons, const Atlas& atlas,
-                 const TextureOptions& options, Job& job, std::span<const std::int32_t> same = {});
+                 const TextureOptions& options, Job& job);
 
 }  // namespace isimp

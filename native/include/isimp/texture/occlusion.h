@@ -19,12 +19,11 @@ namespace isimp {
 /// them, and each texel shows the mean of these nine. Texels outside of polygons are flooded.
 ///
 /// \param map  made by `bake_map` for this mesh and partition
-/// \param earlier  polygons that copy the texels of an earlier image of the same mesh and options; null: none
 /// \return (side * rows) rows from the top
 /// \throws InvalidInput  a map that is not of this mesh, or an option out of its range
 /// \throws Cancelled     nothing was made
 /// Cost: about 0.5 us a ray and core. The result does not depend on the number of threads.
 Array<std::uint8_t> occlusion(const Mesh& mesh, const Partition& partition, const BakeMap& map,
-                              const TextureOptions& options, Job& job, const EarlierGrey* earlier = nullptr);
+                              const TextureOptions& options, Job& job);
 
 }  // namespace isimp

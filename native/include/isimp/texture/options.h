@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <tuple>
@@ -17,7 +18,6 @@ struct TextureOptions {
   std::optional<std::int32_t> gutter{};
   std::int32_t band = 2;
   bool normals = true;
-  bool height = false;
   bool occlusion = false;
   std::optional<double> occlusion_distance{};
   std::int32_t occlusion_rays = 144;
@@ -51,11 +51,6 @@ constexpr auto fields(const TextureOptions*) {
             "Width of the band along the polygons' edges where the colours change over to those of the closest "
             "points, so that both sides of an edge agree; in pixels of an image of 2,048. 0: none."),
       field("normals", &O::normals, "Makes a tangent-space normal map too."),
-      field("height", &O::height,
-            "Makes a height map of 16 bits too: how far the scan lies above or below each polygon's plane.")
-          .shown("Height Map",
-                 "Make an image of how far the scan lies above or below each polygon, with a Displacement node that is "
-                 "not linked: the normal map shows the same relief"),
       field("occlusion", &O::occlusion,
             "Makes an image of ambient occlusion too: how much light from all directions reaches the scan.")
           .shown("Ambient Occlusion",
@@ -72,5 +67,8 @@ constexpr auto fields(const TextureOptions*) {
       threads_field(&O::threads),
   };
 }
+
+/// The fields of earlier versions.
+constexpr auto gone_fields(const TextureOptions*) { return std::array{Gone{"height", false}}; }
 
 }  // namespace isimp

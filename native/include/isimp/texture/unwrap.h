@@ -27,11 +27,9 @@ struct Atlas {
   double gutter = 0;       ///< least distance of two charts, texels
   double fill = 0;         ///< area of the polygons over the area of the atlas
   std::int32_t chart_count = 0;
-  std::int32_t kept = 0;                      ///< polygons that lie where an earlier atlas had them
   std::vector<std::array<double, 2>> corner;  ///< (L) the texel coordinates of each corner
   std::vector<std::int32_t> chart;            ///< (Q) the chart of each polygon
   std::vector<ChartFrame> frame;              ///< (Q) in the caller's coordinates
-  std::vector<std::int32_t> from;             ///< (Q) the earlier polygon whose place each has; kNone: a new place
   std::vector<std::int32_t> tile;             ///< (Q) the tile of each polygon
   std::vector<std::int32_t> tile_group;       ///< (tiles) the group of the polygons of each tile
 
@@ -51,30 +49,17 @@ struct AtlasOptions {
       group{};  ///< (Q) polygons of different groups share no tile; from 0 on; empty: one group
 };
 
-/// An atlas of earlier polygons.
-struct EarlierAtlas {
-  const PolygonMesh& polygons;
-  const Atlas& atlas;
-};
-
 /// Lays the polygons out without distortion and without overlap.
 ///
 /// Each polygon is projected on the plane that fits it best, so UVs are affine in it: every triangulation of an n-gon
 /// shows the same picture. Neighbours that meet at less than `unfold` degrees are unfolded about their edge into one
 /// chart, the longest edges first, where nothing overlaps. Charts fall one after another, in the best of four turns,
-/// onto the profile of the charts below (Levy, Petitjean, Ray, Maillot 2002, section 4). No chart is mirrored.
-///
-/// The layout depends on the polygons alone, and on an earlier atlas where one is given. A polygon then keeps its
-/// place, with the same texel coordinates and frame, if its corners have moved by no more than a texel, or by two if
-/// the others do not fit otherwise: an edit moves corners far from it a little. The others are unfolded among
-/// themselves and placed into the free room, at the scale of the earlier atlas. If they do not fit, up to the upper
-/// half of the tiles is cleared for them. If that fails too, all polygons are laid out again, with 7 % of the rows left
-/// free. The same happens, without these rows, if the earlier atlas has another side, gutter or number of tiles than
-/// requested. `Atlas::kept` counts the polygons that keep their place.
+/// onto the profile of the charts below (Levy, Petitjean, Ray, Maillot 2002, section 4). No chart is mirrored. The
+/// layout depends on the polygons alone.
 ///
 /// \throws InvalidInput  the charts do not fit into the size; the message names a size that fits
 /// \throws Cancelled     nothing was made
 /// Cost: 0.1 s for 1,000 polygons.
-Atlas unwrap(const PolygonMesh& polygons, const AtlasOptions& options, Job& job, const EarlierAtlas* earlier = nullptr);
+Atlas unwrap(const PolygonMesh& polygons, const AtlasOptions& options, Job& job);
 
 }  // namespace isimp

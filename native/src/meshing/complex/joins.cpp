@@ -58,7 +58,7 @@ bool take_back(State& state, const std::vector<bool>& defective, std::vector<Joi
   };
   // A join on top of an undone one must be undone before it.
   for (std::size_t i = 0; i < joins.size(); ++i) {
-    goes[i] = joins[i].alone || std::any_of(joins[i].charts.begin(), joins[i].charts.end(), is_defective);
+    goes[i] = std::any_of(joins[i].charts.begin(), joins[i].charts.end(), is_defective);
     vertices(joins[i], [&](std::int32_t v) { goes[i] = goes[i] || labels.vertex_marks.has(v); });
     if (goes[i]) vertices(joins[i], [&](std::int32_t v) { labels.vertex_marks.add(v); });
   }

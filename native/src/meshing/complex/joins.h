@@ -14,7 +14,6 @@ struct Join {
   std::int32_t gone;                 ///< vertex that is no junction any more
   std::vector<std::int32_t> faces;   ///< faces moved from the giver to the taker
   std::vector<std::int32_t> charts;  ///< all that meet in the junction
-  bool alone = false;                ///< its image should have been made too, and was not
 };
 
 /// Whether two charts face different directions, and one of them is the wall of a hole or, in a perforated mesh, may be
@@ -26,7 +25,7 @@ bool parts_wall(const State& state, std::int32_t a, std::int32_t b);
 /// Cost: O(faces).
 bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const std::vector<std::int32_t>& faces);
 
-/// Undoes the joins at defective charts, the joins that are alone, and all joins on top of these. `update` must follow.
+/// Undoes the joins at defective charts, and all joins on top of these. `update` must follow.
 /// \param defective  by chart
 /// \param joins   the undone joins are removed
 /// \return whether there were any

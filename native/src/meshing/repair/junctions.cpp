@@ -10,7 +10,6 @@
 
 #include "complex/angles.h"
 #include "isimp/core/sorted.h"
-#include "place/symmetry.h"
 #include "repair/gifts.h"
 
 namespace isimp::meshing {
@@ -29,9 +28,7 @@ constexpr double kStep = 0.3;                      ///< from the middle to the v
 // lack. A join must lower it.
 constexpr double kOfShort = 0.003, kOfReflex = 0.3, kOfSharp = 6;
 constexpr double kShort = 0.4;  ///< sqrt(area / charts); at cells of round parts also the longest chord that is removed
-constexpr double kOfImage = 0.1;      ///< energy that the image of a join may add
 constexpr double kOfGiver = 1.0 / 3;  ///< share of its area that a chart may give
-constexpr double kLoose = 3;          ///< times the gap: at the image of a join
 constexpr double kLongest = 4;        ///< longest path between two junctions, in sqrt(area / charts)
 
 using Charts = std::vector<std::int32_t>;  ///< in rising order
@@ -88,21 +85,6 @@ class JunctionNet {
       }
     std::sort(some.begin(), some.end());
     return some;
-  }
-
-  /// The junction at which exactly these charts meet, or two adjacent junctions that together have these charts.
-  [[nodiscard]] std::array<std::int32_t, 2> junctions_among(const Charts& charts) const {
-    std::array<std::int32_t, 2> found{kNone, kNone};
-    for (const std::int32_t l : charts) {
-      const auto& loop = loops_[l];
-      for (std::size_t i = 0; i < loop.size(); ++i) {
-        const std::int32_t c = loop[i], d = loop[i + 1 < loop.size() ? i + 1 : 0];
-        if (at_[c] == charts) return {c, kNone};
-        if (at_[c].size() < 3 || at_[d].size() < 3 || at_[c].size() + at_[d].size() != charts.size() + 2) continue;
-        if (charts_at(c, d) == charts) found = {c, d};
-      }
-    }
-    return found;
   }
 
   /// The charts at one of two corners, in rising order.
@@ -191,7 +173,7 @@ struct Way {
 struct Plan {
   std::int32_t a, b;  ///< corners
   Vec3 place;
-  std::vector<Way> ways;
+  Way way;
   Charts all;
 };
 
@@ -199,12 +181,7 @@ class Joiner {
  public:
   /// \param joins  new joins are appended
   Joiner(State& state, std::vector<Join>& joins, Job& job)
-      : s_(state),
-        joins_(joins),
-        job_(job),
-        net_(state),
-        planes_(planes_with_cells(state)),
-        image_(chart_images(state)) {
+      : s_(state), joins_(joins), job_(job), net_(state), planes_(planes_with_cells(state)) {
     const Scale scale = s_.scale();
     size_ = scale.size;
     gap_ = std::min(kPlanes * scale.deviation, kGap * size_) + kRounding * s_.mesh.diagonal();
@@ -215,10 +192,7 @@ class Joiner {
     const std::size_t before = joins_.size();
     for (const JunctionNet::Pair& pair : net_.pairs(s_.options.join_junctions * size_)) {
       job_.poll();
-      if (image_.empty())
-        join(pair.a, pair.b, false);
-      else
-        join_both(pair.a, pair.b);
+      if (std::optional<Plan> plan = plan_of(pair.a, pair.b)) carry_out(*plan);
     }
     return joins_.size() > before;
   }
@@ -259,8 +233,7 @@ class Joiner {
     return is_met ? std::optional(Vec3(near + d)) : std::nullopt;
   }
 
-  /// \param loosely  whether the image of a join is planned: it may be a little worse
-  [[nodiscard]] std::optional<Plan> plan(std::int32_t a, std::int32_t b, bool loosely) {
+  [[nodiscard]] std::optional<Plan> plan_of(std::int32_t a, std::int32_t b) {
     const Charts &at_a = net_.at(a), &at_b = net_.at(b);
     if (at_a.size() < 3 || at_b.size() < 3) return {};
     Charts all = net_.charts_at(a, b);
@@ -268,30 +241,29 @@ class Joiner {
     const double length = (net_.position(a) - net_.position(b)).norm();
     const bool any_cell = std::any_of(all.begin(), all.end(), [&](std::int32_t l) { return planes_[l].round; });
     if (any_cell && length > kShort * size_) return {};  // a long way would turn the edges of a ring
-    const std::optional<Vec3> place = meeting_point(all, (net_.position(a) + net_.position(b)) / 2,
-                                                    std::max(length, kStep * size_), loosely ? kLoose * gap_ : gap_);
+    const std::optional<Vec3> place =
+        meeting_point(all, (net_.position(a) + net_.position(b)) / 2, std::max(length, kStep * size_), gap_);
     if (!place) return {};
     const std::optional<JunctionNet::Turns> turns = net_.turns(a, b, *place);
     if (!turns) return {};
     const double gain =
         kOfReflex * turns->reflex + kOfSharp * turns->sharp - kOfShort * std::max(0.0, 1 - length / (kShort * size_));
-    const double most = (loosely ? kOfImage : 0) - gain;
-    if (most <= 0) return {};
-    Plan p{a, b, *place, ways(a, b, most * size_ * size_), std::move(all)};
-    return p.ways.empty() ? std::nullopt : std::optional(std::move(p));
+    if (gain >= 0) return {};
+    std::optional<Way> way = best_way(a, b, -gain * size_ * size_);
+    if (!way) return {};
+    return Plan{a, b, *place, std::move(*way), std::move(all)};
   }
 
-  /// The ways to join, the one with the least increase of the error first. All ways if there is a mirror plane, so that
-  /// both a join and its image can be made; else only the first.
+  /// The way to join with the least increase of the error.
   /// \param most  the largest increase of the error
-  [[nodiscard]] std::vector<Way> ways(std::int32_t a, std::int32_t b, double most) const {
+  [[nodiscard]] std::optional<Way> best_way(std::int32_t a, std::int32_t b, double most) const {
     const std::int32_t u = net_.vertex(a), v = net_.vertex(b);
     Charts both;
     std::set_intersection(net_.at(a).begin(), net_.at(a).end(), net_.at(b).begin(), net_.at(b).end(),
                           std::back_inserter(both));
     const std::vector<std::int32_t> path = path_between(s_.labels, u, v, both, kLongest * size_);
-    std::vector<Way> ways;
-    if (path.empty()) return ways;
+    std::optional<Way> best;
+    if (path.empty()) return best;
     const auto consider = [&](const Charts& at_end, std::int32_t keeps, std::int32_t moves) {
       if (at_end.size() != 3) return;
       const std::int32_t taker =
@@ -300,14 +272,12 @@ class Joiner {
       for (const std::int32_t giver : {left, both[0] == left ? both[1] : both[0]}) {
         Way way{{giver, taker, keeps, moves, {}}, Vec3::Zero()};
         fill(way.gift, s_.labels, path);
-        if (may_be(way) && way.error <= most) ways.push_back(std::move(way));
+        if (may_be(way) && way.error <= most && !(best && best->error <= way.error)) best = std::move(way);
       }
     };
     consider(net_.at(a), v, u);
     consider(net_.at(b), u, v);
-    std::stable_sort(ways.begin(), ways.end(), [](const Way& x, const Way& y) { return x.error < y.error; });
-    if (image_.empty() && ways.size() > 1) ways.erase(ways.begin() + 1, ways.end());
-    return ways;
+    return best;
   }
 
   /// Finds the increase of the error by a gift.
@@ -322,58 +292,27 @@ class Joiner {
            keeps_own(s_.labels, gift.giver, gift.faces) && may_give(s_, gift.giver, gift.taker, gift.faces);
   }
 
-  /// Makes the first of the ways by which all charts stay discs and no other junction changes.
-  bool carry_out(Plan& p) {
-    const auto way =
-        std::find_if(p.ways.begin(), p.ways.end(), [&](const Way& w) { return keeps_discs(s_.labels, w.gift, p.all); });
-    if (way == p.ways.end()) return false;
-    Gift& gift = way->gift;
-    areas_[gift.giver] -= way->area;
-    areas_[gift.taker] += way->area;
+  /// Makes a join if all charts stay discs by it and no other junction changes.
+  void carry_out(Plan& p) {
+    Gift& gift = p.way.gift;
+    if (!keeps_discs(s_.labels, gift, p.all)) return;
+    areas_[gift.giver] -= p.way.area;
+    areas_[gift.taker] += p.way.area;
     s_.hand_over(gift.giver, gift.taker, gift.faces, p.all);
     s_.drop_corner(gift.moves);
     s_.add_corner(gift.keeps);
     net_.join(p.a, p.b, p.place, gift.keeps);
     joins_.push_back({gift.giver, gift.taker, gift.moves, std::move(gift.faces), std::move(p.all)});
-    return true;
-  }
-
-  bool join(std::int32_t a, std::int32_t b, bool loosely) {
-    std::optional<Plan> p = plan(a, b, loosely);
-    return p && carry_out(*p);
-  }
-
-  /// Joins two junctions and their images, or none of them. If the images are one junction already, or there are none,
-  /// only the two junctions are joined.
-  void join_both(std::int32_t a, std::int32_t b) {
-    if (net_.at(a).empty() || net_.at(b).empty()) return;
-    Charts images = net_.charts_at(a, b);
-    bool mirrors = true;
-    for (std::int32_t& l : images) mirrors = (l = image_[l]) != kNone && mirrors;
-    if (!mirrors) {
-      join(a, b, false);
-      return;
-    }
-    std::sort(images.begin(), images.end());
-    const auto [c, d] = net_.junctions_among(images);
-    if (c == kNone) return;
-    if (d == kNone || std::minmax(a, b) == std::minmax(c, d)) {
-      join(a, b, d == kNone);
-      return;
-    }
-    std::optional<Plan> here = plan(a, b, false);
-    if (here && plan(c, d, true) && carry_out(*here) && !join(c, d, true)) joins_.back().alone = true;
   }
 
   State& s_;
   std::vector<Join>& joins_;
   Job& job_;
   JunctionNet net_;
-  double size_ = 0;                        // size of a region, scene units
-  double gap_ = 0;                         // distance by which planes may miss the vertex
-  const std::vector<Plane> planes_;        // by chart: see planes_with_cells
-  std::vector<Vec3> areas_;                // by chart: vector area of its faces
-  const std::vector<std::int32_t> image_;  // by chart: see chart_images
+  double size_ = 0;                  // size of a region, scene units
+  double gap_ = 0;                   // distance by which planes may miss the vertex
+  const std::vector<Plane> planes_;  // by chart: see planes_with_cells
+  std::vector<Vec3> areas_;          // by chart: vector area of its faces
 };
 
 }  // namespace

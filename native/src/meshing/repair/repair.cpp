@@ -16,7 +16,6 @@
 #include "place/keep_planes.h"
 #include "place/rims.h"
 #include "place/slide.h"
-#include "place/symmetry.h"
 #include "planar/planar.h"
 #include "repair/coarsen.h"
 #include "repair/junctions.h"
@@ -269,11 +268,7 @@ void take_back_joins(State& state, Defects& defects, Mender& mender, std::vector
   if (joins.empty()) return;
   mender.mend(false);
   while (true) {
-    std::vector<bool> defective = defects.defective(kCrossing | kFlipped | kNoArea);
-    const std::vector<std::int32_t> image = chart_images(state);  // a join and its image are undone together
-    for (std::size_t l = 0; l < image.size(); ++l)
-      if (image[l] != kNone && defective[l]) defective[image[l]] = true;
-    if (!take_back(state, defective, joins)) return;
+    if (!take_back(state, defects.defective(kCrossing | kFlipped | kNoArea), joins)) return;
     mender.judge_again(state.labels.touched);
   }
 }
@@ -345,13 +340,11 @@ RepairOutcome repair(State& state, Job& job) {
   if (state.options.planar) settle_places(state, defects, job);  // corners slide off the planes that are solved next
   straighten_rims(state, defects, job);
   outcome.let_go = keep_to_planes(state, defects, job);
-  mirror_corners(state, defects, job);
   if (state.options.planar) {
     make_planar(state, defects, mender, outcome, job);
   } else {
     outcome.planar.planar = planar::is_planar(state);
   }
-  outcome.mirrored = mirrored_corners(state);
   outcome.rims = rims_of(state);
   list_defects(state, defects, outcome, job);
   return outcome;

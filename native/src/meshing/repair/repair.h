@@ -13,8 +13,7 @@ struct RepairOutcome {
   bool excused_at_least = false;               ///< whether counting stopped at kMostCounted
   std::int32_t without_area = 0;               ///< polygons that are a face of the scan without area
   std::int32_t diagonals = 0, rounds = 0;
-  std::int32_t joined = 0;    ///< pairs of junctions
-  std::int32_t mirrored = 0;  ///< corners that mirror
+  std::int32_t joined = 0;  ///< pairs of junctions
   MeshingWork work;
   bool capped = false;  ///< something is left, and more splits were wanted than allowed
   PlanarReport planar;
