@@ -321,7 +321,9 @@ def test_the_report_has_the_same_rows_before_an_edit_after_it_and_after_mesh():
     bpy.ops.isimp.mesh()
     seen["made"] = drawn_rows(scan)
     assert seen["made"][0] == "13 polygons · closed"
-    assert "off" in seen["made"][1]
+    triangles = sum(len(polygon.vertices) - 2 for polygon in targets.result_of(bpy.context.scene, scan).data.polygons)
+    assert seen["made"][1].startswith(f"{triangles} triangles · ")
+    assert "off" in "".join(seen["made"][1:3])
     bpy.ops.isimp.add_proxy(face=300)
     seen["edited again"] = drawn_rows(scan)
     assert {state: len(rows) for state, rows in seen.items()} == dict.fromkeys(seen, len(seen["fresh"]))

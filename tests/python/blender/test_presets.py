@@ -33,16 +33,23 @@ def test_a_preset_sets_the_settings_of_its_kind_of_scan_and_no_more(preset):
     bpy.ops.isimp.preset(name=preset.name)
     step = shown(rcp.Partition)
     assert (step.proxies, step.weights) == (123, "Density")
-    assert (step.count_by, step.noise, step.leave_out) == (
-        preset.partition.count_by,
-        preset.partition.noise,
-        preset.partition.leave_out,
-    )
+    assert (step.noise, step.leave_out) == (preset.partition.noise, preset.partition.leave_out)
     assert step.detail == pytest.approx(preset.partition.detail)
     assert shown(rcp.Mesh) == preset.mesh
     assert presets.title(bpy.context) == preset.label
     group.seed += 1
     assert presets.title(bpy.context) == "Presets"
+
+
+@pytest.mark.parametrize("way", ["proxies", "triangles", "tolerance"])
+def test_a_preset_keeps_the_way_to_count_and_stays_lit(way):
+    group = settings.group(bpy.context, rcp.Partition)
+    group.count_by = way
+    bpy.ops.isimp.preset(name="figure")
+    assert group.count_by == way
+    assert presets.title(bpy.context) == "Figure"
+    group.count_by = "detail"
+    assert presets.title(bpy.context) == "Figure"
 
 
 def test_no_preset_is_named_before_one_is_chosen():

@@ -19,8 +19,9 @@ _TITLE, _DEFAULTS = "Presets", own("No preset (defaults)")
 # Titles of the menu that are not presets of the user.
 _OURS = {_TITLE, _DEFAULTS, *(preset.label for preset in presets.PRESETS)}
 _PICTURES = Path(__file__).parents[2] / "pictures"
-# Settings that belong to one scan, not to a kind of scans: lengths, a count, weights.
-_LEFT = frozenset({"proxies", "tolerance", "bound", "weights", "influence", "borders", "length"})
+# Settings that belong to one scan, not to a kind of scans: lengths, counts and their choice, weights.
+_COUNTS = {"count_by", "proxies", "triangles", "tolerance", "bound"}
+_LEFT = frozenset(_COUNTS | {"weights", "influence", "borders", "length"})
 
 
 def _kept(cls) -> list:

@@ -146,7 +146,7 @@ def report_rows(
 
 
 def _short(numbers: dict, system: str, scale: float, previewed: dict | None, snaps: bool) -> list:
-    """Return the short report: the number of polygons, and their distance from the scan."""
+    """Return the short report: the numbers of polygons and triangles, and the distance from the scan."""
     made = numbers if "polygons" in numbers else previewed or {}
     if "polygons" not in made:
         counts = numbers.get("expected", {})
@@ -156,11 +156,11 @@ def _short(numbers: dict, system: str, scale: float, previewed: dict | None, sna
         return [said(about, polygons=_count(counts["polygons"], "polygon"))]
     shape = "" if made is not numbers else said("closed") if made["closed"] and made["manifold"] else said("open")
     told = _count(made["polygons"], "polygon")
-    lines = [f"{told} · {shape}" if shape else told]
+    more = [_count(made["corners"] - 2 * made["polygons"], "triangle")] if "corners" in made else []
     if "away_max" in made:
         mean, most = (amount(made, name, system, scale) for name in ("away_mean", "away_max"))
-        lines.append(said("{mean} off, {most} at most", mean=mean, most=most))
-    return lines
+        more.append(said("{mean} off, {most} at most", mean=mean, most=most))
+    return [f"{told} · {shape}" if shape else told, *([" · ".join(more)] if more else [])]
 
 
 def report_lines(
