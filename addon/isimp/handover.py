@@ -68,7 +68,6 @@ def require(path: Path) -> None:
 
 def export(path: Path, model: Model, crs: int | None) -> None:
     """Writes a building; see `isimp_engine.exporting`. Raises ValueError."""
-    require(path)
     engine.exporting.write(path, model, crs=crs)
 
 

@@ -48,12 +48,12 @@ def _cityjson(draft: Path, of: Content) -> dict[str, Any]:
 
 
 def _dxf(draft: Path, of: Content) -> dict[str, Any]:
-    dxf.write(draft, of.polygons, of.surfaces)
+    draft.write_text(dxf.dxf(of.polygons, of.surfaces), encoding="ascii")
     return {}
 
 
 def _ifc(draft: Path, of: Content) -> dict[str, Any]:
-    ifc.write(draft, of.polygons, of.surfaces, of.name, of.crs)
+    draft.write_text(ifc.ifc(of.polygons, of.surfaces, of.name, of.crs), encoding="ascii")
     return {}
 
 
@@ -108,8 +108,8 @@ FORMATS = (
     Format(".stl", _stl),
     Format(".3mf", _3mf),
     Format(".city.json", _cityjson, lods=True, menu="building"),
-    Format(".dxf", _dxf, "ezdxf", "ezdxf", "dxf", lods=True, menu="building"),
-    Format(".ifc", _ifc, "ifcopenshell", "ifcopenshell", "ifc", lods=True, menu="building"),
+    Format(".dxf", _dxf, lods=True, menu="building"),
+    Format(".ifc", _ifc, lods=True, menu="building"),
     Format(".step", _step, "OCP", "cadquery-ocp-novtk", "step", menu="solid"),
     Format(".stp", _step, "OCP", "cadquery-ocp-novtk", "step", menu="solid"),
 )

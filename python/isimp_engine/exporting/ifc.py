@@ -1,91 +1,131 @@
-"""IFC4: walls, a roof and slabs as IfcPolygonalFaceSet. Needs the package ifcopenshell."""
+"""IFC4 as text: walls, a roof and slabs as IfcPolygonalFaceSet."""
 
-from pathlib import Path
-from typing import Any
+import hashlib
+import re
+import string
+import uuid
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import _core
 from .._core import PolygonMesh
 from .surfaces import CEILING, CLASSES, GROUND, ROOF, WALL, Surfaces, part_of, rings
 
-_ELEMENTS = {WALL: "IfcWall", ROOF: "IfcRoof", GROUND: "IfcSlab", CEILING: "IfcSlab"}
-_TYPES = {GROUND: "BASESLAB", CEILING: "FLOOR"}
+_ELEMENTS = {WALL: "IFCWALL", ROOF: "IFCROOF", GROUND: "IFCSLAB", CEILING: "IFCSLAB"}
+_TYPES = {GROUND: ".BASESLAB.", CEILING: ".FLOOR."}
 _FAR = 1e4  # coordinates beyond this are written relative to a place near the model
+_DIGITS = string.digits + string.ascii_uppercase + string.ascii_lowercase + "_$"
+_DATE = "1970-01-01T00:00:00"  # the format wants one: equal results are equal files
 
 
-def write(path: Path, poly: PolygonMesh, surfaces: Surfaces, name: str, crs: int | None = None) -> None:
-    """Write n-gons without triangulation. The shift is a map conversion with a reference system, else a placement."""
-    import ifcopenshell
-    import ifcopenshell.guid
+class _File:
+    """The lines of a file. Each is named by its number."""
 
-    file: Any = ifcopenshell.file(schema="IFC4")
-    at = np.asarray(poly.vertices, dtype=np.float64)
-    far = len(at) > 0 and float(np.abs(at).max()) > _FAR
-    shift = np.floor(at.min(0)) if far or (crs is not None and len(at)) else np.zeros(3)
-    placed = [0.0, 0.0, 0.0] if crs is not None else shift.tolist()
+    def __init__(self, of: uuid.UUID) -> None:
+        self.lines: list[str] = []
+        self.of = of
 
-    def make(kind: str, **values: Any) -> Any:
-        if kind in ("IfcProject", "IfcSite", "IfcBuilding") or kind.startswith("IfcRel") or kind in _ELEMENTS.values():
-            values["GlobalId"] = ifcopenshell.guid.new()
-        return file.create_entity(kind, **values)
+    def add(self, text: str) -> str:
+        self.lines.append(f"#{len(self.lines) + 1}={text};")
+        return f"#{len(self.lines)}"
 
-    def placement(parent: Any, place: list[float]) -> Any:
-        axes = make("IfcAxis2Placement3D", Location=make("IfcCartesianPoint", Coordinates=place))
-        return make("IfcLocalPlacement", PlacementRelTo=parent, RelativePlacement=axes)
+    def rooted(self, kind: str, role: str, rest: str) -> str:
+        """Add an entity with a GlobalId, which depends on its role and on the model."""
+        number = uuid.uuid5(self.of, role).int
+        digits = "".join(_DIGITS[number >> 6 * k & 63] for k in range(21, -1, -1))
+        return self.add(f"{kind}('{digits}',$,{rest})")
 
-    world = make("IfcAxis2Placement3D", Location=make("IfcCartesianPoint", Coordinates=[0.0, 0.0, 0.0]))
-    context = make(
-        "IfcGeometricRepresentationContext",
-        ContextType="Model",
-        CoordinateSpaceDimension=3,
-        Precision=1e-6,
-        WorldCoordinateSystem=world,
-    )
+    def placement(self, parent: str, place: list[float]) -> str:
+        axes = self.add(f"IFCAXIS2PLACEMENT3D({self.add(f'IFCCARTESIANPOINT({_reals(place)})')},$,$)")
+        return self.add(f"IFCLOCALPLACEMENT({parent},{axes})")
+
+
+def ifc(poly: PolygonMesh, surfaces: Surfaces, name: str, crs: int | None = None) -> str:
+    """The file's text: n-gons without triangulation.
+
+    The shift is a map conversion with a reference system, else the placement of the site.
+    """
+    at = np.asarray(poly.vertices, dtype=np.float64).reshape(-1, 3)
+    far = float(np.abs(at).max(initial=0.0)) > _FAR
+    shift = np.floor(at.min(0)) if len(at) and (far or crs is not None) else np.zeros(3)
+    file, title = _File(_identity(poly, name, crs)), _quoted(name)
+    world = file.add(f"IFCAXIS2PLACEMENT3D({file.add('IFCCARTESIANPOINT((0.,0.,0.))')},$,$)")
+    context = file.add(f"IFCGEOMETRICREPRESENTATIONCONTEXT($,'Model',3,1.E-6,{world},$)")
+    body = file.add(f"IFCGEOMETRICREPRESENTATIONSUBCONTEXT('Body','Model',*,*,*,*,{context},$,.MODEL_VIEW.,$)")
     if crs is not None:
-        system = make("IfcProjectedCRS", Name=f"EPSG:{crs}")
-        east, north, height = shift.tolist()
-        make(
-            "IfcMapConversion",
-            SourceCRS=context,
-            TargetCRS=system,
-            Eastings=east,
-            Northings=north,
-            OrthogonalHeight=height,
-        )
-    units = make("IfcUnitAssignment", Units=[make("IfcSIUnit", UnitType="LENGTHUNIT", Name="METRE")])
-    project = make("IfcProject", Name=name, RepresentationContexts=[context], UnitsInContext=units)
-    site = make("IfcSite", Name=name, ObjectPlacement=placement(None, placed))
-    building = make("IfcBuilding", Name=name, ObjectPlacement=placement(site.ObjectPlacement, [0.0, 0.0, 0.0]))
-    make("IfcRelAggregates", RelatingObject=project, RelatedObjects=[site])
-    make("IfcRelAggregates", RelatingObject=site, RelatedObjects=[building])
+        system = file.add(f"IFCPROJECTEDCRS('EPSG:{crs}',$,$,$,$,$,$)")
+        place = ",".join(map(_real, shift.tolist()))
+        file.add(f"IFCMAPCONVERSION({context},{system},{place},$,$,$)")
+    kinds = {"LENGTHUNIT": "METRE", "AREAUNIT": "SQUARE_METRE", "VOLUMEUNIT": "CUBIC_METRE", "PLANEANGLEUNIT": "RADIAN"}
+    units = ",".join(file.add(f"IFCSIUNIT(*,.{kind}.,$,.{unit}.)") for kind, unit in kinds.items())
+    units = file.add(f"IFCUNITASSIGNMENT(({units}))")
+    project = file.rooted("IFCPROJECT", "project", f"{title},$,$,$,$,({context}),{units}")
+    placed = file.placement("$", (shift if crs is None else np.zeros(3)).tolist())
+    site = file.rooted("IFCSITE", "site", f"{title},$,$,{placed},$,$,$,$,$,$,$,$")
+    placed = file.placement(placed, [0.0] * 3)
+    building = file.rooted("IFCBUILDING", "building", f"{title},$,$,{placed},$,$,$,$,$,$")
+    placed = file.placement(placed, [0.0] * 3)
+    storey = file.rooted("IFCBUILDINGSTOREY", "storey", f"{title},$,$,{placed},$,$,$,0.")
+    for role, (whole, part) in enumerate([(project, site), (site, building), (building, storey)]):
+        file.rooted("IFCRELAGGREGATES", f"part {role}", f"$,$,{whole},({part})")
     loops, elements = rings(poly), []
     for kind in CLASSES:
-        some = surfaces.of(kind)
-        if not some:
-            continue
-        places, parts = part_of(poly, loops, some)
-        points = make("IfcCartesianPointList3D", CoordList=(places - shift).tolist())
-        faces = [make("IfcIndexedPolygonalFace", CoordIndex=(part + 1).tolist()) for part in parts]
-        shape = make("IfcPolygonalFaceSet", Coordinates=points, Closed=False, Faces=faces)
-        body = make(
-            "IfcShapeRepresentation",
-            ContextOfItems=context,
-            RepresentationIdentifier="Body",
-            RepresentationType="Tessellation",
-            Items=[shape],
-        )
-        more = {"PredefinedType": _TYPES[kind]} if kind in _TYPES else {}
-        elements.append(
-            make(
-                _ELEMENTS[kind],
-                Name=kind,
-                ObjectPlacement=placement(building.ObjectPlacement, [0.0, 0.0, 0.0]),
-                Representation=make("IfcProductDefinitionShape", Representations=[body]),
-                **more,
-            )
-        )
+        if some := surfaces.of(kind):
+            points, parts = part_of(poly, loops, some)
+            shape = _shape(file, points - shift, parts, body)
+            rest = f"'{kind}',$,$,{file.placement(placed, [0.0] * 3)},{shape},$,{_TYPES.get(kind, '$')}"
+            elements.append(file.rooted(_ELEMENTS[kind], kind, rest))
     if elements:
-        make("IfcRelContainedInSpatialStructure", RelatingStructure=building, RelatedElements=elements)
-    file.header.file_name.originating_system = f"isimp {_core.__version__}"
-    path.write_text(file.to_string(), encoding="utf-8")  # the package's writer does not name the file in errors
+        rest = f"$,$,({','.join(elements)}),{storey}"
+        file.rooted("IFCRELCONTAINEDINSPATIALSTRUCTURE", "contents", rest)
+    return "\n".join([*_head(name), *file.lines, "ENDSEC;", "END-ISO-10303-21;", ""])
+
+
+def _shape(file: _File, points: NDArray[np.float64], parts: list[NDArray[np.int64]], body: str) -> str:
+    places = file.add(f"IFCCARTESIANPOINTLIST3D(({','.join(map(_reals, points.tolist()))}))")
+    texts = (",".join(map(str, (part + 1).tolist())) for part in parts)
+    faces = ",".join([file.add(f"IFCINDEXEDPOLYGONALFACE(({text}))") for text in texts])
+    surface = file.add(f"IFCPOLYGONALFACESET({places},.F.,({faces}),$)")
+    shown = file.add(f"IFCSHAPEREPRESENTATION({body},'Body','Tessellation',({surface}))")
+    return file.add(f"IFCPRODUCTDEFINITIONSHAPE($,$,({shown}))")
+
+
+def _head(name: str) -> list[str]:
+    return [
+        "ISO-10303-21;",
+        "HEADER;",
+        "FILE_DESCRIPTION(('ViewDefinition [ReferenceView_V1.2]'),'2;1');",
+        f"FILE_NAME({_quoted(name)},'{_DATE}',(''),(''),'isimp','isimp {_core.__version__}','');",
+        "FILE_SCHEMA(('IFC4'));",
+        "ENDSEC;",
+        "DATA;",
+    ]
+
+
+def _identity(poly: PolygonMesh, name: str, crs: int | None) -> uuid.UUID:
+    """Equal for equal models."""
+    digest = hashlib.sha256(f"{name}\0{crs}".encode())
+    for values in (poly.vertices, poly.loops, poly.loop_start):
+        digest.update(np.ascontiguousarray(values).tobytes())
+    return uuid.UUID(bytes=digest.digest()[:16])
+
+
+def _real(value: float) -> str:
+    """A number as STEP files want it, with a point."""
+    digits, e, power = repr(value).upper().partition("E")
+    return digits + ("" if "." in digits else ".") + e + power
+
+
+def _reals(values: list[float]) -> str:
+    return f"({','.join(map(_real, values))})"
+
+
+def _quoted(text: str) -> str:
+    """A text as STEP files want it: ASCII, other letters by their code."""
+    plain = text.replace("\\", "\\\\").replace("'", "''")
+    return "'" + re.sub("[^ -~]", lambda found: _code(ord(found[0])), plain) + "'"
+
+
+def _code(letter: int) -> str:
+    return f"\\X2\\{letter:04X}\\X0\\" if letter < 1 << 16 else f"\\X4\\{letter:08X}\\X0\\"

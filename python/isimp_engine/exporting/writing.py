@@ -38,8 +38,7 @@ def write(
     alone. STL is text where coordinates are too far from zero for its float32.
 
     The file appears whole or not at all. CityJSON, DXF and IFC have their polygons by class (walls, roofs, ground) and
-    keep n-gons and the scan's coordinates in double precision; they take scene units for metres. DXF needs the package
-    ezdxf, IFC ifcopenshell.
+    keep n-gons and the scan's coordinates in double precision; they take scene units for metres.
 
     STEP is a solid where the polygons are closed, else a shell. Round parts of the partition (`Partition.curved`) have
     true surfaces; where one can't be cut to a valid face, its cells are planes. Non-planar polygons are cut into

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 import sys
 import zipfile
 from pathlib import Path
@@ -162,6 +163,8 @@ def test_ifcopenshell_reads_ifc(tmp_path: Path, crs: int | None) -> None:
         assert not shift.any()
         shift = np.array([conversion.Eastings, conversion.Northings, conversion.OrthogonalHeight])
     found, elements = [], file.by_type("IfcWall") + file.by_type("IfcRoof") + file.by_type("IfcSlab")
+    (storey,) = file.by_type("IfcBuildingStorey")
+    assert {element.ContainedInStructure[0].RelatingStructure for element in elements} == {storey}
     for element in elements:
         (shape,) = element.Representation.Representations[0].Items
         assert shape.is_a("IfcPolygonalFaceSet")
@@ -169,6 +172,63 @@ def test_ifcopenshell_reads_ifc(tmp_path: Path, crs: int | None) -> None:
         found += [at[np.array(face.CoordIndex) - 1] for face in shape.Faces]
     assert {e.is_a() for e in elements} >= {"IfcWall", "IfcRoof"}
     same_rings(found, poly, within=1e-8)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # it leaves its file of rules open
+@pytest.mark.parametrize("crs", [None, 25832])
+def test_ifc_keeps_the_rules_of_its_schema(tmp_path: Path, crs: int | None) -> None:
+    validate = pytest.importorskip("ifcopenshell.validate", reason="ifcopenshell is not installed")
+    engine.write(tmp_path / "a.ifc", made(UTM), crs=crs)
+    log = validate.json_logger()
+    validate.validate(str(tmp_path / "a.ifc"), log, express_rules=True)
+    assert log.statements == []
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_ifc_and_dxf_of_scans_have_no_error(tmp_path: Path, seed: int) -> None:
+    validate = pytest.importorskip("ifcopenshell.validate", reason="ifcopenshell is not installed")
+    recover = pytest.importorskip("ezdxf.recover", reason="ezdxf is not installed")
+    house = houses.make(0.002 * (seed % 3), seed, at=UTM if seed % 2 else (0.0, 0.0, 0.0))
+    scan = engine.clean(house.vertices, house.triangles)
+    for detail in (0.02, 0.002):
+        part = engine.partition(scan, engine.PartitionOptions(detail=detail))
+        poly = engine.polygonize(scan, part, engine.MeshingOptions(planar=seed < 5))
+        for name in ("a.ifc", "a.dxf"):
+            engine.write(tmp_path / name, poly)
+        log = validate.json_logger()
+        validate.validate(str(tmp_path / "a.ifc"), log)
+        assert log.statements == []
+        drawing, audit = recover.readfile(tmp_path / "a.dxf")
+        assert (drawing.units, drawing.dxfversion) == (6, "AC1015")
+        assert (audit.errors, audit.fixes) == ([], [])
+
+
+def test_names_and_areas_of_ifc_are_those_of_the_model(tmp_path: Path) -> None:
+    ifcopenshell = pytest.importorskip("ifcopenshell", reason="ifcopenshell is not installed")
+    geom = pytest.importorskip("ifcopenshell.geom")
+    poly, name = made(), "H\u00e4u's \\ \u6f22 \U0001f3e0"
+    path = tmp_path / f"{name}.ifc"
+    engine.write(path, poly)
+    file = ifcopenshell.open(str(path))
+    assert [file.by_type(kind)[0].Name for kind in ("IfcProject", "IfcSite", "IfcBuilding")] == [name] * 3
+    total = 0.0
+    for element in file.by_type("IfcElement"):
+        shape = geom.create_shape(geom.settings(), element).geometry
+        total += faces_area(np.array(shape.verts).reshape(-1, 3), np.array(shape.faces).reshape(-1, 3))
+    assert total == pytest.approx(area(poly), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["house.ifc", "house.dxf"])
+def test_equal_models_are_equal_files(tmp_path: Path, name: str) -> None:
+    def text(poly: engine.PolygonMesh) -> str:
+        engine.write(tmp_path / name, poly)
+        return (tmp_path / name).read_text()
+
+    first, other = text(made()), text(made(UTM))
+    assert text(made()) == first
+    numbers, others = (set(re.findall(r"\('([\w$]{22})',\$", found)) for found in (first, other))
+    assert len(numbers) == (12 if name == "house.ifc" else 0)
+    assert not numbers & others
 
 
 def test_a_row_is_all_that_a_format_needs(tmp_path: Path, monkeypatch) -> None:
@@ -189,19 +249,13 @@ def test_a_row_is_all_that_a_format_needs(tmp_path: Path, monkeypatch) -> None:
 def test_a_missing_package_is_named_before_the_work(tmp_path: Path, monkeypatch, capsys) -> None:
     scan = tmp_path / "scan.obj"
     scan.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    packages = [
-        ("ezdxf", "ezdxf", "dxf"),
-        ("ifcopenshell", "ifcopenshell", "ifc"),
-        ("OCP", "cadquery-ocp-novtk", "step"),
-    ]
-    for module, package, kind in packages:
-        monkeypatch.setitem(sys.modules, module, None)
-        monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-        with pytest.raises(engine.FileError, match=rf"{package} is needed: pip install 'isimp\[{kind}\]'"):
-            require(f"a.{kind}")
-        assert main(["simplify", str(scan), str(tmp_path / f"out.{kind}"), "--quiet"]) == 2
-        assert package in capsys.readouterr().err
-        assert not (tmp_path / f"out.{kind}").exists()
+    monkeypatch.setitem(sys.modules, "OCP", None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(engine.FileError, match=r"cadquery-ocp-novtk is needed: pip install 'isimp\[step\]'"):
+        require("a.step")
+    assert main(["simplify", str(scan), str(tmp_path / "out.step"), "--quiet"]) == 2
+    assert "cadquery-ocp-novtk" in capsys.readouterr().err
+    assert not (tmp_path / "out.step").exists()
 
 
 def test_nothing_is_left_where_the_place_is_missing(tmp_path: Path) -> None:

@@ -56,13 +56,13 @@ def test_numbers_of_400_digits_are_refused_with_their_step(step):
 
 @pytest.mark.parametrize("error", ["ImportError('no memory for it')", "SystemError('no memory for it')"])
 def test_a_package_that_can_not_be_loaded_is_named_before_the_work(tmp_path, monkeypatch, error):
-    (tmp_path / "ezdxf.py").write_text(f"raise {error}\n")
+    (tmp_path / "OCP.py").write_text(f"raise {error}\n")
     monkeypatch.syspath_prepend(tmp_path)
-    for name in [name for name in sys.modules if name.split(".")[0] == "ezdxf"]:
+    for name in [name for name in sys.modules if name.split(".")[0] == "OCP"]:
         monkeypatch.delitem(sys.modules, name)
-    said = r"a\.dxf: the package ezdxf, which is needed to write it, can't be loaded \(no memory for it\)"
+    said = r"a\.step: the package cadquery-ocp-novtk, which is needed to write it, can't be loaded \(no memory for it\)"
     with pytest.raises(engine.FileError, match=said):
-        exporting.require("a.dxf")
+        exporting.require("a.step")
 
 
 # Names of outputs

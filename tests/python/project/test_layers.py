@@ -129,7 +129,7 @@ def imports(path):
             yield from ("." * node.level + name.split(".")[0] for name in names)
 
 
-OPTIONAL = {"on_dask.py": {"distributed"}, "images.py": {"PIL"}, "dxf.py": {"ezdxf"}, "ifc.py": {"ifcopenshell"}}
+OPTIONAL = {"on_dask.py": {"distributed"}, "images.py": {"PIL"}}
 OPTIONAL |= {name: {"OCP"} for name in ("faces.py", "kernel.py", "solid.py", "step_file.py")}
 
 

@@ -150,7 +150,6 @@ class ISIMP_OT_export_lods(bpy.types.Operator):
         levels = _levels(context, scan)
         stem = path.name[: len(path.name) - len(kind)]
         try:
-            handover.require(path)
             for number, obj in enumerate(levels):
                 with _alone(context, obj):
                     _export_level(context, scan, obj, path.with_name(f"{stem}_LOD{number}{kind}"), kind)

@@ -3,7 +3,6 @@
 The fourth, a student, installs the zip first: student.py. An action is done only if the manual has its words.
 """
 
-import importlib.util
 import json
 
 import bpy
@@ -131,9 +130,7 @@ def surveyor(hand):
     yield from user.presses("Partition")
     yield from user.presses("Mesh")
     yield from hand.shot("jobs-2-surveyor")
-    kinds = {"ifc": "ifcopenshell", "dxf": "ezdxf"}
-    names = [f"house.{kind}" for kind, package in kinds.items() if importlib.util.find_spec(package)]
-    for name in [*names, "house.city.json"]:
+    for name in ("house.ifc", "house.dxf", "house.city.json"):
         user.does("**File > Export > Building (.ifc, .dxf, .city.json)** writes the result")
         with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
             bpy.ops.isimp.export_building("EXEC_DEFAULT", filepath=str(hand.out / name), epsg=25832)
