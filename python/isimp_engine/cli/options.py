@@ -59,7 +59,8 @@ def simplify_options() -> argparse.ArgumentParser:
         const=LIKE_THE_SCAN,
         metavar="SIZE",
         help="keep the scan's texture in an image of SIZE x SIZE pixels; without SIZE: as dense as the scan's images. "
-        "OUTPUT.obj has the files OUTPUT.mtl, OUTPUT.png and OUTPUT_normal.png; OUTPUT.glb contains all",
+        "OUTPUT.obj has the files OUTPUT.mtl, OUTPUT.png and OUTPUT_normal.png, OUTPUT.gltf has images "
+        "beside it, OUTPUT.glb contains all",
     )
     command.add_argument(
         "--ao",

@@ -73,10 +73,17 @@ def _3mf(draft: Path, of: Content) -> dict[str, Any]:
     return {}
 
 
-def _gltf(draft: Path, of: Content) -> dict[str, Any]:
+def _glb(draft: Path, of: Content) -> dict[str, Any]:
     from ..texturing.glb import plain  # reads the table of formats itself
 
-    draft.write_bytes(plain(of.name, of.polygons, of.job))
+    draft.write_bytes(plain(of.name, of.polygons, of.job).glb())
+    return {}
+
+
+def _gltf(draft: Path, of: Content) -> dict[str, Any]:
+    from ..texturing.glb import plain
+
+    draft.write_bytes(plain(of.name, of.polygons, of.job).gltf())
     return {}
 
 
@@ -104,7 +111,8 @@ class Format:
 FORMATS = (
     Format(".ply", tiles=True),
     Format(".obj", tiles=True, textured=True, lods=True),
-    Format(".glb", _gltf, textured=True, lods=True),
+    Format(".glb", _glb, textured=True, lods=True),
+    Format(".gltf", _gltf, textured=True),
     Format(".stl", _stl),
     Format(".3mf", _3mf),
     Format(".city.json", _cityjson, lods=True, menu="building"),

@@ -32,10 +32,10 @@ def write(
     unit: str = "m",
     place: NDArray[np.float64] | None = None,
 ) -> dict[str, Any]:
-    """Write polygons: PLY, OBJ, GLB, STL, 3MF; for buildings CityJSON (.city.json), DXF and IFC; STEP (.step, .stp).
+    """Write polygons: PLY, OBJ, GLB, glTF, STL, 3MF; for buildings CityJSON (.city.json), DXF, IFC; STEP (.step, .stp).
 
-    PLY and OBJ keep n-gons. GLB has triangles, which FB_ngon_encoding groups to n-gons; STL and 3MF have triangles
-    alone. STL is text where coordinates are too far from zero for its float32.
+    PLY and OBJ keep n-gons. GLB and glTF have triangles, which FB_ngon_encoding groups to n-gons, and contain all
+    arrays; STL and 3MF have triangles alone. STL is text where coordinates are too far from zero for its float32.
 
     The file appears whole or not at all. CityJSON, DXF and IFC have their polygons by class (walls, roofs, ground) and
     keep n-gons and the scan's coordinates in double precision; they take scene units for metres.

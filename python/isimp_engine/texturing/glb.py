@@ -1,11 +1,14 @@
-"""Binary glTF 2.0: the layout of the format's specification, as far as scans and our results need it."""
+"""glTF 2.0, binary and as text: the layout of the format's specification, as far as scans and our results need it."""
 
+import base64
 import json
+import os
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -201,7 +204,39 @@ def filled(poly: PolygonMesh, job: Job | None) -> tuple[NDArray[np.float64], NDA
     return corners, *ngons.fans(corners, poly.loop_start, *triangulate(corners, each, poly.loop_start, job=job))
 
 
-def plain(name: str, poly: PolygonMesh, job: Job | None = None) -> bytes:
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """A glTF file with one mesh, for a file that contains all or has its images beside it."""
+
+    document: dict[str, Any]
+    writer: _Writer
+    pictures: list[tuple[str, bytes]]  # PNG files and their names without .png
+
+    def glb(self) -> bytes:
+        """A binary file."""
+        writer = self.writer
+        images = [{"bufferView": writer.view(data), "mimeType": "image/png", "name": n} for n, data in self.pictures]
+        writer.data += bytes(-len(writer.data) % 4)
+        text = self._text(images, {})
+        text += b" " * (-len(text) % 4)
+        chunks = struct.pack("<II", len(text), JSON) + text + struct.pack("<II", len(writer.data), BINARY) + writer.data
+        return MAGIC + struct.pack("<II", 2, 12 + len(chunks)) + chunks
+
+    def gltf(self) -> bytes:
+        """A file of text that contains its arrays, and names its images: NAME.png."""
+        images = [{"uri": quote(os.fsencode(n + ".png")), "name": n} for n, _ in self.pictures]
+        data = base64.b64encode(self.writer.data).decode()
+        return self._text(images, {"uri": "data:application/octet-stream;base64," + data})
+
+    def _text(self, images: list[dict[str, Any]], buffer: dict[str, str]) -> bytes:
+        writer = self.writer
+        more: dict[str, Any] = {"images": images} if images else {}
+        more |= {"accessors": writer.accessors, "bufferViews": writer.views}
+        more["buffers"] = [{"byteLength": len(writer.data)} | buffer]
+        return json.dumps(self.document | more, separators=(",", ":")).encode()
+
+
+def plain(name: str, poly: PolygonMesh, job: Job | None = None) -> Contents:
     """A file of polygons without a texture, shaded flat."""
     corners, triangles, _ = filled(poly, job)
     start = poly.loop_start.astype(np.int64)
@@ -212,10 +247,10 @@ def plain(name: str, poly: PolygonMesh, job: Job | None = None) -> bytes:
     normal = np.add.reduceat(np.cross(corners - first, corners[following] - first), start, axis=0)
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     unit = np.divide(normal, length, out=np.tile([0.0, 0.0, 1.0], (len(normal), 1)), where=length > 0)
-    return glb(name, corners, [triangles], np.repeat(unit, count, axis=0))
+    return contents(name, corners, [triangles], np.repeat(unit, count, axis=0))
 
 
-def glb(
+def contents(
     name: str,
     corners: NDArray[np.float64],
     triangles: list[NDArray[np.int32]],
@@ -223,8 +258,8 @@ def glb(
     uv: NDArray[np.float64] | None = None,
     tangents: NDArray[np.float64] | None = None,
     shown: Sequence[gltf_layers.Shown | None] = (None,),
-) -> bytes:
-    """A file with one mesh: everything by corner, v upward. triangles, shown: of each material; None: without one."""
+) -> Contents:
+    """One mesh: everything by corner, v upward. triangles, shown: of each material; None: without one."""
     writer = _Writer()
     middle = (corners.min(0) + corners.max(0)) / 2
     size = float(np.linalg.norm(np.ptp(corners, axis=0)))
@@ -265,15 +300,6 @@ def glb(
     if pictures:
         document["textures"] = [{"source": i, "sampler": 0} for i in range(len(pictures))]
         document["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071}]
-        document["images"] = [
-            {"bufferView": writer.view(data), "mimeType": "image/png", "name": title} for title, data in pictures
-        ]
-    document |= {"accessors": writer.accessors, "bufferViews": writer.views}
     extensions = {word for material in materials for word in material.get("extensions", ())}
     document["extensionsUsed"] = sorted(extensions | {ngons.NAME})
-    writer.data += bytes(-len(writer.data) % 4)
-    document["buffers"] = [{"byteLength": len(writer.data)}]
-    text = json.dumps(document, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    chunks = struct.pack("<II", len(text), JSON) + text + struct.pack("<II", len(writer.data), BINARY) + writer.data
-    return MAGIC + struct.pack("<II", 2, 12 + len(chunks)) + chunks
+    return Contents(document, writer, pictures)

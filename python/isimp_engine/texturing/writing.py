@@ -16,7 +16,7 @@ from ..drafts import deliver, draft_of
 from ..exporting import TEXTURED
 from . import images, obj
 from .baking import Texture
-from .glb import filled, glb
+from .glb import Contents, contents, filled
 from .gltf_layers import Shown
 from .layers import NORMAL
 
@@ -28,12 +28,13 @@ _MAPS = {"roughness": "map_Pr", "metallic": "map_Pm", "emission": "map_Ke", "occ
 
 
 def companions(path: Path) -> list[Path]:
-    """The files that can accompany an output: OBJ has a material file and images.
+    """The files that can accompany an output: OBJ has a material file and images, glTF images.
 
     Files of a result with tiles or several materials have more in their names.
     """
     if path.suffix.lower() != ".obj":
-        return []
+        images = [path.with_suffix(".png"), *(_beside(path, name) for name in (NORMAL, "surface", "emission"))]
+        return images * (path.suffix.lower() == ".gltf")
     return [path.with_suffix(".mtl"), path.with_suffix(".png"), *(_beside(path, n) for n in (NORMAL, *_MAPS))]
 
 
@@ -115,8 +116,11 @@ def files_of(path: Path, poly: PolygonMesh, made: Texture, job: Job | None = Non
         raise FileError(why)
     tiles = sheets(made, path.stem)
     files = {}
-    if kind == ".glb":
-        files[path] = _glb(path, poly, made, tiles, job)
+    if kind != ".obj":
+        made_of = _gltf(path, poly, made, tiles, job)
+        files[path] = made_of.glb() if kind == ".glb" else made_of.gltf()
+        if kind == ".gltf":
+            files |= {path.with_name(name + ".png"): data for name, data in made_of.pictures}
         return files
     mtl = path.with_suffix(".mtl")
     files[path] = _obj(mtl.name, poly, made, tiles)
@@ -135,8 +139,9 @@ def write_textured(
 
     OBJ keeps the n-gons and has an MTL file and PNG images of the same name; images of several tiles are UDIM images
     (`model.1001.png`, in the MTL file `model.<UDIM>.png`), and images of materials kept apart have the material's name
-    (`model-red.png`). GLB has triangles, which FB_ngon_encoding groups to n-gons, a material for each tile, and holds
-    its images; the coordinates are the scan's, though glTF takes y for up.
+    (`model-red.png`). GLB and glTF have triangles, which FB_ngon_encoding groups to n-gons, and a material for each
+    tile. GLB holds its images, glTF has them beside it as PNG files; the coordinates are the scan's, though glTF takes
+    y for up.
     Each file is replaced only when all are complete. Raises FileError (another extension, or the place can't be
     written).
     """
@@ -200,13 +205,13 @@ def _mtl(sheet: _Sheet, factors: dict[str, float]) -> bytes:
     return os.fsencode("\n".join(lines) + "\n")
 
 
-def _glb(path: Path, poly: PolygonMesh, made: Texture, tiles: list[_Sheet], job: Job | None) -> bytes:
+def _gltf(path: Path, poly: PolygonMesh, made: Texture, tiles: list[_Sheet], job: Job | None) -> Contents:
     corners, triangles, polygon = filled(poly, job)
     of = np.repeat(np.arange(len(poly.loop_start)), np.diff(_ends(poly)))
     tile = np.zeros(len(triangles), dtype=np.int32) if made.tile is None else made.tile[polygon]
     faces = [triangles[tile == t] for t in range(len(tiles))]
     shown = [_shown(path, sheet, made.factors) for sheet in tiles]
-    return glb(path.stem, corners, faces, made.polygon_normal[of], made.uv, made.polygon_tangent[of], shown)
+    return contents(path.stem, corners, faces, made.polygon_normal[of], made.uv, made.polygon_tangent[of], shown)
 
 
 def _shown(path: Path, sheet: _Sheet, factors: dict[str, float]) -> Shown:

@@ -351,17 +351,17 @@ def test_3mf_has_the_triangles_and_the_unit(tmp_path: Path, top: bool) -> None:
     assert (tmp_path / "box.3mf").read_bytes() == first
 
 
-def test_trimesh_reads_stl_glb_and_3mf(tmp_path: Path) -> None:
+def test_trimesh_reads_stl_gltf_and_3mf(tmp_path: Path) -> None:
     trimesh = pytest.importorskip("trimesh")
     pytest.importorskip("lxml")
     pytest.importorskip("networkx")
     poly = box()
-    for name in ("box.stl", "box.glb", "box.3mf"):
+    for name in ("box.stl", "box.glb", "box.gltf", "box.3mf"):
         engine.write(tmp_path / name, poly)
         assert trimesh.load(tmp_path / name, force="mesh").volume == pytest.approx(1)
 
 
-@pytest.mark.parametrize("name", ["o.stl", "o.glb", "o.3mf"])
+@pytest.mark.parametrize("name", ["o.stl", "o.glb", "o.gltf", "o.3mf"])
 def test_the_command_writes_meshes_of_triangles(tmp_path: Path, name: str, capsys) -> None:
     engine.write(tmp_path / "box.ply", box())
     assert main(["simplify", str(tmp_path / "box.ply"), str(tmp_path / name), "--proxies", "6", "--quiet"]) == 0

@@ -1,6 +1,7 @@
 """The texture of a scan: read, put on the n-gons, written; and the command's --texture."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -305,7 +306,7 @@ def made_plane(tmp_path):
     return tmp_path, poly, made
 
 
-def test_obj_and_glb_are_read_back_the_same(made_plane):
+def test_obj_glb_and_gltf_are_read_back_the_same(made_plane):
     folder, poly, made = made_plane
     files = engine.write_textured(folder / "out.obj", poly, made)
     assert sorted(f.name for f in files) == ["out.mtl", "out.obj", "out.png", "out_normal.png"]
@@ -313,7 +314,9 @@ def test_obj_and_glb_are_read_back_the_same(made_plane):
     assert np.array_equal(loops, poly.loops)
     assert np.array_equal(starts, poly.loop_start)
     assert engine.write_textured(folder / "out.glb", poly, made) == [folder / "out.glb"]
-    for name in ("out.obj", "out.glb"):
+    files = engine.write_textured(folder / "o t.gltf", poly, made)
+    assert [f.name for f in files] == ["o t.gltf", "o t.png", "o t_normal.png"]
+    for name in ("out.obj", "out.glb", "o t.gltf"):
         soup = engine.read_textured(folder / name)
         assert np.array_equal(soup.images[0], made.image)
         corners = np.concatenate([poly.vertices[poly.loops], made.uv], axis=1)
@@ -322,11 +325,28 @@ def test_obj_and_glb_are_read_back_the_same(made_plane):
         assert distance.max() < 1e-6
 
 
-def test_glb_is_read_by_another_library(made_plane):
+def test_gltf_that_can_not_be_written_leaves_nothing(made_plane, monkeypatch):
+    folder, poly, made = made_plane
+    before = sorted(path.name for path in folder.iterdir())
+    write = Path.write_bytes
+
+    def full(path, data):
+        if path.name.endswith(".png") and "normal" in path.name:
+            raise OSError(28, "full")
+        return write(path, data)
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(engine.FileError, match=r"out\.gltf: can't be written: full"):
+        engine.write_textured(folder / "out.gltf", poly, made)
+    assert sorted(path.name for path in folder.iterdir()) == before
+
+
+@pytest.mark.parametrize("name", ["out.glb", "out.gltf"])
+def test_gltf_is_read_by_another_library(made_plane, name):
     trimesh = pytest.importorskip("trimesh")
     folder, poly, made = made_plane
-    engine.write_textured(folder / "out.glb", poly, made)
-    (mesh,) = trimesh.load(folder / "out.glb").geometry.values()
+    engine.write_textured(folder / name, poly, made)
+    (mesh,) = trimesh.load(folder / name).geometry.values()
     assert len(mesh.vertices) == len(poly.loops)
     assert np.allclose(mesh.visual.uv, made.uv, atol=1e-6)
     assert np.array_equal(np.asarray(mesh.visual.material.baseColorTexture.convert("RGBA")), made.image)
@@ -347,6 +367,12 @@ def test_the_command_writes_all_files(tmp_path):
     ran = isimp("simplify", path, tmp_path / "made.glb", "--proxies", "6", "--texture", "--quiet")
     assert ran.returncode == 0, ran.stderr
     assert len(engine.read_textured(tmp_path / "made.glb").triangles) == 12
+    ran = isimp("simplify", path, tmp_path / "text.gltf", "--proxies", "6", "--texture", "--quiet", "--report", report)
+    assert ran.returncode == 0, ran.stderr
+    images = sorted(path.name for path in tmp_path.glob("text*.png"))
+    assert images == ["text.png", "text_normal.png"]
+    assert sorted(Path(path).name for path in json.loads(report.read_text())["texture"]["files"]) == images
+    assert len(engine.read_textured(tmp_path / "text.gltf").triangles) == 12
 
 
 def test_the_command_does_not_overwrite_the_scans_own_image(tmp_path):
@@ -358,15 +384,17 @@ def test_the_command_does_not_overwrite_the_scans_own_image(tmp_path):
     assert "would be overwritten" in ran.stderr
     assert (tmp_path / "t.png").read_bytes() == before
     assert not (tmp_path / "t.obj").exists()
+    assert isimp("simplify", path, tmp_path / "t.gltf", "--proxies", "1", "--texture").returncode == 2
+    assert (tmp_path / "t.png").read_bytes() == before
 
 
 @pytest.mark.parametrize(
     ("arguments", "status", "text"),
     [
-        (["cube.obj", "x.ply", "--texture"], 2, "must end in one of .obj, .glb"),
+        (["cube.obj", "x.ply", "--texture"], 2, "must end in one of .obj, .glb, .gltf"),
         (["cube.obj", "x.obj", "--texture", "7"], 2, "whole number in [16, 16384], got '7'"),
         (["plain.ply", "x.obj", "--texture"], 3, "neither an image nor colours"),
-        (["cube.obj", "x.gltf"], 2, "OUTPUT must end in"),
+        (["cube.obj", "x.fbx"], 2, "OUTPUT must end in"),
     ],
 )
 def test_the_command_names_the_fault_in_a_line(tmp_path, arguments, status, text):
@@ -394,7 +422,7 @@ def test_the_texture_step_of_a_recipe_is_obeyed(tmp_path):
     assert engine.read_textured(tmp_path / "out.glb").images[0].shape == (32, 32, 4), "what is given comes first"
     ran = isimp("simplify", scan, tmp_path / "out.ply", "--recipe", tmp_path / "r.json")
     assert ran.returncode == 2
-    assert "with a texture OUTPUT must end in one of .obj, .glb" in ran.stderr
+    assert "with a texture OUTPUT must end in one of .obj, .glb, .gltf" in ran.stderr
 
 
 def test_a_batch_keeps_textures(tmp_path):

@@ -167,7 +167,7 @@ def test_an_obj_with_maps_is_read_back(tmp_path):
         "bent.png",
     }
     _, _, poly, made = result(soup, np.zeros(len(soup.triangles)), size=64)
-    for name in ("out.obj", "out.glb"):
+    for name in ("out.obj", "out.glb", "out.gltf"):
         files = engine.write_textured(tmp_path / name, poly, made)
         back = engine.read_textured(tmp_path / name)
         assert set(back.layers) == {"roughness", "metallic", "emission", "normal"}
@@ -188,7 +188,7 @@ def test_numbers_of_an_mtl_file_are_kept(tmp_path):
     assert made.factors == {"roughness": 0.3, "metallic": 0.75, "emission": 4.0}
     assert list(made.layers) == ["emission"]
     assert at(poly, made, made.layers["emission"], LEFT).tolist() == [[188, 255, 0]] * 2  # .5 and 1, linear
-    for name in ("out.obj", "out.glb"):
+    for name in ("out.obj", "out.glb", "out.gltf"):
         engine.write_textured(tmp_path / name, poly, made)
         back = engine.read_textured(tmp_path / name)
         _, _, _, again = result(back, np.zeros(len(back.triangles)), size=64)
@@ -280,7 +280,7 @@ def test_another_library_reads_the_layers(tmp_path):
     assert np.asarray(mesh.visual.material.emissiveFactor).tolist() == [1, 1, 1]
     document = json_of(tmp_path / "out.glb")
     assert "occlusionTexture" not in document["materials"][0]
-    assert "extensionsUsed" not in document
+    assert document["extensionsUsed"] == ["FB_ngon_encoding"]
     engine.write_textured(tmp_path / "out.obj", poly, made)
     mtl = (tmp_path / "out.mtl").read_text()
     for word, name in (("map_Pr", "roughness"), ("map_Pm", "metallic"), ("map_Ke", "emission")):

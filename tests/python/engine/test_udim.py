@@ -97,7 +97,7 @@ def sides(soup):
     return 2 * axis + (np.take_along_axis(normal, axis[:, None], 1)[:, 0] > 0)
 
 
-@pytest.mark.parametrize("name", ["out.obj", "out.glb"])
+@pytest.mark.parametrize("name", ["out.obj", "out.glb", "out.gltf"])
 def test_results_of_several_tiles_are_read_back(tmp_path, name):
     soup, (_, _, poly, made) = coloured_cube(size=64, tiles=2, occlusion=True)
     assert made.image.shape == (2, 64, 64, 4)
