@@ -189,6 +189,6 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
         yield f"  the scan is at most {out['scan_distance']:.4g} off, {kept} {out['scan_distance_allowed']:.4g}"
     if report["step"] is not None:
         yield f"  {words.step(report['step'])}"
-    elif exporting.kind_of(out["path"]):
+    elif exporting.kind_of(out["path"]) in exporting.BUILDING_KINDS:
         yield f"  {words.surfaces(report['validity'])}"
     yield from words.defects(out)

@@ -364,9 +364,9 @@ def test_trimesh_reads_stl_gltf_and_3mf(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["o.stl", "o.glb", "o.gltf", "o.3mf"])
 def test_the_command_writes_meshes_of_triangles(tmp_path: Path, name: str, capsys) -> None:
     engine.write(tmp_path / "box.ply", box())
-    assert main(["simplify", str(tmp_path / "box.ply"), str(tmp_path / name), "--proxies", "6", "--quiet"]) == 0
+    assert main(["simplify", str(tmp_path / "box.ply"), str(tmp_path / name), "--proxies", "6"]) == 0
     assert (tmp_path / name).stat().st_size > 500
-    assert capsys.readouterr().out == ""
+    assert "walls" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("top", [True, False])
