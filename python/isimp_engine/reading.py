@@ -6,7 +6,7 @@ import os
 import shutil
 import tempfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from os import PathLike
 from pathlib import Path
@@ -17,38 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, three_mf
-from ._core import FileError, InvalidInput, Job
+from ._core import FileError, Job
+from .file_errors import reader
 
-
-@contextmanager
-def reader(path: object, wrong: str) -> Iterator[None]:
-    """Reads the content of a file: every failure in the block becomes a FileError that names the file.
-
-    wrong: the text for a file with unexpected content, such as "is damaged". Numbers that are not finite give no
-    warnings in the block: the reader must check them.
-    """
-    try:
-        with np.errstate(all="ignore"):
-            yield
-    except (FileError, _core.Cancelled, MemoryError):
-        raise
-    except InvalidInput as error:
-        raise FileError(f"{path}: {error}") from None
-    except OSError as error:
-        other = f"{error.filename}: " if error.filename is not None and str(error.filename) != str(path) else ""
-        raise FileError(f"{path}: {other}{error.strerror or f'{wrong} ({_said(error)})'}") from None
-    except RecursionError:
-        raise FileError(f"{path}: {wrong} (it is nested too deep)") from None
-    except Exception as error:  # noqa: BLE001  (a file may hold anything, and each reader fails in its own way)
-        raise FileError(f"{path}: {wrong} ({_said(error)})") from None
-
-
-def _said(error: Exception) -> str:
-    if isinstance(error, KeyError):
-        return f"it lacks {error}"
-    return " ".join(str(error).split())[:200] or type(error).__name__
-
-
+GLTF = (".glb", ".gltf")
+KINDS = (".obj", ".ply", *GLTF, ".stl", ".off", ".3mf")  #: kinds of files with faces
+_POINTS = (".las", ".laz", ".e57", ".xyz", ".pcd", ".pts")
+TO_A_MESH = "make a mesh of them first, for example by Poisson reconstruction in CloudCompare or MeshLab"
 COMPRESSED = (".gz", ".zst")  #: may follow the kind of a file: scan.ply.gz
 _BLOCK = 1 << 20
 _PIECE = 1 << 11  # bytes of .zst that are decompressed at once: they give 64 MB at most
@@ -69,6 +44,16 @@ def is_compressed(path: str | PathLike[str]) -> bool:
 def kind_of(path: str | PathLike[str]) -> str:
     """The suffix that determines the kind of a file, in lower case: .ply for scan.PLY.gz."""
     return inner(path).suffix.lower()
+
+
+def check_kind(path: str | PathLike[str], kinds: Sequence[str] = KINDS) -> str:
+    """The suffix of a file that can be read, as `kind_of` returns it. Raises FileError for others."""
+    kind = kind_of(path)
+    if kind in _POINTS:
+        raise FileError(f"{path}: has points, not faces; {TO_A_MESH}")
+    if kind not in kinds:
+        raise FileError(f'{path}: the extension "{kind}" is not known; it can be {", ".join(kinds)}')
+    return kind
 
 
 def _zstd() -> ModuleType | None:
@@ -181,39 +166,47 @@ def _named(path: str | PathLike[str], job: Job | None) -> AbstractContextManager
     return nullcontext(path)
 
 
-def _is_3mf(path: str | PathLike[str]) -> bool:
-    return isinstance(path, (str, bytes, PathLike)) and os.fsdecode(path).lower().endswith(".3mf")
+def _triangles(path: str | PathLike[str]) -> tuple[NDArray[np.float64], NDArray[np.int32]] | None:
+    """Vertices and triangles of a kind that is read here; None for a kind that the engine reads."""
+    if not isinstance(path, (str, bytes, PathLike)):
+        return None  # refused by the engine
+    place = Path(os.fsdecode(path))
+    kind = check_kind(place)
+    if kind == ".3mf":
+        with reader(path, "is damaged, or not 3MF"):
+            return three_mf.read(place, _most(place))
+    if kind in GLTF:
+        from .texturing import glb  # reads files by this module
 
-
-def _read_3mf(path: str | PathLike[str]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    with reader(path, "is damaged, or not 3MF"):
-        place = Path(os.fsdecode(path))
-        return three_mf.read(place, _most(place))
+        with reader(path, "is damaged, or not glTF 2.0"):
+            return glb.geometry(place, place.read_bytes())[:2]
+    return None
 
 
 def read(
     path: str | PathLike[str], *, job: Job | None = None, threads: int = 0
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Read the triangles of a PLY, OBJ, STL, OFF or 3MF file, polygons cut into triangles; also .gz and .zst of them.
+    """Read the triangles of a PLY, OBJ, STL, OFF, glTF or 3MF file; also .gz and .zst of them.
+
+    Polygons are cut into triangles.
 
     Returns vertices (V, 3) and triangles (F, 3). Raises FileError, which names the fault and its place, or Cancelled.
     """
     with _named(path, job) as place:
-        if _is_3mf(place):
-            return _read_3mf(place)
-        return _core.read(place, job=job, threads=threads)
+        return _triangles(place) or _core.read(place, job=job, threads=threads)
 
 
 def read_polygons(
     path: str | PathLike[str], job: Job | None = None, *, threads: int = 0
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
-    """Read the polygons of a PLY, OBJ, STL, OFF or 3MF file, with any number of corners; also .gz and .zst of them.
+    """Read the polygons of a PLY, OBJ, STL or OFF file, with any number of corners, or the triangles of glTF or 3MF.
 
+    Also of .gz and .zst files of them.
     Returns vertices (V, 3), loops (L,) and loop_start (Q,). Raises FileError or Cancelled.
     """
     with _named(path, job) as place:
-        if _is_3mf(place):
-            vertices, triangles = _read_3mf(place)
+        if found := _triangles(place):
+            vertices, triangles = found
             return vertices, triangles.ravel(), np.arange(0, triangles.size, 3, dtype=np.int32)
         return _core.read_polygons(place, job=job, threads=threads)
 

@@ -13,14 +13,10 @@ from numpy.typing import NDArray
 from ._core import FileError, InvalidInput, Job, Mesh
 from .file_faces import cut, largest_shares
 from .guides import shared_edges
-from .reading import kind_of, read_polygons
+from .reading import GLTF, TO_A_MESH, check_kind, read_polygons
 from .replay import Surface, face_edges
 from .replay.faces import Edges
 from .texturing import TexturedSoup, read_textured
-from .texturing.reading import KINDS
-
-GLTF = (".glb", ".gltf")
-_TO_A_MESH = "make a mesh of them first, for example by Poisson reconstruction in CloudCompare or MeshLab"
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,25 +88,14 @@ def _triangles(vertices: NDArray[Any], faces: Any) -> tuple[NDArray[Any], NDArra
     return cut(vertices, faces.ravel(), np.arange(0, faces.size, faces.shape[1], dtype=np.int32))
 
 
-POINTS = (".las", ".laz", ".e57", ".xyz", ".pcd", ".pts")
-
-
-def _check_kind(path: Path) -> None:
-    kind = kind_of(path)
-    if kind in POINTS:
-        raise FileError(f"{path}: has points, not faces; {_TO_A_MESH}")
-    if kind not in KINDS:
-        raise FileError(f'{path}: the extension "{kind}" is not known; it can be {", ".join(KINDS)}')
-
-
 def load(path: Path, job: Job | None, threads: int = 0, textured: bool = False) -> Source:
     """Read a scan's file. Raises FileError, also if it has points without faces, or Cancelled."""
-    _check_kind(path)
+    check_kind(path)
     if path.suffix.lower() in GLTF:
         return _of_soup(read_textured(path, job=job), path)
     vertices, loops, loop_start = read_polygons(path, job, threads=threads)
     if not len(loop_start) and len(vertices):
-        raise FileError(f"{path}: has {len(vertices):,} points and no faces; {_TO_A_MESH}")
+        raise FileError(f"{path}: has {len(vertices):,} points and no faces; {TO_A_MESH}")
     triangles, polygon = cut(vertices, loops, loop_start)
     shown = read_textured(path, job=job, threads=threads) if textured else None
     return Source(vertices, triangles, polygon, len(loop_start), path, shown)

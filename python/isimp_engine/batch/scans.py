@@ -13,9 +13,7 @@ from typing import Any
 
 from .. import __version__
 from ..children.errors import BatchError
-from ..reading import head_of, inner, is_compressed, kind_of
-
-READABLE = (".ply", ".obj", ".stl", ".off")  #: kinds of files that count as scans in folders; .gz or .zst may follow
+from ..reading import KINDS, head_of, inner, is_compressed, kind_of
 
 _MB = 1 << 20
 _BASE_MB = 60.0  # memory of an interpreter with numpy and the engine
@@ -44,21 +42,21 @@ def find_scans(inputs: Any, suffix: str = ".obj", besides: Path | None = None) -
     """Return the scans that `inputs` names, sorted by name.
 
     inputs: a path or a pattern with `*`, `?`, `[...]` or `**`, or a list of them. A folder stands for all files of
-            the kinds READABLE in it and in its folders, without hidden ones. A file of another kind is a list: one path
-            on each line, relative to the list's folder; `#` begins a comment. The name of a single file is its path
-            below the last folder that all single files share.
+            the kinds `reading.KINDS` in it and in its folders, without hidden ones. A file of another kind is a list:
+            one path on each line, relative to the list's folder; `#` begins a comment. The name of a single file is its
+            path below the last folder that all single files share.
     suffix: suffix of the results.
     besides: a folder that is not searched.
 
     Raises BatchError if no scan is found, or if two scans would have the same name.
     """
     texts = [inputs] if isinstance(inputs, (str, os.PathLike)) else list(inputs)
-    alone = [path for text in texts if kind_of(path := _absolute(os.fspath(text))) in READABLE and path.is_file()]
+    alone = [path for text in texts if kind_of(path := _absolute(os.fspath(text))) in KINDS and path.is_file()]
     base = _common(alone) if alone else Path.cwd()
     pairs = [pair for text in texts for pair in _named(os.fspath(text), base, len(texts) > 1, besides)]
     found = _without_repeats(pairs)
     if not found:
-        kinds = ", ".join(READABLE)
+        kinds = ", ".join(KINDS)
         raise BatchError(f"{', '.join(map(str, texts)) or 'no input'}: there is no scan ({kinds}) in it")
     scans = []
     for name, path in sorted(found.items()):
@@ -115,7 +113,7 @@ def _named(text: str, base: Path, several: bool, besides: Path | None) -> Iterat
         before = f"{path.name}/" if several else ""
         yield from ((before + _below(path, each), each) for each in _in_folder(path, besides))
     elif path.exists():
-        if kind_of(path) in READABLE:
+        if kind_of(path) in KINDS:
             yield _below(base, path), path
         else:
             yield from _in_list(path)
@@ -123,7 +121,7 @@ def _named(text: str, base: Path, several: bool, besides: Path | None) -> Iterat
         fixed = fixed_part(text)
         for each in sorted(glob.glob(text, recursive=True)):  # noqa: PTH207  (may be absolute)
             match = _absolute(each)
-            if match.is_file() and kind_of(match) in READABLE and not _is_inside(match, besides):
+            if match.is_file() and kind_of(match) in KINDS and not _is_inside(match, besides):
                 yield _below(fixed, match), match
     else:
         raise BatchError(f"{text}: there is no such file or folder")
@@ -162,7 +160,7 @@ def _in_folder(folder: Path, besides: Path | None) -> Iterator[Path]:
                 continue
             if _is_folder(entry):
                 waiting.append(Path(entry.path))
-            elif kind_of(entry.name) in READABLE:  # also a pipe or a broken link, whose row gets the error
+            elif kind_of(entry.name) in KINDS:  # also a pipe or a broken link, whose row gets the error
                 yield Path(entry.path)
 
 
@@ -180,7 +178,7 @@ def _in_list(path: Path) -> Iterator[tuple[str, Path]]:
     except OSError as error:
         raise BatchError(f"{path}: {error.strerror}") from None
     if any("\0" in line for line in lines[:10]):
-        raise BatchError(f"{path}: is neither a scan ({', '.join(READABLE)}) nor a list of scans")
+        raise BatchError(f"{path}: is neither a scan ({', '.join(KINDS)}) nor a list of scans")
     texts = [text for line in lines if (text := line.strip()) and not text.startswith("#")]
     paths = [_absolute(str(path.parent / text)) for text in texts]
     if paths:
@@ -201,6 +199,8 @@ def estimated_faces(path: Path) -> int:
     kind = kind_of(path)
     if is_compressed(path):
         size *= _RATIO
+    if kind == ".gltf":  # other files may have its numbers
+        size += sum(other.stat().st_size for other in path.parent.glob("*.bin"))
     most = size // _BYTES_PER_FACE.get(kind, 15)
     said = None
     if kind == ".ply" and (match := re.search(rb"element\s+face\s+(\d+)", head)):

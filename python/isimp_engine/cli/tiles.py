@@ -1,7 +1,8 @@
 """Simplify one scan that is given as tiles, or too large for memory. An interrupted run continues.
 
-INPUT is a folder of tiles (PLY, OBJ, STL, OFF) in one system of coordinates, a tileset of 3D Tiles, or one scan, which
-is cut into tiles. No polygon ends at a border of tiles, and the result is the same for any number of workers.
+INPUT is a folder of tiles (PLY, OBJ, STL, OFF, glTF, 3MF) in one system of coordinates, a tileset of 3D Tiles, or one
+scan, which is cut into tiles. No polygon ends at a border of tiles, and the result is the same for any number of
+workers.
 """
 
 import argparse

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import FileError, Job, Mesh, Partition, PolygonMesh
-from ..reading import reader
+from ..file_errors import reader
 from . import cityjson, dxf, ifc, triangles
 from .surfaces import Surfaces, surfaces_of
 

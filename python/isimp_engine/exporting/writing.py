@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from .. import _core
 from .._core import FileError, InvalidInput, Job, Mesh, Partition, PolygonMesh
 from ..drafts import whole
-from ..reading import reader
-from .formats import Content, format_of, require
+from ..file_errors import reader
+from .formats import PLAIN, Content, format_of, require
 from .surfaces import Surfaces
 
 UNITS = ("m", "mm")  #: units of STEP and 3MF files
@@ -60,7 +60,9 @@ def write(
         raise InvalidInput(f"unit must be one of {', '.join(UNITS)}, got {unit!r}")
     named = Path(like if like is not None else path)
     found = format_of(named)
-    if found is None or found.writer is None:
+    if found is None:
+        raise FileError(f"{path}: the extension can't be written; it can be {', '.join(PLAIN)}")
+    if found.writer is None:
         _core.write(path, polygons, job=job)
         return {}
     require(named)

@@ -206,7 +206,7 @@ def filled(poly: PolygonMesh, job: Job | None) -> tuple[NDArray[np.float64], NDA
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """A glTF file with one mesh, for a file that contains all or has its images beside it."""
+    """A glTF file with one mesh, with its images, which may become files next to it."""
 
     document: dict[str, Any]
     writer: _Writer

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .. import machine
 from .._core import FileError, InvalidInput
-from ..reading import reader
+from ..file_errors import reader
 from . import udim
 
 Image = NDArray[Any]  # (H, W, 4) uint8 or uint16, row 0 at the top

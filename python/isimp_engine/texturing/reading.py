@@ -5,12 +5,13 @@ from os import PathLike
 from pathlib import Path
 
 from .._core import FileError, Job, _read_columns
-from ..reading import COMPRESSED, plain, read, read_polygons, reader
+from ..file_errors import reader
+from ..reading import GLTF, KINDS, check_kind, is_compressed, plain, read, read_polygons
 from . import glb, obj, ply
 from .look import Fault, Look
 from .soup import TexturedSoup
 
-KINDS = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off", ".3mf")  #: of files with faces
+_WITH_LOOK = tuple(kind for kind in KINDS if kind not in GLTF)
 
 
 def read_textured(path: str | PathLike[str], *, job: Job | None = None, threads: int = 0) -> TexturedSoup:
@@ -23,12 +24,10 @@ def read_textured(path: str | PathLike[str], *, job: Job | None = None, threads:
     Raises FileError, which names the file that is missing or damaged and where it is named, or Cancelled.
     """
     place = Path(path)
-    kind = place.suffix.lower()
-    if kind in COMPRESSED:
+    if is_compressed(place):
         raise FileError(f"{place}: is compressed; decompress it first, as its images are searched for next to it")
-    if kind not in KINDS:
-        raise FileError(f"{place}: is of a kind that can't be read; it must end in one of {', '.join(KINDS)}")
-    with reader(place, "is damaged" if kind not in (".glb", ".gltf") else "is damaged, or not glTF 2.0"):
+    kind = check_kind(place)
+    with reader(place, "is damaged" if kind not in GLTF else "is damaged, or not glTF 2.0"):
         if kind in (".stl", ".off", ".3mf"):
             return TexturedSoup(*read(place, job=job, threads=threads))
         if kind == ".obj":
@@ -46,6 +45,7 @@ def read_look(path: str | PathLike[str], job: Job | None = None) -> Look:
     Raises FileError or Cancelled as `read_polygons`.
     """
     scan = Path(path)
+    check_kind(scan, _WITH_LOOK)
     with plain(scan, job=job) as place:
         stands = scan if place == scan else scan.with_name(place.name)
         faults: list[str] = []

@@ -140,7 +140,7 @@ def write_textured(
     OBJ keeps the n-gons and has an MTL file and PNG images of the same name; images of several tiles are UDIM images
     (`model.1001.png`, in the MTL file `model.<UDIM>.png`), and images of materials kept apart have the material's name
     (`model-red.png`). GLB and glTF have triangles, which FB_ngon_encoding groups to n-gons, and a material for each
-    tile. GLB holds its images, glTF has them beside it as PNG files; the coordinates are the scan's, though glTF takes
+    tile. GLB holds its images, for glTF they are PNG files; the coordinates are the scan's, though glTF takes
     y for up.
     Each file is replaced only when all are complete. Raises FileError (another extension, or the place can't be
     written).

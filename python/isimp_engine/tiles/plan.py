@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from .. import FileError, InvalidInput, PartitionOptions, __version__, exporting
-from ..batch.scans import READABLE, find_scans
+from ..batch.scans import find_scans
 from ..children.errors import BatchError
 from ..cli.errors import flag
 from ..cli.files import is_same
-from ..reading import kind_of
+from ..reading import KINDS, kind_of
 from ..settings import OptionError, check_ranges
 from .errors import TileFailed, TilesError
 from .tileset import Leaf, leaves, tileset_of
@@ -81,7 +81,7 @@ def plan_of(source: Path, output: Path, work: Any, options: dict[str, Any], tile
             raise TileFailed(f"{path}: is no file" if path.exists() else f"{path}: there is no such file")
     if tile_faces < 1:
         raise TilesError(f"the number of faces of a tile must be at least 1, got {tile_faces}")
-    single = source.is_file() and kind_of(source) in READABLE  # any other file is a list of tiles
+    single = source.is_file() and kind_of(source) in KINDS  # any other file is a list of tiles
     return Plan(inputs, single, place, folder, options | ({"tile_faces": tile_faces} if single else {}))
 
 

@@ -70,8 +70,8 @@ def run(
 ) -> Outcome:
     """Simplify one scan that is given as tiles to a polygon mesh; no polygon ends at a border of tiles.
 
-    source: a folder of tiles in one system of coordinates (PLY, OBJ, STL, OFF), a tileset.json of 3D Tiles, or one
-            scan, which is cut into tiles of about `tile_faces` faces.
+    source: a folder of tiles in one system of coordinates (PLY, OBJ, STL, OFF, glTF, 3MF), a tileset.json of
+            3D Tiles, or one scan, which is cut into tiles of about `tile_faces` faces.
     output: the polygon mesh, .obj or .ply.
     proxies: the number of regions; None: found by `options`.
     weld: largest distance at which vertices on borders of different tiles are joined; 0: only equal ones are.

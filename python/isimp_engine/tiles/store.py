@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from .. import InvalidInput
 from ..batch.table import sync_folder
 from ..drafts import save_array
+from ..file_errors import reader
 from ..folders import discard
-from ..reading import reader
 
 VALUES = "values.json"
 DAMAGED = "is damaged; the next run begins with an empty work folder"

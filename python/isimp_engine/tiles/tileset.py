@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import FileError
+from ..file_errors import reader
 from ..file_faces import joined
-from ..reading import reader
 from ..texturing import glb, named
 from ..texturing.gltf_values import Item
 

@@ -34,6 +34,17 @@ def test_gz_gives_the_arrays_of_the_plain_file_and_leaves_nothing_behind(scan, m
     assert sorted(os.listdir(tmp_path)) == before
 
 
+@pytest.mark.parametrize("kind", [".glb", ".gltf", ".3mf"])
+def test_gz_of_kinds_that_python_reads(scan, tmp_path, kind):
+    made = engine.simplify(scan[0], proxies=6)
+    made.write(tmp_path / f"a{kind}")
+    packed = tmp_path / f"a{kind}.gz"
+    packed.write_bytes(gzip.compress((tmp_path / f"a{kind}").read_bytes()))
+    for one, other in zip(engine.read(packed), engine.read(tmp_path / f"a{kind}"), strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert len(engine.simplify(packed, proxies=6).polygons.loop_start) == 6
+
+
 def test_zst_is_read_where_a_package_is_there_and_else_the_line_names_it(scan, monkeypatch):
     packed = scan[0].with_suffix(".ply.zst")
     if (zstandard := reading._zstd()) is not None:

@@ -183,7 +183,7 @@ def test_a_missing_file_a_folder_and_an_unknown_kind_are_each_named(tmp_path):
     with pytest.raises(engine.FileError, match="folder"):
         engine.read(tmp_path / "folder.ply")
     (tmp_path / "mesh.fbx").touch()
-    with pytest.raises(engine.FileError, match=r"(?i)ply.*obj.*stl.*off"):
+    with pytest.raises(engine.FileError, match=r"(?i)obj, .*ply.*glb.*gltf.*stl.*off.*3mf"):
         engine.read(tmp_path / "mesh.fbx")
     with pytest.raises(TypeError):
         engine.read(None)
