@@ -2,6 +2,7 @@
 
 import ast
 import importlib.util
+import os
 import re
 import shutil
 import sys
@@ -70,6 +71,19 @@ def fake_wheel(folder, platform="linux_x86_64"):
         archive.writestr("isimp_engine/_core.py", "answer = 42\n")
         archive.writestr("isimp-0.1.0.dist-info/RECORD", "")
     return wheel
+
+
+def test_two_builds_of_the_zips_are_the_same_bytes(tmp_path, monkeypatch):
+    wheel, built = fake_wheel(tmp_path), []
+    for folder in ("one", "two"):
+        copy = tmp_path / folder / "addon"
+        shutil.copytree(ROOT / "addon" / "isimp", copy, copy_function=shutil.copyfile)  # with the dates of now
+        os.utime(copy / "__init__.py", (len(built), len(built)))
+        monkeypatch.setattr(build_addon, "ADDON", copy)
+        build_addon.main(["--wheel", str(wheel), "--out", str(tmp_path / folder / "dist")])
+        built.append({path.name: path.read_bytes() for path in (tmp_path / folder / "dist").iterdir()})
+    assert len(built[0]) == 2
+    assert built[0] == built[1]
 
 
 def test_the_zip_for_older_blenders_holds_the_engine(tmp_path, monkeypatch):
