@@ -29,6 +29,7 @@ stage_lint() {
   use_tests_venv
   shellcheck -x -P SCRIPTDIR scripts/*.sh .ci/run
   "$tests_venv/bin/check-jsonschema" --builtin-schema vendor.github-workflows .github/workflows/*.yml
+  "$tests_venv/bin/check-jsonschema" --builtin-schema vendor.citation-file-format CITATION.cff
   "$tests_venv/bin/ruff" check .
   "$tests_venv/bin/ruff" format --check .
   "$tests_venv/bin/python" scripts/plain_words.py
