@@ -11,12 +11,12 @@ from collections.abc import Sequence
 from contextlib import nullcontext, suppress
 from pathlib import Path
 
-from .. import FileError, InvalidInput, __version__, _process
+from .. import FileError, InvalidInput, __version__, _process, exporting
 from ..settings import OptionError
 from . import batch, flat, guiding, info, lods, report, schema, simplify, tiles
 from .ending import Terminated, terminable
 from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, USAGE, UsageError, flag
-from .files import place, show
+from .files import add_input, place, show
 from .options import simplify_options
 
 EXPECTED = (UsageError, FileError, OSError, MemoryError, InvalidInput, RuntimeError)  #: errors that wrong input raises
@@ -32,12 +32,12 @@ def parser() -> argparse.ArgumentParser:
         "simplify", help="make a polygon mesh of a scan", description=simplify.__doc__, parents=shared
     )
     command.set_defaults(run=flat.run)
-    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF, 3MF or GLB")
+    add_input(command)
     command.add_argument(
         "output",
         type=Path,
         metavar="OUTPUT",
-        help="PLY, OBJ, GLB, STL or 3MF, or a file for buildings or CAD; with --texture OBJ or GLB",
+        help=f"{', '.join(exporting.PLAIN)}; with --texture {', '.join(exporting.TEXTURED)}",
     )
     command.add_argument(
         "--lods",
@@ -79,7 +79,7 @@ def parser() -> argparse.ArgumentParser:
         parents=shared,
     )
     command.set_defaults(run=info.run)
-    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF, 3MF or GLB")
+    add_input(command)
     command.add_argument(
         "--mesh-only", action="store_true", help="do not count the polygons, which takes the time of a run"
     )

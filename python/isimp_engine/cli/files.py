@@ -1,5 +1,6 @@
 """Files that appear whole or not at all."""
 
+import argparse
 import contextlib
 import os
 import sys
@@ -10,6 +11,7 @@ from typing import TextIO, TypeVar
 
 from .. import FileError
 from ..drafts import deliver, draft_of
+from ..reading import KINDS
 from .ending import too_late
 from .errors import UsageError
 
@@ -20,6 +22,10 @@ T = TypeVar("T")
 def place(text: str) -> Path | str:
     """An argument that names an output: STDOUT, or a path."""
     return STDOUT if text == STDOUT else Path(text)
+
+
+def add_input(command: argparse.ArgumentParser) -> None:
+    command.add_argument("input", type=Path, metavar="INPUT", help=f"{', '.join(KINDS)}, and .gz and .zst of them")
 
 
 def check(path: Path) -> None:

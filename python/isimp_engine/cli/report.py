@@ -9,7 +9,7 @@ from ..pipeline import make_model, make_regions
 from ..source import load
 from . import words
 from .errors import UsageError
-from .files import Outputs, check_all, show
+from .files import Outputs, add_input, check_all, show
 from .options import settings_of
 from .progress import Steps, wanted
 
@@ -26,7 +26,7 @@ def regions(text: str) -> list[int]:
 
 
 def add_options(command: argparse.ArgumentParser) -> None:
-    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF, 3MF or GLB")
+    add_input(command)
     command.add_argument("output", type=Path, metavar="OUTPUT_FOLDER", help="made if it is not there")
     command.add_argument(
         "--angles",
