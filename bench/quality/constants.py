@@ -50,6 +50,7 @@ OPTIONS = {
 UNKNOWN = "own trials, not recorded"
 SHAPES = "own trials for short borders and convex polygons, trials.md"
 ENERGY = "13 scans at 30, 100, 300 regions and by detail, trials.md"
+NEEDLES = "four scans at 100, 300 and 1,000 regions, trials.md"
 PLACES = "own trials of one energy of places (bench/quality/fit.py), trials.md"
 REAL = "open buildings, cartons, chunks (bench/quality/real.py)"
 HOUSES = "30 drawn houses (bench/quality/real.py --houses), known shapes"
@@ -191,7 +192,8 @@ TUNED = (
     Tuned(MESHING + "repair/junctions.cpp", "kOfSharp", "price of a full turn that sharp corners lack", ENERGY),
     Tuned(MESHING + "place/slide.cpp", "kFar", "way of a sliding corner, of sqrt(area / charts)", SHAPES),
     Tuned(MESHING + "place/slide.cpp", "kOff", "off the planes, in deviations of the scan", SHAPES),
-    Tuned(MESHING + "place/slide.cpp", "kBend", "degrees that a bend counts as", SHAPES),
+    Tuned(MESHING + "place/slide.cpp", "kOfSharp", "reflex degrees that a degree too sharp counts as", NEEDLES),
+    Tuned(MESHING + "place/slide.cpp", "kBend", "degrees that a bend counts as", NEEDLES),
     Tuned(MESHING + "discs/polyline.cpp", "kWithin", "share of a ragged border that is near its rim", REAL),
     Tuned(MESHING + "complex/raggedness.cpp", "kOfRagged",
           "how far a rim may leave a ragged border, times the raggedness", REAL),

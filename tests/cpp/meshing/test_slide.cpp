@@ -37,6 +37,29 @@ TEST(Slide, KeepsCornersWithinReach) {
   }
 }
 
+/// The corners of polygons that are sharper than 15 degrees.
+int needles(const PolygonMesh& p) {
+  int count = 0;
+  for (std::int32_t q = 0; q < p.polygon_count(); ++q) {
+    const std::int32_t begin = p.loop_start[q], n = p.loop_end(q) - begin;
+    const auto at = [&](std::int32_t i) -> const Vec3& { return p.vertices[p.loops[begin + i % n]]; };
+    for (std::int32_t i = 0; i < n; ++i) {
+      const Vec3 back = at(i) - at(i + 1), on = at(i + 2) - at(i + 1);
+      count += back.dot(on) > std::cos(std::numbers::pi / 12) * back.norm() * on.norm() ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+TEST(Slide, LeavesFewNeedles) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(120, 60), 0.004, 5));
+  int found = 0;
+  Job job;
+  for (const std::uint32_t seed : {1U, 2U, 3U, 4U})
+    found += needles(polygonize(mesh, labelled::voronoi(mesh, 300, seed), {}, job));
+  EXPECT_LE(found, 8);
+}
+
 TEST(SlideThreads, DoNotChangeTheResult) {
   const Mesh mesh = sheet();
   EXPECT_EQ(meshed(mesh, 0.1, 1).vertices, meshed(mesh, 0.1, 3).vertices);

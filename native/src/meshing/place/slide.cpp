@@ -17,7 +17,8 @@ constexpr int kRounds = 2, kDirections = 8;
 constexpr std::array kSteps = {0.2, 0.08};  // largest move of a corner in a round, in sqrt(area / charts)
 constexpr double kFar = 0.3;                // largest move in all, in the same unit
 constexpr double kOff = 0.4;                // distance from its planes, in deviations of the scan from them
-constexpr double kBend = 1000;              // degrees that a bend of sqrt(area / charts) counts as
+constexpr double kOfSharp = 4;              // degrees above kReflex that one below kNeedle counts as
+constexpr double kBend = 1200;              // degrees that a bend of sqrt(area / charts) counts as
 constexpr double kShort = 0.3;              // edges shorter than this, in sqrt(area / charts), do not become shorter
 constexpr double kFacing = 0.9;             // cosine of how far a polygon may turn from its chart by a move
 constexpr double kWorth = 1;                // degrees that a move has to gain
@@ -81,10 +82,12 @@ class Slider {
     return shortest;
   }
 
-  /// Degrees by which the corner at `at` and its neighbours are reflex or sharp.
+  /// Degrees by which the corner at `at` and its neighbours are reflex or sharp, in reflex ones.
   [[nodiscard]] double angles_round(const Vec3& at) const {
     const auto& position = s_.corners.position;
-    const auto cost = [](double angle) { return std::max(0.0, angle - kReflex) + std::max(0.0, kNeedle - angle); };
+    const auto cost = [](double angle) {
+      return std::max(0.0, angle - kReflex) + kOfSharp * std::max(0.0, kNeedle - angle);
+    };
     double sum = 0;
     for (const auto& [before, after, polygon, normal, facing] : beside_) {
       const Vec3 &a = position[before[0]], &b = position[before[1]], &c = position[after[0]], &d = position[after[1]];
