@@ -17,6 +17,7 @@ void bind_core(py::module_& m);
 void bind_mesh(py::module_& m);
 void bind_parallel(py::module_& m);
 void bind_partition(py::module_& m);
+void bind_convex(py::module_& m);
 void bind_curved(py::module_& m);
 void bind_interact(py::module_& m);
 void bind_meshing(py::module_& m);

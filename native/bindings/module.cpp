@@ -14,6 +14,7 @@ PYBIND11_MODULE(_core, m) {
   isimp::bindings::bind_curved(m);
   isimp::bindings::bind_interact(m);
   isimp::bindings::bind_meshing(m);
+  isimp::bindings::bind_convex(m);
   isimp::bindings::bind_io(m);
   isimp::bindings::bind_simplify(m);
   isimp::bindings::bind_texture(m);

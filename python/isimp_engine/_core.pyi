@@ -374,6 +374,17 @@ def regularise(
     job: Job | None = None,
     up_direction: ArrayLike | None = None,
 ) -> Partition: ...
+def _convex_parts(
+    vertices: ArrayLike,
+    loops: ArrayLike,
+    loop_start: ArrayLike,
+    region: ArrayLike,
+    enclosed: ArrayLike,
+    tolerance: float,
+    parts: int,
+    most_vertices: int,
+    job: Job | None = None,
+) -> list[tuple[NDArray[np.float64], NDArray[np.int32], float]]: ...
 def merge_flat(
     mesh: Mesh, angle: float = ..., group: ArrayLike | None = None, *, job: Job | None = None
 ) -> tuple[PolygonMesh, NDArray[np.int32]]: ...

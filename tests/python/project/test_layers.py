@@ -17,6 +17,7 @@ ADDON = ROOT / "addon" / "isimp"
 ORDER = [
     "core",
     "mesh",
+    "convex",
     "partition",
     "interact",
     "curved",

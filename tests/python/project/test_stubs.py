@@ -12,7 +12,7 @@ from isimp_engine import _core, regions, texturing
 ROOT = Path(__file__).resolve().parents[3]
 STUB = ast.parse((ROOT / "python/isimp_engine/_core.pyi").read_text())
 CLASSES = [node for node in STUB.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_")]
-FUNCTIONS = [node for node in STUB.body if isinstance(node, ast.FunctionDef)]
+FUNCTIONS = [node for node in STUB.body if isinstance(node, ast.FunctionDef) and not node.name.startswith("_")]
 
 
 def public(names):

@@ -21,6 +21,10 @@ Kernel::Segment_3 side(const Solid& t, int corner) { return {t[corner + 1], t[co
 
 bool has_area(const Corners& triangle) { return !solid(triangle).is_degenerate(); }
 
+int side_of(const Corners& triangle, const Vec3& p) {
+  return static_cast<int>(CGAL::orientation(point(triangle[0]), point(triangle[1]), point(triangle[2]), point(p)));
+}
+
 bool meet_elsewhere(const Triangle& f, const Corners& s, const Triangle& g, const Corners& t) {
   int shared = 0, i = 0, j = 0, sum_f = 0, sum_g = 0;
   for (int k = 0; k < 3; ++k)

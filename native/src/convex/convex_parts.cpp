@@ -1,0 +1,214 @@
+#include "isimp/convex/convex_parts.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "enclose.h"
+#include "hull.h"
+#include "isimp/core/errors.h"
+#include "pieces.h"
+#include "solid.h"
+
+namespace isimp {
+namespace {
+
+using detail::Piece;
+using detail::Pieces;
+
+constexpr double kDropped = 0.1;     // of the tolerance: corners that the hull of a part may leave out
+constexpr std::size_t kSmall = 100;  // cells of a piece for which cuts are tried to their end
+constexpr std::int32_t kFew = 16;    // parts that such a piece may become
+constexpr std::size_t kTried = 8;    // such cuts
+constexpr std::int32_t kMore = 2;    // times the parts asked for are cut before they are merged
+
+/// Takes the piece that lacks most out of some.
+Piece take_worst(std::vector<Piece>& open) {
+  const auto at = std::ranges::max_element(open, {}, &Piece::missing);
+  Piece piece = std::move(*at);
+  open.erase(at);
+  return piece;
+}
+
+/// How many parts a piece becomes if it is cut by a plane, and its parts always by the plane that is best at once.
+/// At `most`, counting stops.
+std::int32_t parts_after(Pieces pieces, const Piece& piece, std::int32_t plane, std::int32_t most, Job& job) {
+  std::vector<Piece> open = pieces.cut(piece, plane);
+  std::int32_t done = 0;
+  while (!open.empty() && done + std::ssize(open) < most) {
+    job.poll();
+    const Piece next = take_worst(open);
+    const auto planes = pieces.fills_space(next) ? pieces.choices(next) : std::vector<std::int32_t>();
+    if (planes.empty())
+      ++done;
+    else
+      std::ranges::move(pieces.cut(next, planes[0]), std::back_inserter(open));
+  }
+  return done + static_cast<std::int32_t>(open.size());
+}
+
+/// The plane to cut a piece by. If it is small, the one after which it becomes the fewest parts.
+std::int32_t best_plane(const Pieces& pieces, const Piece& piece, Job& job) {
+  const std::vector<std::int32_t> planes = pieces.choices(piece);
+  if (planes.empty()) return kNone;
+  if (piece.cells.size() > kSmall || planes.size() == 1) return planes[0];
+  const auto [some, same] = pieces.alone(piece);
+  std::int32_t best = planes[0], least = parts_after(some, same, best, kFew, job);
+  for (std::size_t i = 1; i < std::min(planes.size(), kTried) && least > 2 && least < kFew; ++i) {
+    const std::int32_t parts = parts_after(some, same, planes[i], least, job);
+    if (parts >= least) continue;
+    least = parts;
+    best = planes[i];
+  }
+  return best;
+}
+
+/// Cuts the pieces that lack most until none fills free space, or there are so many.
+std::vector<Piece> cut_all(Pieces& pieces, std::int32_t most, Job& job) {
+  std::vector<Piece> open = pieces.whole(), done;
+  double all = 0, finished = 0;
+  for (const Piece& piece : open) all += piece.volume;
+  while (!open.empty()) {
+    job.report(std::min(finished / all, 1.0));
+    Piece piece = take_worst(open);
+    const bool more = std::ssize(open) + std::ssize(done) + 1 < most && pieces.fills_space(piece);
+    const std::int32_t plane = more ? best_plane(pieces, piece, job) : kNone;
+    if (plane == kNone) {
+      finished += piece.volume;
+      done.push_back(std::move(piece));
+    } else {
+      std::ranges::move(pieces.cut(piece, plane), std::back_inserter(open));
+    }
+  }
+  return done;
+}
+
+/// Merges two pieces at a time, those whose hull adds least, while no hull fills free space and as long as there are
+/// more than `most`.
+void merge_all(const Pieces& pieces, std::vector<Piece>& parts, std::int32_t most, Job& job) {
+  struct Pair {
+    std::int32_t a, b;
+    double added;
+    Piece both;
+    bool refused = false;
+  };
+  std::vector<Pair> pairs;
+  std::vector<char> alive(parts.size(), 1);
+  auto count = static_cast<std::int32_t>(parts.size());
+  const auto propose = [&](std::int32_t a, std::int32_t b) {
+    Piece both = pieces.joined(parts[a], parts[b]);
+    const double added = both.missing() - parts[a].missing() - parts[b].missing();
+    pairs.push_back({a, b, added, std::move(both)});
+  };
+  for (const auto& [a, b] : pieces.touching(parts)) propose(a, b);
+  while (true) {
+    job.poll();
+    Pair* best = nullptr;
+    for (Pair& pair : pairs)
+      if (!pair.refused && (best == nullptr || pair.added < best->added)) best = &pair;
+    if (best != nullptr && pieces.fills_space(best->both)) {
+      best->refused = true;
+      continue;
+    }
+    if (best == nullptr && count > most) {
+      for (Pair& pair : pairs)
+        if (best == nullptr || pair.added < best->added) best = &pair;
+      if (best == nullptr) {  // what is left does not touch
+        for (std::int32_t a = 0; a < std::ssize(parts); ++a)
+          for (std::int32_t b = a + 1; b < std::ssize(parts); ++b)
+            if (alive[a] && alive[b]) propose(a, b);
+        continue;
+      }
+    }
+    if (best == nullptr) break;
+    const auto [a, b] = std::pair(best->a, best->b);
+    parts[a] = std::move(best->both);
+    alive[b] = 0;
+    --count;
+    std::vector<std::int32_t> beside;
+    for (const Pair& pair : pairs) {
+      if (pair.a == a || pair.a == b) beside.push_back(pair.b);
+      if (pair.b == a || pair.b == b) beside.push_back(pair.a);
+    }
+    std::erase_if(pairs, [a = a, b = b](const Pair& p) { return p.a == a || p.a == b || p.b == a || p.b == b; });
+    std::ranges::sort(beside);
+    beside.erase(std::ranges::unique(beside).begin(), beside.end());
+    for (const std::int32_t c : beside)
+      if (c != a && c != b) propose(std::min(a, c), std::max(a, c));
+  }
+  std::size_t kept = 0;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (!alive[p]) continue;
+    if (kept != p) parts[kept] = std::move(parts[p]);
+    ++kept;
+  }
+  parts.resize(kept);
+}
+
+/// Leaves out parts whose corners are all within the tolerance of one larger part: skins of noise.
+void leave_out_skins(std::vector<ConvexPart>& parts, double tolerance) {
+  std::vector<ConvexPart> kept;
+  for (ConvexPart& part : parts) {
+    const bool covered = std::ranges::any_of(kept, [&](const ConvexPart& other) {
+      return std::ranges::all_of(other.triangles, [&](const Triangle& t) {
+        const Vec3 &a = other.vertices[t[0]], &b = other.vertices[t[1]], &c = other.vertices[t[2]];
+        const Vec3 normal = (b - a).cross(c - a).normalized();
+        return std::ranges::all_of(part.vertices, [&](const Vec3& p) { return normal.dot(p - a) <= tolerance; });
+      });
+    });
+    if (!covered) kept.push_back(std::move(part));
+  }
+  parts = std::move(kept);
+}
+
+}  // namespace
+
+std::vector<ConvexPart> convex_parts(const PolygonSoup& polygons, std::span<const std::int32_t> region,
+                                     std::span<const Vec3> enclosed, const ConvexOptions& options, Job& job) {
+  if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance))
+    throw InvalidInput("tolerance must be a length above 0, got " + std::to_string(options.tolerance));
+  if (options.parts < 0) throw InvalidInput("parts must be at least 1, got " + std::to_string(options.parts));
+  if (options.most_vertices < 8)
+    throw InvalidInput("most_vertices must be at least 8, got " + std::to_string(options.most_vertices));
+  for (std::size_t i = 0; i < enclosed.size(); ++i)
+    if (!enclosed[i].allFinite()) throw InvalidInput("point " + std::to_string(i) + " to enclose is not finite");
+  Vec3 low = Vec3::Zero(), high = low;
+  for (std::size_t i = 0; i < polygons.vertices.size(); ++i) {
+    low = i == 0 ? polygons.vertices[i] : low.cwiseMin(polygons.vertices[i]);
+    high = i == 0 ? polygons.vertices[i] : high.cwiseMax(polygons.vertices[i]);
+  }
+  const Vec3 origin = (low + high) / 2;
+  const double tolerance = options.tolerance > 0 ? options.tolerance : detail::kTolerance * (high - low).norm();
+  detail::Solid solid = detail::solid_of(polygons, region, origin, tolerance, job);
+  detail::Cells cells;
+  {
+    const Job::Stage stage(job, "cells", 0.0, 0.3);
+    cells = detail::cells_of(solid, origin, job);
+  }
+  const std::int32_t most = options.parts > 0 ? options.parts : std::numeric_limits<std::int32_t>::max();
+  std::vector<ConvexPart> made;
+  {
+    const Job::Stage stage(job, "cutting", 0.3, 0.9);
+    Pieces pieces(solid, std::move(cells), job);
+    std::vector<Piece> parts =
+        cut_all(pieces, most > std::numeric_limits<std::int32_t>::max() / kMore ? most : kMore * most, job);
+    merge_all(pieces, parts, most, job);
+    std::ranges::stable_sort(parts, std::ranges::greater{}, &Piece::volume);
+    for (const Piece& piece : parts) {
+      std::vector<Vec3> corners = pieces.corners(piece);
+      for (Vec3& p : corners) p += origin;
+      ConvexPart part = detail::simple_hull_of(corners, kDropped * tolerance, options.most_vertices);
+      if (!part.vertices.empty()) made.push_back(std::move(part));
+    }
+  }
+  leave_out_skins(made, tolerance);
+  if (!enclosed.empty() && !made.empty()) {
+    const Job::Stage stage(job, "enclosing", 0.9, 1.0);
+    detail::enclose(made, enclosed, solid.lengths.same, options.most_vertices, job);
+  }
+  return made;
+}
+
+}  // namespace isimp

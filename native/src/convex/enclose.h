@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "hull.h"
+
+namespace isimp::detail {
+
+/// Moves planes of convex parts outwards, the least possible, until each point is in a part. Exact.
+///
+/// \param same           planes of facets whose corners are this near become one
+/// \param most_vertices  of each part: planes that cut off least are left out
+void enclose(std::vector<ConvexPart>& parts, std::span<const Vec3> points, double same, std::int32_t most_vertices,
+             Job& job);
+
+}  // namespace isimp::detail
