@@ -12,6 +12,7 @@
 namespace isimp::detail {
 namespace {
 
+constexpr double kLooser = 1.05;     // times the volume: for which fewer facets are worth it
 constexpr double kRounding = 1e-12;  // of the size of the coordinates: by how much a plane is moved at first
 
 /// The planes of a part, those of the largest facets first. Each has the whole part below it.
@@ -58,7 +59,7 @@ std::size_t corner_count(const Cell& cell) {
   return corners / 3;  // three faces meet in a corner, or more
 }
 
-/// The space below some planes, and in a box around all points.
+/// The space below some planes, in a box.
 ConvexPart space_below(const std::vector<Plane>& planes, const Vec3& low, const Vec3& high, double snap,
                        std::int32_t most_vertices) {
   std::vector<Plane> all;
@@ -70,9 +71,7 @@ ConvexPart space_below(const std::vector<Plane>& planes, const Vec3& low, const 
     Cell rest = divide(cell, all, static_cast<std::int32_t>(all.size()) - 1, snap).side[1];
     if (corner_count(rest) <= static_cast<std::size_t>(most_vertices)) cell = std::move(rest);
   }
-  std::vector<Vec3> corners;
-  for (const CellFace& face : cell.faces) corners.insert(corners.end(), face.loop.begin(), face.loop.end());
-  return hull_of(corners, 4 * snap);
+  return hull_of(cell.corners, 4 * snap);
 }
 
 }  // namespace
@@ -109,7 +108,12 @@ void enclose(std::vector<ConvexPart>& parts, std::span<const Vec3> points, doubl
       std::vector<Plane> moved = planes[k];
       for (Plane& plane : moved) plane.offset += slack;
       const Vec3 around = Vec3::Constant(2 * slack);
-      ConvexPart part = space_below(moved, low - around, high + around, slack / 16, most_vertices);
+      // A large box cuts nothing off; where planes leave a side open, as there may be too few, a tight one closes it.
+      const ConvexPart wide =
+          space_below(moved, low - (high - low) - around, high + (high - low) + around, slack / 16, most_vertices);
+      const ConvexPart tight = space_below(moved, low - around, high + around, slack / 16, most_vertices);
+      const bool is_wide = !wide.vertices.empty() && wide.volume <= kLooser * tight.volume;
+      ConvexPart part = is_wide ? wide : tight;
       if (part.vertices.empty()) continue;
       if (!std::ranges::all_of(taken[k], [&](std::int32_t i) { return contains(part, points[i]); })) continue;
       parts[k] = std::move(part);
