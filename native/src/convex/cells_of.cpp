@@ -11,10 +11,10 @@
 namespace isimp::detail {
 namespace {
 
-constexpr double kPad = 0.01;          // of the diagonal, around the solid
+constexpr double kPad = 0.01;          // share of the diagonal, around the solid
 constexpr double kOpposite = -0.5;     // cosine between the normals of the two sides of a plate
-constexpr double kDoubtful = 0.25;     // of a turn, off a whole number
-constexpr double kMostDoubtful = 0.1;  // of the volume
+constexpr double kDoubtful = 0.25;     // turns off a whole number
+constexpr double kMostDoubtful = 0.1;  // share of the volume
 
 struct Fragment {
   std::int32_t facet = 0;

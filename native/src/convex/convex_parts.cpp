@@ -18,13 +18,13 @@ namespace {
 using detail::Piece;
 using detail::Pieces;
 
-constexpr double kDropped = 0.1;     // of the tolerance: corners that the hull of a part may leave out
+constexpr double kDropped = 0.1;     // share of the tolerance: corners this near to a hull are left out
 constexpr std::size_t kSmall = 100;  // cells of a piece for which cuts are tried to their end
 constexpr std::int32_t kFew = 16;    // parts that such a piece may become
 constexpr std::size_t kTried = 8;    // such cuts
-constexpr std::int32_t kMore = 2;    // times the parts asked for are cut before they are merged
+constexpr std::int32_t kMore = 2;    // times the wanted parts are cut before they are merged
 
-/// Takes the piece that lacks most out of some.
+/// Removes the piece with the largest missing volume and returns it.
 Piece take_worst(std::vector<Piece>& open) {
   const auto at = std::ranges::max_element(open, {}, &Piece::missing);
   Piece piece = std::move(*at);
@@ -65,7 +65,7 @@ std::int32_t best_plane(const Pieces& pieces, const Piece& piece, Job& job) {
   return best;
 }
 
-/// Cuts the pieces that lack most until none fills free space, or there are so many.
+/// Cuts pieces, the largest missing volume first, until none fills free space or there are `most`.
 std::vector<Piece> cut_all(Pieces& pieces, std::int32_t most, Job& job) {
   std::vector<Piece> open = pieces.whole(), done;
   double all = 0, finished = 0;
@@ -85,7 +85,7 @@ std::vector<Piece> cut_all(Pieces& pieces, std::int32_t most, Job& job) {
   return done;
 }
 
-/// Merges two pieces at a time, those whose hull adds least, while no hull fills free space and as long as there are
+/// Merges pairs of pieces, the smallest added volume first, while no hull fills free space, and further while there are
 /// more than `most`.
 void merge_all(const Pieces& pieces, std::vector<Piece>& parts, std::int32_t most, Job& job) {
   struct Pair {
@@ -115,7 +115,7 @@ void merge_all(const Pieces& pieces, std::vector<Piece>& parts, std::int32_t mos
     if (best == nullptr && count > most) {
       for (Pair& pair : pairs)
         if (best == nullptr || pair.added < best->added) best = &pair;
-      if (best == nullptr) {  // what is left does not touch
+      if (best == nullptr) {  // the pieces do not touch
         for (std::int32_t a = 0; a < std::ssize(parts); ++a)
           for (std::int32_t b = a + 1; b < std::ssize(parts); ++b)
             if (alive[a] && alive[b]) propose(a, b);
@@ -134,7 +134,7 @@ void merge_all(const Pieces& pieces, std::vector<Piece>& parts, std::int32_t mos
     }
     std::erase_if(pairs, [a = a, b = b](const Pair& p) { return p.a == a || p.a == b || p.b == a || p.b == b; });
     std::ranges::sort(beside);
-    beside.erase(std::ranges::unique(beside).begin(), beside.end());
+    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
     for (const std::int32_t c : beside)
       if (c != a && c != b) propose(std::min(a, c), std::max(a, c));
   }

@@ -13,9 +13,9 @@ namespace isimp::detail {
 namespace {
 
 constexpr double kLooser = 1.05;     // times the volume: for which fewer facets are worth it
-constexpr double kRounding = 1e-12;  // of the size of the coordinates: by how much a plane is moved at first
+constexpr double kRounding = 1e-12;  // share of the coordinates: the first distance that planes are moved
 
-/// The planes of a part, those of the largest facets first. Each has the whole part below it.
+/// The planes of a part, the largest facets first. Each has the whole part below it.
 std::vector<Plane> few_planes(const ConvexPart& part, double same) {
   std::vector<std::pair<double, Plane>> facets;
   for (const auto& [a, b, c] : part.triangles) {
@@ -28,10 +28,9 @@ std::vector<Plane> few_planes(const ConvexPart& part, double same) {
   std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::int32_t f) { return facets[f].first; });
   std::vector<Plane> planes;
   for (const std::int32_t f : order) {
-    const auto& [a, b, c] = part.triangles[f];
     const bool known = std::ranges::any_of(planes, [&](const Plane& plane) {
       const auto near = [&](std::int32_t v) { return std::abs(plane.height(part.vertices[v])) <= same; };
-      return plane.normal.dot(facets[f].second.normal) > 0 && near(a) && near(b) && near(c);
+      return plane.normal.dot(facets[f].second.normal) > 0 && std::ranges::all_of(part.triangles[f], near);
     });
     if (known) continue;
     Plane plane = facets[f].second;

@@ -18,7 +18,7 @@ struct Facet {
   Vec3 normal;
   std::vector<std::int32_t> outside = {};  // points that no other facet has
   std::int32_t farthest = kNone;
-  double distance = 0;  // of the farthest one, with kOutwards
+  double distance = 0;  // distance of the farthest one, with kOutwards
   bool alive = true;
   std::int32_t seen_from = kNone;  // the last point that was looked from
 };
@@ -37,7 +37,7 @@ class Growing {
       high = high.cwiseMax(p);
     }
     middle_ = (low + high) / 2;
-    // Each is a corner of the hull, since what it makes largest is a convex function.
+    // Each is a corner of the hull, since the maximum of a convex function is at a corner.
     std::array<std::int32_t, 4> corner{};
     corner[0] = farthest([&](const Vec3& p) { return (p - middle_).norm(); });
     const Vec3 a = points_[corner[0]];
@@ -186,17 +186,17 @@ class Growing {
     }
   }
 
-  /// Gives a point to a facet, which may become its farthest one.
+  /// Adds a point to a facet, which may become its farthest one.
   void give(Facet& facet, std::int32_t i, double distance) {
     facet.outside.push_back(i);
-    // Of points that are as far, as those of a side of a box, only the one farthest out is a corner.
+    // Many points of a side of a box are equally far; the one farthest out is a corner.
     const double rank = distance + kOutwards * (points_[i] - middle_).norm();
     if (facet.farthest != kNone && !(rank > facet.distance)) return;
     facet.farthest = i;
     facet.distance = rank;
   }
 
-  /// Takes a point from a facet and gives it to one that it is outside of.
+  /// Moves a point from a facet to another one that it is outside of.
   void hand_on(std::int32_t f, std::int32_t p) {
     const std::vector<std::int32_t> all = std::move(facets_[f].outside);
     facets_[f].outside.clear();

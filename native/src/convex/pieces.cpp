@@ -12,10 +12,10 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kGridBits = 20;             // of the diagonal: what hull_of can do in integers
+constexpr int kGridBits = 20;             // steps in the diagonal: the range of the integers in hull_of
 constexpr std::size_t kMostChances = 24;  // planes that are tried in full for one cut
-constexpr double kConvex = 0.01;          // of its volume a convex piece may lack
-constexpr double kNothing = 1e-9;         // of its volume: by rounding alone
+constexpr double kConvex = 0.01;          // share of its volume that a convex piece may lack
+constexpr double kNothing = 1e-9;         // share of its volume: by rounding alone
 constexpr double kFinished = 0.1;         // weight of the volume that needs no more cuts
 
 Plane plane_of(const ConvexPart& part, const Triangle& t) {
@@ -140,7 +140,7 @@ std::vector<std::array<std::int32_t, 2>> Pieces::touching(const std::vector<Piec
   }
   std::ranges::fill(place_, kNone);
   std::ranges::sort(pairs);
-  pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
 }
 
@@ -263,7 +263,7 @@ std::vector<std::int32_t> Pieces::choices(const Piece& piece) const {
   for (const std::int32_t plane : chances(piece)) {
     const std::vector<Piece> parts = virtual_cut(piece, plane);
     if (parts.size() < 2) continue;
-    // Cuts through a hollow solid save nothing before the last one. So what is finished counts a little.
+    // Cuts through a hollow solid save nothing before the last one. So finished parts count a little.
     double cost = 0;
     for (const Piece& part : parts) {
       const double missing = std::max(part.missing(), 0.0);
@@ -310,7 +310,7 @@ void Pieces::divide_cells(const Piece& piece, std::int32_t plane) {
     if (!divided.between.empty()) made.push_back({lower[c], c, plane, std::move(divided.between)});
   }
   std::ranges::sort(old);
-  old.erase(std::ranges::unique(old).begin(), old.end());
+  old.erase(std::unique(old.begin(), old.end()), old.end());
   for (const std::int32_t i : old) {
     Contact contact = std::move(contacts_[i]);
     std::erase(contacts_of_[contact.below], i);

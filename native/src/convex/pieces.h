@@ -15,7 +15,7 @@ namespace isimp::detail {
 struct Piece {
   std::vector<std::int32_t> cells;
   double volume = 0;
-  ConvexPart hull = {};  ///< of its corners, rounded to a millionth of the diagonal
+  ConvexPart hull = {};  ///< its corners are rounded to a millionth of the diagonal
 
   [[nodiscard]] double missing() const { return hull.volume - volume; }
 };
@@ -79,7 +79,7 @@ class Pieces {
   std::vector<Cell> cells_;
   std::vector<Contact> contacts_;
   std::vector<std::vector<std::int32_t>> contacts_of_;
-  mutable std::vector<std::int32_t> place_;  // of each cell in the piece at hand; -1: in none
+  mutable std::vector<std::int32_t> place_;  // by cell: index in the piece at hand; -1: in none
 };
 
 }  // namespace isimp::detail

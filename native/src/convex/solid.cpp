@@ -12,8 +12,8 @@
 namespace isimp::detail {
 namespace {
 
-constexpr double kSnap = 1e-9;       // of the diagonal
-constexpr double kSame = 0.4;        // of the tolerance, or of the usual one if that is less
+constexpr double kSnap = 1e-9;       // share of the diagonal
+constexpr double kSame = 0.4;        // share of the tolerance, and at most of the default one
 constexpr double kLikeNormal = 0.5;  // cosine of 60 degrees: of the normals of polygons that can be in one plane
 
 /// The polygons of a region.
@@ -48,7 +48,7 @@ bool opposite(const Group& g, const Group& h, double length) {
   return shared >= 2;
 }
 
-/// Gives each group a plane: that of a larger group if all its corners are near to it, else its own.
+/// Finds the plane of each group: the plane of a larger group if all its corners are near to it, else its own.
 void find_planes(std::vector<Group>& groups, Solid& solid) {
   std::vector<std::int32_t> order(groups.size());
   std::iota(order.begin(), order.end(), 0);

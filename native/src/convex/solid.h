@@ -18,12 +18,12 @@ struct Facet {
   std::int32_t plane = 0;
 };
 
-constexpr double kTolerance = 0.005;  ///< of the diagonal: the usual ConvexOptions::tolerance
+constexpr double kTolerance = 0.005;  ///< share of the diagonal: the default ConvexOptions::tolerance
 
 /// Lengths that count as nothing.
 struct Lengths {
-  double snap = 0;  ///< of rounding: a billionth of the diagonal
-  double same = 0;  ///< of noise: polygons this near to a plane lie in it
+  double snap = 0;  ///< for rounding: a billionth of the diagonal
+  double same = 0;  ///< for noise: polygons this near to a plane lie in it
   double deep = 0;  ///< ConvexOptions::tolerance
 };
 
@@ -47,7 +47,7 @@ struct Solid {
 Solid solid_of(const PolygonSoup& polygons, std::span<const std::int32_t> region, const Vec3& origin, double tolerance,
                Job& job);
 
-/// The cells of a solid, and those of the free space in a box around it.
+/// The cells of a solid, and the cells of the free space in a box around it.
 struct Cells {
   std::vector<Cell> inside, outside;
 };

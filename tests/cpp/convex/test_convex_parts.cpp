@@ -267,6 +267,7 @@ TEST(ConvexParts, StopWhenCancelled) {
 
 TEST(Hull, OfPointsOnAGridIsACube) {
   std::vector<Vec3> points;
+  points.reserve(125);
   for (int i = 0; i < 125; ++i) points.emplace_back(i % 5, i / 5 % 5, i / 25);
   const ConvexPart hull = detail::simple_hull_of(points, 1e-9, 64);
   EXPECT_EQ(hull.vertices.size(), 8);
@@ -277,6 +278,7 @@ TEST(Hull, OfPointsOnAGridIsACube) {
 
 TEST(Hull, OfPointsInAPlaneIsNone) {
   std::vector<Vec3> points;
+  points.reserve(25);
   for (int i = 0; i < 25; ++i) points.emplace_back(i % 5, i / 5, i % 5 + i / 5);
   EXPECT_TRUE(detail::hull_of(points, 0).vertices.empty());
 }

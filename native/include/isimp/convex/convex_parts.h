@@ -13,8 +13,8 @@ namespace isimp {
 struct ConvexOptions {
   double tolerance = 0;    ///< largest depth of free space that a part may fill, scene units; 0: half a per cent
                            ///< of the diagonal
-  std::int32_t parts = 0;  ///< at most so many parts; 0: as many as the tolerance needs
-  std::int32_t most_vertices = 64;  ///< of each part, at least 4
+  std::int32_t parts = 0;  ///< the most parts; 0: as many as the tolerance needs
+  std::int32_t most_vertices = 64;  ///< the most vertices of a part, at least 8
 };
 
 /// A convex polyhedron. No vertex lies outside the plane of any triangle, by exact arithmetic.
@@ -26,10 +26,10 @@ struct ConvexPart {
 
 /// Cuts a solid into convex parts along the planes of its polygons.
 ///
-/// No point of a part is farther than `tolerance` from the solid, unless `parts` forces it; free space that is wider
-/// than that stays free. Plates thinner than .4 of it, or than .2 % of the diagonal if that is less, may be lost, and so may
-/// what lies within `tolerance` of another part. Solids may overlap, cross themselves or lie in each other: inside is where the surface winds
-/// around at least once.
+/// No point of a part is farther than `tolerance` from the solid, unless `parts` forces it: wider free space stays free.
+/// Plates thinner than .4 of the tolerance, or than .2 % of the diagonal if that is less, may be lost, and parts that lie
+/// within the tolerance of another part are left out. Solids may overlap, cross themselves or lie in each other: a point
+/// is inside if the surface winds around it at least once.
 ///
 /// \param polygons  closed surfaces of nearly planar polygons, facing outwards
 /// \param region    the region of each polygon: polygons of one region share a plane; empty: each has its own
@@ -39,7 +39,7 @@ struct ConvexPart {
 /// \throws Cancelled     nothing was made
 ///
 /// Cost: about O(C (Q + C)) for Q polygons and C cells into which their planes cut the solid, C being about Q.
-/// Sources: Thibault, Naylor 1987 (cells of a solid); Wei, Liu, Ling, Su 2022 (cuts by what they save).
+/// Sources: Thibault, Naylor 1987 (cells of a solid); Wei, Liu, Ling, Su 2022 (cuts by their gain).
 std::vector<ConvexPart> convex_parts(const PolygonSoup& polygons, std::span<const std::int32_t> region,
                                      std::span<const Vec3> enclosed, const ConvexOptions& options, Job& job);
 
