@@ -59,6 +59,7 @@ from ._core import (
     unlock_regions,
 )
 from ._old_names import by_old_name
+from .convex import convex_parts
 from .exporting import write
 from .reading import read
 from .recipe import RecipeError
@@ -97,6 +98,7 @@ __all__ = [
     "align_planes",
     "backends",
     "clean",
+    "convex_parts",
     "delete_least",
     "delete_proxy",
     "erase_faces",

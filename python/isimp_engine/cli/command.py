@@ -1,4 +1,4 @@
-"""The command `isimp` with its commands simplify, batch, tiles, report, info and schema.
+"""The command `isimp` with its commands simplify, batch, tiles, report, colliders, info and schema.
 
 Exit status: 0; 2 for wrong usage; 3 for unusable input, with one line that names the error and its place; 4 if some
 scans of a batch failed; 130 after Ctrl-C and 143 after SIGTERM, with nothing half-written.
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from .. import FileError, InvalidInput, __version__, _process, exporting
 from ..settings import OptionError
-from . import batch, flat, guiding, info, lods, report, schema, simplify, tiles
+from . import batch, colliders, flat, guiding, info, lods, report, schema, simplify, tiles
 from .ending import Terminated, terminable
 from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, USAGE, UsageError, flag
 from .files import add_input, place, show
@@ -73,6 +73,12 @@ def parser() -> argparse.ArgumentParser:
     report.add_options(command)
 
     command = commands.add_parser(
+        "colliders", help="make convex parts of a solid, for collisions", description=colliders.__doc__
+    )
+    command.set_defaults(run=colliders.run)
+    colliders.add_options(command)
+
+    command = commands.add_parser(
         "info",
         help="properties of a mesh, and the polygons that it would become",
         description=info.__doc__,
@@ -104,7 +110,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(sys.stdout, io.TextIOWrapper):  # file names may be any bytes: they are written unchanged
             sys.stdout.reconfigure(errors="surrogateescape")
         with (
-            terminable() if parsed.run in (flat.run, report.run, info.run) else nullcontext()
+            terminable() if parsed.run in (flat.run, report.run, colliders.run, info.run) else nullcontext()
         ):  # the others have their own
             status = parsed.run(parsed)
     except Terminated:

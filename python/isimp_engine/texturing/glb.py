@@ -206,7 +206,7 @@ def filled(poly: PolygonMesh, job: Job | None) -> tuple[NDArray[np.float64], NDA
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """A glTF file with one mesh, with its images, which may become files next to it."""
+    """A glTF file, with its images, which may become files next to it."""
 
     document: dict[str, Any]
     writer: _Writer
@@ -261,9 +261,7 @@ def contents(
 ) -> Contents:
     """One mesh: everything by corner, v upward. triangles, shown: of each material; None: without one."""
     writer = _Writer()
-    middle = (corners.min(0) + corners.max(0)) / 2
-    size = float(np.linalg.norm(np.ptp(corners, axis=0)))
-    shift = np.where(np.abs(middle) > _FAR * size, np.round(middle), 0.0)
+    shift = _shift(corners)
     attributes = {"POSITION": writer.array(corners - shift, "VEC3", bounds=True)}
     attributes["NORMAL"] = writer.array(normals, "VEC3")
     if tangents is not None and any(one and one.normal for one in shown):  # the third direction is normal x tangent
@@ -303,3 +301,31 @@ def contents(
     extensions = {word for material in materials for word in material.get("extensions", ())}
     document["extensionsUsed"] = sorted(extensions | {ngons.NAME})
     return Contents(document, writer, pictures)
+
+
+def nodes(solids: Sequence[tuple[str, NDArray[np.float64], NDArray[np.int32]]]) -> bytes:
+    """A file with a node for each of some named triangle meshes."""
+    writer = _Writer()
+    points = np.concatenate([vertices for _, vertices, _ in solids])
+    shift = _shift(points)
+    meshes = []
+    for name, vertices, triangles in solids:
+        position = writer.array(vertices - shift, "VEC3", bounds=True)
+        index = writer.array(triangles.ravel(), "SCALAR")
+        meshes.append({"name": name, "primitives": [{"attributes": {"POSITION": position}, "indices": index}]})
+    place = {"translation": shift.tolist()} if shift.any() else {}
+    document: dict[str, Any] = {
+        "asset": {"version": "2.0", "generator": "isimp"},
+        "scene": 0,
+        "scenes": [{"nodes": list(range(len(meshes)))}],
+        "nodes": [{"mesh": i, "name": mesh["name"]} | place for i, mesh in enumerate(meshes)],
+        "meshes": meshes,
+    }
+    return Contents(document, writer, []).glb()
+
+
+def _shift(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What is subtracted from coordinates that are far from zero, since the file has them in float32."""
+    middle = (points.min(0) + points.max(0)) / 2
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    return np.where(np.abs(middle) > _FAR * size, np.round(middle), 0.0)

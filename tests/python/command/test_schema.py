@@ -19,7 +19,7 @@ def commands(capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
 
 
 def test_every_command_and_option_is_there(commands: dict[str, Any]) -> None:
-    assert commands.keys() == {"simplify", "batch", "tiles", "report", "info", "schema"}
+    assert commands.keys() == {"simplify", "batch", "tiles", "report", "colliders", "info", "schema"}
     simplify = commands["simplify"]
     assert simplify["required"] == ["input", "output"]
     assert {"proxies", "metric", "planar", "lods", "report", "keep-opening"} < simplify["properties"].keys()

@@ -15,7 +15,8 @@ NAMES = [(module, name) for module in (engine, batch, tiles) for name in module.
 
 
 def test_there_are_few():
-    assert len(NAMES) <= MOST, "make another name private first, or say in docs/api.md why there are more"
+    on_the_page = [name for _, name in NAMES if name != "__version__"]
+    assert len(on_the_page) <= MOST, "make another name private first, or say in docs/api.md why there are more"
 
 
 def test_the_page_of_the_api_has_exactly_these():

@@ -1,0 +1,72 @@
+"""Files of convex parts, with names that games and simulations know."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+from .._core import FileError
+from ..convex import Convex
+
+#: the name of part `number` of `name`, by program
+NAMES: Mapping[str, Callable[[str, int], str]] = {
+    "unreal": lambda name, number: f"UCX_{name}_{number:02}",
+    "unity": lambda name, number: f"{name}_collider_{number:02}",
+    "godot": lambda name, number: f"{name}_{number:02}-convcol",
+    "plain": lambda name, number: f"{name}_{number:02}",
+}
+Named = Sequence[tuple[str, Convex]]
+
+
+def _obj(draft: Path, name: str, parts: Named) -> None:
+    lines, first = [f"# {name}: convex parts by isimp"], 1
+    for title, part in parts:
+        lines.append(f"o {title}")
+        lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in part.vertices.tolist()]
+        lines += [f"f {a} {b} {c}" for a, b, c in (part.triangles + first).tolist()]
+        first += len(part.vertices)
+    draft.write_text("\n".join([*lines, ""]), encoding="utf-8")
+
+
+def _glb(draft: Path, name: str, parts: Named) -> None:
+    from ..texturing.glb import nodes  # reads the table of formats itself
+
+    draft.write_bytes(nodes([(title, part.vertices, part.triangles) for title, part in parts]))
+
+
+def _mjcf(draft: Path, name: str, parts: Named) -> None:
+    """A model of MuJoCo: one body with a geom for each part."""
+    meshes, geoms = [], []
+    for title, part in parts:
+        points = " ".join(repr(x) for x in part.vertices.ravel().tolist())
+        corners = " ".join(str(i) for i in part.triangles.ravel().tolist())
+        meshes.append(f'    <mesh name={quoteattr(title)} vertex="{points}" face="{corners}"/>')
+        geoms.append(f'      <geom name={quoteattr(title)} type="mesh" mesh={quoteattr(title)}/>')
+    lines = [
+        f"<mujoco model={quoteattr(name)}>",
+        "  <asset>",
+        *meshes,
+        "  </asset>",
+        "  <worldbody>",
+        f"    <body name={quoteattr(name)}>",
+        *geoms,
+        "    </body>",
+        "  </worldbody>",
+        "</mujoco>",
+        "",
+    ]
+    draft.write_text("\n".join(lines), encoding="utf-8")
+
+
+_WRITERS = {".obj": _obj, ".glb": _glb, ".xml": _mjcf}
+KINDS = tuple(_WRITERS)  #: endings of such files
+
+
+def write(draft: Path, name: str, parts: Sequence[Convex], names: str, like: Path) -> None:
+    """Write parts. names: one of NAMES; like: the name of the file, whose ending is its kind, where `draft` is not.
+
+    Raises FileError (another ending).
+    """
+    writer = _WRITERS.get(like.suffix.lower())
+    if writer is None:
+        raise FileError(f"{like}: must end in one of {', '.join(KINDS)}")
+    writer(draft, name, [(NAMES[names](name, number), part) for number, part in enumerate(parts)])

@@ -1,0 +1,126 @@
+"""Convex parts: of hollow solids with noise, enclosing, limits and refusals."""
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import shapes
+from bench.generators import hollow_solids
+from bench.quality.convex import judge, outside, planes_of
+
+
+def distances(parts, points):
+    return outside([planes_of(part.vertices, part.triangles) for part in parts], np.asarray(points, float))
+
+
+def check_convex(parts):
+    for part in parts:
+        assert distances([part], part.vertices).max() < 1e-9
+        assert len(part.triangles) == 2 * len(part.vertices) - 4
+        a, b, c = (part.vertices[part.triangles[:, k]] for k in range(3))
+        assert part.volume == pytest.approx((np.cross(a, b) * c).sum() / 6)
+
+
+@pytest.mark.parametrize("name", ["room", "table", "cabinet", "flight", "chair", "floor_plan"])
+def test_a_scan_of_boxes_becomes_these_boxes(name):
+    solid = hollow_solids.SOLIDS[name]()
+    vertices, faces = hollow_solids.twin(solid)
+    parts = engine.convex_parts(engine.simplify((vertices, faces), planar=True, keep_openings=True))
+    check_convex(parts)
+    assert len(parts) <= len(solid.boxes)
+    found = judge([(part.vertices, part.triangles) for part in parts], vertices, faces, solid)
+    assert float(found["triangles"]) <= 14
+    assert float(found["volume"]) == pytest.approx(1, abs=0.03)
+    assert (distances(parts, solid.free) > 0).all()
+    size = np.linalg.norm(np.ptp(vertices, axis=0))
+    assert distances(parts, vertices).max() < 5 * 0.001 * size  # the noise is normal: some vertices are far out
+
+
+def test_enclosing_parts_have_every_vertex():
+    solid = hollow_solids.table()
+    vertices, faces = hollow_solids.twin(solid)
+    result = engine.simplify((vertices, faces), planar=True, keep_openings=True)
+    parts = engine.convex_parts(result, enclose=True)
+    check_convex(parts)
+    assert distances(parts, vertices).max() <= 0
+    far = 4 * 0.001 * np.linalg.norm(np.ptp(vertices, axis=0))  # one in thousands is as far out
+    grown = sum(np.prod(np.subtract(high, low) + 2 * far) for low, high in solid.boxes)
+    assert sum(part.volume for part in parts) < 1.05 * grown
+    assert distances(engine.convex_parts(result), vertices).max() > 0
+    points = np.vstack([vertices, [[0.7, 0.4, 0.8]]])
+    assert distances(engine.convex_parts(result, enclose=points), points).max() <= 0
+
+
+def test_forms_of_a_solid_give_the_same_parts():
+    vertices, faces = hollow_solids.surface(hollow_solids.crate())
+    mesh = engine.clean(vertices, faces)
+    flat, _ = engine.merge_flat(mesh)
+    parts = engine.convex_parts(flat)
+    assert len(parts) == 5
+    again = engine.convex_parts((vertices, faces))
+    assert [part.volume for part in again] == pytest.approx([part.volume for part in parts])
+    assert repr(parts[0]).startswith("<Convex: 8 vertices")
+
+
+def test_the_same_bits_each_time_and_in_any_unit():
+    vertices, faces = hollow_solids.surface(hollow_solids.chair())
+    first, second = (engine.convex_parts((vertices, faces)) for _ in range(2))
+    larger = engine.convex_parts((vertices * 1024, faces))
+    for a, b, c in zip(first, second, larger, strict=True):
+        assert np.array_equal(a.vertices, b.vertices)
+        assert np.array_equal(a.vertices * 1024, c.vertices)
+
+
+def test_limits():
+    vertices, faces = hollow_solids.surface(hollow_solids.stairs())
+    assert len(engine.convex_parts((vertices, faces), parts=3)) == 3
+    assert len(engine.convex_parts((vertices, faces), tolerance=1.0)) == 1
+    parts = engine.convex_parts(shapes.torus(), parts=4, most_vertices=16)
+    check_convex(parts)
+    assert max(len(part.vertices) for part in parts) == 16
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"tolerance": 0}, "tolerance must be a length above 0, got 0"),
+        ({"tolerance": -1.0}, "tolerance must be a length above 0"),
+        ({"parts": 0}, "parts must be at least 1, got 0"),
+        ({"most_vertices": 4}, "most_vertices must be at least 8, got 4"),
+        ({"enclose": np.zeros((2, 2))}, r"enclose .*\(N, 3\)"),
+        ({"enclose": [[0, 0, np.nan]]}, "point 0 to enclose is not finite"),
+    ],
+)
+def test_options_out_of_range_are_refused(options, message):
+    with pytest.raises(engine.InvalidInput, match=message):
+        engine.convex_parts(shapes.cube(), **options)
+
+
+def test_what_is_no_solid_is_refused_with_its_place():
+    vertices, faces = shapes.cube(2)
+    with pytest.raises(engine.InvalidInput, match=r"faces inwards around \(0.5"):
+        engine.convex_parts((vertices, faces[:, ::-1]))
+    with pytest.raises(engine.InvalidInput, match=r"is open: it does not say whether \("):
+        engine.convex_parts(shapes.plane())
+    both = np.vstack([shapes.plane()[1], shapes.plane()[1][:, ::-1]])
+    with pytest.raises(engine.InvalidInput, match=r"encloses no volume around \(0.5"):
+        engine.convex_parts((shapes.plane()[0], both))
+
+
+def test_odd_solids_give_parts_of_what_they_enclose():
+    vertices, faces = shapes.cube(2)
+    crossing = shapes.joined((vertices, faces), (vertices + [0.5, 0, 0], faces))
+    (part,) = engine.convex_parts(crossing)
+    assert part.volume == pytest.approx(1.5)
+    nested = shapes.joined((vertices, faces), (vertices / 2 + 0.25, faces))
+    assert sum(part.volume for part in engine.convex_parts(nested)) == pytest.approx(1)
+    fin = shapes.joined((vertices, faces), ([[0, 0, 1], [1, 0, 1], [0.5, 0, 2]], np.array([[0, 1, 2]])))
+    (part,) = engine.convex_parts(shapes.welded(*fin))  # a face that hangs on an edge: not manifold
+    assert part.volume == pytest.approx(1)
+
+
+def test_a_cancelled_job_stops():
+    job = engine.Job()
+    job.cancel()
+    with pytest.raises(engine.Cancelled):
+        engine.convex_parts(shapes.cube(), job=job)
