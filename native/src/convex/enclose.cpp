@@ -104,6 +104,7 @@ void enclose(std::vector<ConvexPart>& parts, std::span<const Vec3> points, doubl
     for (const std::int32_t i : taken[k]) cover(points[i]);
     const double size = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
     for (double slack = kRounding * size;; slack *= 4) {
+      job.poll();
       std::vector<Plane> moved = planes[k];
       for (Plane& plane : moved) plane.offset += slack;
       const Vec3 around = Vec3::Constant(2 * slack);
