@@ -78,6 +78,7 @@ ConvexPart space_below(const std::vector<Plane>& planes, const Vec3& low, const 
 void enclose(std::vector<ConvexPart>& parts, std::span<const Vec3> points, double same, std::int32_t most_vertices,
              Job& job) {
   std::vector<std::vector<Plane>> planes;
+  planes.reserve(parts.size());
   for (const ConvexPart& part : parts) planes.push_back(few_planes(part, same));
   std::vector<std::vector<std::int32_t>> taken(parts.size());
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -274,6 +274,7 @@ std::vector<std::int32_t> Pieces::choices(const Piece& piece) const {
   }
   std::ranges::stable_sort(costs, {}, &std::pair<double, std::int32_t>::first);
   std::vector<std::int32_t> planes;
+  planes.reserve(costs.size());
   for (const auto& [cost, plane] : costs) planes.push_back(plane);
   return planes;
 }
