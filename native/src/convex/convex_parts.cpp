@@ -22,7 +22,7 @@ constexpr double kDropped = 0.1;     // share of the tolerance: corners this nea
 constexpr std::size_t kSmall = 100;  // cells of a piece for which cuts are tried to their end
 constexpr std::int32_t kFew = 16;    // parts that such a piece may become
 constexpr std::size_t kTried = 8;    // such cuts
-constexpr std::int32_t kMore = 2;    // times the wanted parts are cut before they are merged
+constexpr std::int32_t kMore = 3;    // times the wanted parts are cut before they are merged
 
 /// Removes the piece with the largest missing volume and returns it.
 Piece take_worst(std::vector<Piece>& open) {
