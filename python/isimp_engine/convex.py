@@ -1,5 +1,6 @@
 """Convex parts of a solid, for collisions."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +12,13 @@ from .result import Result
 from .source import Source, source_of
 
 _Arrays = tuple[NDArray[Any], NDArray[Any], NDArray[Any], NDArray[Any]]
+#: the name of part `number` of `name`, by program
+NAMES: Mapping[str, Callable[[str, int], str]] = {
+    "unreal": lambda name, number: f"UCX_{name}_{number:02}",
+    "unity": lambda name, number: f"{name}_collider_{number:02}",
+    "godot": lambda name, number: f"{name}_{number:02}-convcol",
+    "plain": lambda name, number: f"{name}_{number:02}",
+}
 MOST_VERTICES = 64  #: the default; engines of games allow at most 64 to 255
 
 

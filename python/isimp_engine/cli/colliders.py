@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import Result, simplify
-from ..convex import MOST_VERTICES, convex_parts, used_vertices
+from ..convex import MOST_VERTICES, NAMES, convex_parts, used_vertices
 from ..exporting import colliders
 from ..source import Source, load
 from . import words
@@ -53,7 +53,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument(
         "--names",
-        choices=tuple(colliders.NAMES),
+        choices=tuple(NAMES),
         default="plain",
         help="names of the parts: UCX_NAME_00 for Unreal, NAME_collider_00 for Unity, NAME_00-convcol for Godot, "
         "NAME_00 for plain; NAME is that of OUTPUT. Default: %(default)s",

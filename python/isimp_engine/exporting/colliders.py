@@ -1,19 +1,12 @@
 """Files of convex parts, with names that games and simulations know."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 from .._core import FileError
-from ..convex import Convex
+from ..convex import NAMES, Convex
 
-#: the name of part `number` of `name`, by program
-NAMES: Mapping[str, Callable[[str, int], str]] = {
-    "unreal": lambda name, number: f"UCX_{name}_{number:02}",
-    "unity": lambda name, number: f"{name}_collider_{number:02}",
-    "godot": lambda name, number: f"{name}_{number:02}-convcol",
-    "plain": lambda name, number: f"{name}_{number:02}",
-}
 Named = Sequence[tuple[str, Convex]]
 
 
@@ -62,7 +55,7 @@ KINDS = tuple(_WRITERS)  #: endings of such files
 
 
 def write(draft: Path, name: str, parts: Sequence[Convex], names: str, like: Path) -> None:
-    """Write parts. names: one of NAMES; like: the name of the file, whose ending is its kind, where `draft` is not.
+    """Write parts. names: one of `convex.NAMES`. like: the file, whose ending is its kind; `draft` may have another.
 
     Raises FileError (another ending).
     """

@@ -72,6 +72,35 @@ def test_locked_slivers_stay():
     assert store.numbers(scan)["regions"] == 7
 
 
+@pytest.mark.parametrize(("names", "first"), [("unreal", "UCX_{}_00"), ("godot", "{}_00-convcol")])
+def test_colliders_are_objects_that_follow_the_result(names, first):
+    scan = parted()
+    assert OPS.mesh(planar=True) == {"FINISHED"}
+    result = targets.result_of(bpy.context.scene, scan)
+    assert OPS.colliders(names=names) == {"FINISHED"}
+    place = bpy.data.collections[f"{result.name} colliders"]
+    (part,) = place.objects
+    assert part.name == first.format(result.name)
+    assert (part.parent, part.display_type, part.hide_render) == (result, "WIRE", True)
+    assert (len(part.data.vertices), len(part.data.polygons)) == (8, 12)
+    corners = [{tuple(round(x, 4) for x in v.co) for v in mesh.vertices} for mesh in (part.data, result.data)]
+    assert corners[0] == corners[1]
+    assert bpy.context.view_layer.objects.active == result
+    assert OPS.colliders(names=names, enclose=True, parts=1) == {"FINISHED"}
+    assert len(place.objects) == 1, "a second press keeps the first collection"
+
+
+def test_colliders_of_an_open_result_are_refused_with_the_reason():
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8)
+    scans.activate(bpy.context.object)
+    assert OPS.partition(proxies=1) == {"FINISHED"}
+    assert OPS.mesh() == {"FINISHED"}
+    before = len(bpy.data.objects), len(bpy.data.collections)
+    with pytest.raises(RuntimeError, match="No colliders: "):
+        OPS.colliders()
+    assert (len(bpy.data.objects), len(bpy.data.collections)) == before
+
+
 def test_merge_flat_keeps_materials_and_places():
     source = scans.cube(cells=5)
     for name in ("Stone", "Glass"):

@@ -1,10 +1,10 @@
-"""Operators that keep a result as a level of detail, open it for editing, or merge coplanar faces."""
+"""Operators that keep a result as a level of detail, open it for editing, make colliders, or merge coplanar faces."""
 
 import re
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, FloatProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 from ... import messages
 from ... import recipe as rcp
@@ -69,6 +69,70 @@ class ISIMP_OT_keep_lod(bpy.types.Operator):
                 group.count_by, group.proxies = "proxies", max(4, regions // 3)
         self.report({"INFO"}, said("Kept as '{name}', hidden", name=result.name))
         return {"FINISHED"}
+
+
+class ISIMP_OT_colliders(bpy.types.Operator):
+    """Cut the result into convex parts for collisions, as objects in a new collection. It must be closed"""
+
+    bl_idname = "isimp.colliders"
+    bl_label = "Colliders"
+    bl_options = {"REGISTER", "UNDO"}
+
+    names: EnumProperty(
+        name="Names",
+        description="Names of the parts, as a program knows them",
+        items=(
+            ("unreal", "Unreal", "UCX_NAME_00"),
+            ("unity", "Unity", "NAME_collider_00"),
+            ("godot", "Godot", "NAME_00-convcol"),
+            ("plain", "Plain", "NAME_00"),
+        ),
+    )
+    parts: IntProperty(
+        name="At Most",
+        description="Largest number of parts; they may fill free space then. 0: as many as needed",
+        min=0,
+        soft_max=64,
+    )
+    enclose: BoolProperty(
+        name="Enclose",
+        description="Every corner of the result is inside: planes are pushed outwards for this, the least possible",
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return targets.allows_with_result(cls, context)
+
+    def execute(self, context):
+        _, result, _ = targets.find_result(context)
+        points = mesh_io.points(result.data).reshape(-1, 3).astype(np.float64)
+        loops, start = mesh_io.polygons(result.data)
+        solid = points, np.split(loops, start[1:])
+        try:
+            parts = engine.convex_parts(solid, enclose=self.enclose, parts=self.parts or None)
+        except ValueError as problem:
+            self.report({"ERROR"}, said("No colliders: {reason}", reason=problem))
+            return {"CANCELLED"}
+        place = bpy.data.collections.new(said("{name} colliders", name=result.name))
+        (result.users_collection or (context.scene.collection,))[0].children.link(place)
+        name = engine.convex.NAMES[self.names]
+        for number, part in enumerate(parts):
+            place.objects.link(_collider(name(result.name, number), part, result))
+        triangles = messages.count(sum(len(part.triangles) for part in parts), "triangle")
+        text = own("{parts}, {triangles}, in the collection '{name}'")
+        found = messages.count(len(parts), "convex part")
+        self.report({"INFO"}, said(text, parts=found, triangles=triangles, name=place.name))
+        return {"FINISHED"}
+
+
+def _collider(name: str, part, result):
+    """Return a new object of a convex part, which follows the result and is drawn as wires."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(part.vertices.tolist(), [], part.triangles.tolist())
+    made = bpy.data.objects.new(name, mesh)
+    made.parent = result
+    made.display_type, made.hide_render = "WIRE", True
+    return made
 
 
 class ISIMP_OT_merge_flat(bpy.types.Operator):
@@ -143,4 +207,4 @@ def _merged(context, source, angle: float):
     return made, len(mesh.polygons)
 
 
-CLASSES = (ISIMP_OT_make_editable, ISIMP_OT_keep_lod, ISIMP_OT_merge_flat)
+CLASSES = (ISIMP_OT_make_editable, ISIMP_OT_keep_lod, ISIMP_OT_colliders, ISIMP_OT_merge_flat)

@@ -129,6 +129,7 @@ class ISIMP_MT_mesh(bpy.types.Menu):
         layout, panel = self.layout, context.window_manager.isimp
         give_mesh(panel, layout.operator("isimp.make_editable", icon="EDITMODE_HLT"))
         layout.operator("isimp.keep_lod", icon="MOD_DECIM")
+        layout.operator("isimp.colliders", icon="MESH_ICOSPHERE")
         layout.separator()
         layout.operator("isimp.merge_flat", icon="MESH_PLANE")
 
