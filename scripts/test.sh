@@ -193,7 +193,7 @@ use_tests_venv() {
   [ -e pyproject.toml ] && mapfile -t requirements < <(build_requirements)
   venv "$tests_venv" pytest pytest-xdist hypothesis mypy ruff==0.14.* numpy pillow distributed nvidia-cuda-cuobjdump==13.* \
     check-jsonschema mkdocs-material cadquery-ocp-novtk ezdxf ifcopenshell trimesh lxml networkx numpy-stl pyvista mujoco \
-    cjio dask-jobqueue "${requirements[@]}"
+    cjio "${requirements[@]}"
 }
 
 cpp_build() { # BUILD_DIR CMAKE_OPTION...

@@ -2,6 +2,7 @@
 
 import importlib
 import json
+import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
@@ -65,11 +66,15 @@ def started(cluster: Cluster) -> Iterator[str]:
 
 
 def _class_of(kind: str, module: str, name: str, package: str) -> Any:
+    kept = signal.getsignal(signal.SIGINT)
     try:
         return getattr(importlib.import_module(module), name)
     except ImportError:
         needs = f"--cluster {kind} needs the package {package}: pip install 'isimp[cluster]'"
         raise BatchError(needs) from None
+    finally:
+        if signal.getsignal(signal.SIGINT) is not kept:  # dask_jobqueue makes Ctrl-C a SystemExit
+            signal.signal(signal.SIGINT, kept)
 
 
 def _jobs(cluster: Cluster) -> Any:

@@ -1,6 +1,8 @@
 """`--cluster`: clusters that are started for one run, as jobs or by SSH."""
 
+import importlib.util
 import os
+import signal
 import subprocess
 import sys
 import types
@@ -109,10 +111,20 @@ def test_the_commands_take_clusters_and_refuse_two(tmp_path):
         assert "--dask and --cluster contradict each other" in done.stderr
 
 
+def test_a_package_that_takes_ctrl_c_gives_it_back(tmp_path, monkeypatch):
+    text = "import signal, sys\nsignal.signal(signal.SIGINT, lambda *_: sys.exit())\nclass SLURMCluster: pass\n"
+    (tmp_path / "greedy_jobqueue.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    before = signal.getsignal(signal.SIGINT)
+    assert clusters._class_of("slurm", "greedy_jobqueue", "SLURMCluster", "greedy").__name__ == "SLURMCluster"
+    assert signal.getsignal(signal.SIGINT) is before
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs fork")
 def test_jobs_of_this_machine_do_a_batch(tmp_path):
     """The real classes of dask-jobqueue, with a script of a job that is run here."""
-    pytest.importorskip("dask_jobqueue")
+    if importlib.util.find_spec("dask_jobqueue") is None:  # an import would take Ctrl-C from the other tests
+        pytest.skip("dask_jobqueue is not installed")
     scans = make_scans(tmp_path / "in", "a.ply", "b.ply")
     options = ["cores=2", "memory=1GB", f"local_directory={tmp_path}", f"log_directory={tmp_path}"]
     options += ['scheduler_options={"dashboard_address": null, "host": "127.0.0.1"}', f"python={sys.executable}"]

@@ -55,6 +55,11 @@ def divided():
     bpy.ops.isimp.mesh()
 
 
+def meshed():
+    parted()
+    bpy.ops.isimp.mesh()
+
+
 def textured():
     textured_cube()
     bpy.ops.isimp.partition(proxies=6)
@@ -114,6 +119,7 @@ CHANGES = [
     ("align", parted, {"face": 0, "to": "upright"}, {"face": 0, "to": "upright", "length": 0.5}),
     ("merge_slivers", slivered, {"share": 10.0}, {"share": 50.0}),
     ("merge_flat", rounded, {"angle": 0.001}, {"angle": 1.0}),
+    ("colliders", meshed, {"names": "unreal"}, {"names": "godot"}),
     ("make_editable", rounded, {"chord_tolerance": 0.35}, {"chord_tolerance": 0.05}),
     ("mesh", rounded, {"chord_tolerance": 0.35}, {"chord_tolerance": 0.05}),
     ("texture", textured, {"size": 64}, {"size": 128}),
@@ -152,7 +158,7 @@ def test_each_operator_with_settings_there_is_tried():
 
 
 def seen():
-    """All that an operator may have changed: steps, regions, locks, the selection, the result and its image."""
+    """All that an operator may have changed: steps, regions, locks, selection, the result, its image, new objects."""
     scan = bpy.data.objects["Scan"]
     found = [store.load(scan).steps, store.numbers(scan).get("locked"), bpy.context.mode]
     result = targets.result_of(bpy.context.scene, scan)
@@ -164,6 +170,7 @@ def seen():
         found += [[list(polygon.vertices) for polygon in obj.data.polygons]]
     found += [scans.regions(scan).tolist(), len(bpy.context.object.data.polygons)]
     found.append(sorted(tuple(image.size) for image in bpy.data.images if image.users))
+    found.append(sorted(obj.name for obj in bpy.data.objects))
     return found
 
 
