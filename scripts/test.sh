@@ -188,12 +188,12 @@ development_build() { # build-dev, with the Python module
     -Dpybind11_DIR="$("$tests_venv/bin/python" -m pybind11 --cmakedir)"
 }
 
-use_tests_venv() {
+use_tests_venv() { # without cjio, which makes all JSON of a process round its numbers
   local requirements=()
   [ -e pyproject.toml ] && mapfile -t requirements < <(build_requirements)
   venv "$tests_venv" pytest pytest-xdist hypothesis mypy ruff==0.14.* numpy pillow distributed nvidia-cuda-cuobjdump==13.* \
-    check-jsonschema mkdocs-material cadquery-ocp-novtk ezdxf ifcopenshell trimesh lxml networkx numpy-stl pyvista mujoco \
-    cjio "${requirements[@]}"
+    check-jsonschema mkdocs-material cadquery-ocp-novtk ezdxf ifcopenshell trimesh lxml networkx numpy-stl pyvista \
+    mujoco "${requirements[@]}"
 }
 
 cpp_build() { # BUILD_DIR CMAKE_OPTION...
