@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -25,7 +24,6 @@ constexpr double kUnsure = 2;          ///< times that distance * sqrt(3 / faces
 constexpr double kMostAdded = 0.1;     ///< share of the root mean square distance that all planes together may add by
                                        ///< default
 constexpr double kLeastLength = 1e-5;  ///< share of the diagonal
-constexpr double kAnywhere = std::numeric_limits<double>::infinity();
 
 /// The regions of a partition, then one for each axis of its round parts.
 std::vector<Region> regions_of(const Partition& partition, const std::vector<RegionPlane>& planes,
