@@ -16,14 +16,14 @@ from ..exporting import colliders
 from ..source import Source, load
 from . import words
 from .errors import UsageError
-from .files import Outputs, check_all, show
+from .files import Outputs, add_input, check_all, show
 from .progress import Steps, wanted
 
 _MOST_OF_A_SCAN = 4  # corners of its faces
 
 
 def add_options(command: argparse.ArgumentParser) -> None:
-    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF, 3MF or GLB")
+    add_input(command)
     command.add_argument(
         "output",
         type=Path,
