@@ -78,8 +78,8 @@ def _content(polygons: Any, job: Job | None) -> tuple[_Arrays, NDArray[Any]]:
     if isinstance(polygons, Result):
         return _content(polygons.polygons, job)[0], used_vertices(polygons._model.source)
     if isinstance(polygons, PolygonMesh):
-        of = polygons
-        return (of.vertices, of.loops, of.loop_start, of.polygon_region), of.vertices
+        vertices = polygons.vertices
+        return (vertices, polygons.loops, polygons.loop_start, polygons.polygon_region), vertices
     source = polygons if isinstance(polygons, Source) else source_of(polygons, job)
     start = np.arange(0, source.triangles.size, 3, dtype=np.int32)
     return (source.vertices, source.triangles.ravel(), start, source.polygon), used_vertices(source)

@@ -32,10 +32,12 @@ def companions(path: Path) -> list[Path]:
 
     Files of a result with tiles or several materials have more in their names.
     """
-    if path.suffix.lower() != ".obj":
-        images = [path.with_suffix(".png"), *(_beside(path, name) for name in (NORMAL, "surface", "emission"))]
-        return images * (path.suffix.lower() == ".gltf")
-    return [path.with_suffix(".mtl"), path.with_suffix(".png"), *(_beside(path, n) for n in (NORMAL, *_MAPS))]
+    kind = path.suffix.lower()
+    if kind == ".gltf":
+        return [path.with_suffix(".png"), *(_beside(path, name) for name in (NORMAL, "surface", "emission"))]
+    if kind == ".obj":
+        return [path.with_suffix(".mtl"), path.with_suffix(".png"), *(_beside(path, n) for n in (NORMAL, *_MAPS))]
+    return []
 
 
 def refusal(path: Path) -> str:
