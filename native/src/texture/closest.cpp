@@ -48,7 +48,7 @@ float closest_on(const FlatFace& f, float x, float y, float& b, float& c) {
 Hit hit_on(const FlatFace& f, std::int32_t item, float x, float y) {
   float b = 0, c = 0;
   closest_on(f, x, y, b, c);
-  return {f.face, b, c, f.z[0] + b * (f.z[1] - f.z[0]) + c * (f.z[2] - f.z[0]), item};
+  return {f.face, b, c, item};
 }
 
 using Four = Eigen::Array4f;  // a processor computes all four at once

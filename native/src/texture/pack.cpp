@@ -21,8 +21,7 @@ struct Pile {
 
 class Packer {
  public:
-  Packer(const Layout& layout, const Room& room)
-      : cells_(layout, room), rows_(cells_.count()), tiles_(room.tiles), groups_(layout.groups) {}
+  Packer(const Layout& layout, const Room& room) : cells_(layout, room), tiles_(room.tiles), groups_(layout.groups) {}
 
   /// The places at `scale` texels per scene unit; false if the charts do not fit.
   bool attempt(double scale, Packing& packing, Job& job) {
@@ -64,7 +63,7 @@ class Packer {
       const std::int32_t m = p.width();
       for (std::int32_t x = 0; x + m <= cells; ++x) {
         const std::int32_t y = rest(pile.top.data() + x, p);
-        if (y + p.height > rows_) continue;
+        if (y + p.height > cells) continue;
         const std::int64_t waste = std::int64_t{m} * y + p.low_sum - (below[x + m] - below[x]);
         const std::int64_t cost = std::int64_t{std::max(y + p.height - pile.used, 0)} * cells + waste * 2 + y;
         if (cost < least) {
@@ -94,7 +93,6 @@ class Packer {
   }
 
   Cells cells_;
-  std::int32_t rows_;            // number of rows of cells
   std::int32_t tiles_, groups_;  // tiles of each group
   std::array<Profile, 4> profile_;
   std::vector<Pile> piles_;

@@ -56,8 +56,7 @@ Rigid quarter(std::int32_t turns, double w, double h) {
   return r;
 }
 
-}  // namespace
-
+/// An empty profile of `width` columns and `height` rows.
 Profile empty_profile(std::int32_t width, std::int32_t height) {
   Profile profile;
   profile.height = height;
@@ -66,6 +65,7 @@ Profile empty_profile(std::int32_t width, std::int32_t height) {
   return profile;
 }
 
+/// Adds the extent of an edge in every column that it crosses, `grow` cells more on each side.
 void add_edge(Vec2 a, Vec2 b, double grow, Profile& profile) {
   if (a.x() > b.x()) std::swap(a, b);
   const std::int32_t from = to_integer(a.x() - grow, 0, profile.width());
@@ -81,6 +81,8 @@ void add_edge(Vec2 a, Vec2 b, double grow, Profile& profile) {
     profile.high[k] = std::max(profile.high[k], static_cast<Cell>(high));
   }
 }
+
+}  // namespace
 
 Cells::Cells(const Layout& layout, const Room& room)
     : layout_(layout),

@@ -19,20 +19,12 @@ struct Profile {
   [[nodiscard]] std::int32_t width() const { return static_cast<std::int32_t>(low.size()); }
 };
 
-/// An empty profile of `width` columns and `height` rows.
-Profile empty_profile(std::int32_t width, std::int32_t height);
-
-/// Adds the extent of an edge in every column that it crosses, `grow` cells more on each side.
-void add_edge(Vec2 a, Vec2 b, double grow, Profile& profile);
-
 /// A tile as cells, and the charts of a layout in them, the largest first.
 class Cells {
  public:
   Cells(const Layout& layout, const Room& room);
 
   [[nodiscard]] std::int32_t count() const { return count_; }  ///< cells along a side of the image
-  [[nodiscard]] double size() const { return size_; }          ///< texels
-  [[nodiscard]] double grow() const { return grow_; }          ///< margin of an outline on each side, cells
   [[nodiscard]] const std::vector<std::int32_t>& order() const { return order_; }
   [[nodiscard]] std::int32_t group(std::int32_t chart) const { return layout_.group[members_[chart].front()]; }
 

@@ -231,7 +231,7 @@ Hit PolygonView::at(std::int32_t index, float x, float y) const {
   float c = ((f.x[1] - f.x[0]) * dy - (f.y[1] - f.y[0]) * dx) * f.over;
   b = std::clamp(b, 0.0F, 1.0F);
   c = std::clamp(c, 0.0F, 1.0F - b);
-  return {f.face, b, c, f.z[0] + b * (f.z[1] - f.z[0]) + c * (f.z[2] - f.z[0]), index};
+  return {f.face, b, c, index};
 }
 
 }  // namespace isimp::detail

@@ -37,10 +37,10 @@ struct Neighbourhood {
 ///               neighbours have all lost their faces gets regions further away too.
 Neighbourhood find_neighbourhood(const Mesh& mesh, const Partition& partition, std::span<const std::uint8_t> known);
 
-/// A place on a face. `height` is above the polygon's plane, in texels.
+/// A place on a face.
 struct Hit {
   std::int32_t face = kNone;
-  float b = 0, c = 0, height = 0;
+  float b = 0, c = 0;
   std::int32_t index = kNone;  ///< index into the view's `faces()`
 };
 
