@@ -41,8 +41,7 @@ def read(state: int, node_of: NodeOf, recipe: rcp.Recipe | None = None) -> Store
         if not problem:
             try:
                 values = [_values(number, text) for number, text in enumerate(texts, 1)]
-                steps = (rcp.numbered_step(number, each) for number, each in enumerate(values, 1))
-                recipe = rcp.Recipe(tuple(steps), gone=rcp.gone(values))
+                recipe = rcp.Recipe.from_values(rcp.Recipe().to_values() | {"steps": values})
             except rcp.RecipeError as error:
                 problem = line(said("The steps can't be read: {error}", error=error))
         if recipe is None:

@@ -9,7 +9,7 @@ from .language import count, noun, own, plural, said, speak
 from .options import COUNTS, Option
 from .places import Places, faces_of, moved
 from .plane_steps import ALIGNMENTS, AlignPlanes, Regularise
-from .recipe import Recipe, gone, numbered_step, parsed
+from .recipe import Recipe, parsed
 from .round_steps import ExplodeRound, RoundRegions, RoundSegments
 from .step import KINDS, Step, engine_options
 from .steps import (
@@ -86,10 +86,8 @@ __all__ = [
     "count",
     "engine_options",
     "faces_of",
-    "gone",
     "moved",
     "noun",
-    "numbered_step",
     "own",
     "parsed",
     "plural",
