@@ -205,7 +205,9 @@ class OptionsClass {
             "value), most and below_most. A field with a few names as values has choices.")
         .def_static(
             "gone", [gone] { return dict(*gone, Options()); },
-            "The fields of earlier versions, which have no effect: by name, the value that means so.")
+            "The options that only earlier versions have: a dict of the name of each and the value that turned it off. "
+            "This "
+            "version accepts and ignores them.")
         .def("__repr__",
              [fields, name](const Options& options) {
                std::string text;
