@@ -1,7 +1,7 @@
 """Print the commands and their options as JSON, for programs that call isimp: a JSON Schema for each command.
 
 A property has the name of its option without dashes in front; `flag` is the word for the command line. Properties
-without `flag` are the arguments in order.
+without `flag` are the arguments in order. Options of earlier versions, which no longer do anything, are left out.
 """
 
 import argparse
@@ -42,8 +42,8 @@ def run(arguments: argparse.Namespace) -> None:
 def _command(parser: argparse.ArgumentParser) -> dict[str, Any]:
     properties, required = dict[str, Any](), list[str]()
     for action in parser._actions:
-        if isinstance(action, argparse._HelpAction):
-            continue
+        if isinstance(action, argparse._HelpAction) or action.help is argparse.SUPPRESS:
+            continue  # options of earlier versions have no help
         words = action.option_strings
         name = words[0].lstrip("-") if words else action.dest
         properties[name] = {**_value(action), "description": _help(action)} | ({"flag": words[0]} if words else {})

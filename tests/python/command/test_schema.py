@@ -29,6 +29,13 @@ def test_every_command_and_option_is_there(commands: dict[str, Any]) -> None:
             assert value.get("flag", f"--{key}") == f"--{key}", (name, key)
 
 
+def test_options_of_earlier_versions_are_left_out(commands: dict[str, Any]) -> None:
+    for name, command in commands.items():
+        assert not {"symmetry", "even-spacing", "merge-islands", "height"} & command["properties"].keys(), name
+        descriptions = [value["description"] for value in command["properties"].values()]
+        assert "==SUPPRESS==" not in descriptions, name
+
+
 def test_ranges_and_words_are_those_of_the_engine(commands: dict[str, Any]) -> None:
     options = commands["simplify"]["properties"]
     assert options["metric"]["enum"] == ["mixed", "normals", "distance"]
