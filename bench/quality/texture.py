@@ -17,6 +17,7 @@ import numpy as np
 from PIL import Image
 
 import isimp_engine as engine
+from isimp_engine.texturing.baking import FINER
 
 PIXELS, OVER = 512, 2
 
@@ -105,9 +106,17 @@ def vertex_normals(soup):
     return unit(sums)[soup.triangles]
 
 
-def tilts(soup, mesh, part, poly, made, triangles, cameras, box):
+def texel_polygons(mesh, part, poly, made, options):
+    """The polygon of each texel, -1 in gutters. The layout is made again: with the same density it is the same."""
+    density = FINER * made.report["source_texels_per_unit"]
+    atlas = engine._core._unwrap(poly, options, density)
+    assert (atlas.side, atlas.chart_count) == (made.report["size"], made.report["charts"])
+    return engine._core._bake_map(mesh, part, poly, atlas, options)[0]
+
+
+def tilts(soup, mesh, part, poly, made, options, triangles, cameras, box):
     """Mean angle between the scan's normals and the result's, of flat polygons and with the map. Degrees."""
-    polygon = engine._core._bake_map(mesh, part, poly, made.made_of.atlas, engine.TextureOptions())[0]
+    polygon = texel_polygons(mesh, part, poly, made, options)
     frame = np.stack(
         [made.polygon_tangent, np.cross(made.polygon_normal, made.polygon_tangent), made.polygon_normal], axis=1
     )
@@ -208,7 +217,7 @@ def main():
     psnr, ssim = np.mean(found, axis=0)
     figures |= {"psnr": psnr, "ssim": ssim, "seam": seam(poly, made)}
     views = list(cameras(asked.views, "xyz".index(asked.up)))
-    figures["tilt_flat"], figures["tilt_map"] = tilts(soup, mesh, part, poly, made, triangles, views, box)
+    figures["tilt_flat"], figures["tilt_map"] = tilts(soup, mesh, part, poly, made, options, triangles, views, box)
     figures |= made.report
     print(json.dumps({key: round(v, 4) if isinstance(v, float) else v for key, v in figures.items()}))
 
