@@ -41,6 +41,7 @@ def numbers_of(mesh: Mesh, part: Partition, report: dict[str, Any], table: Plane
         "planarity, largest": float(report["planarity_max"]),
         "deviation, mean": float(away.mean()) if len(away) else None,
         "deviation, root mean square": float(np.sqrt((away**2).mean())) if len(away) else None,
+        "deviation, 95 % are below": float(np.quantile(away, 0.95)) if len(away) else None,
         "deviation, largest": float(away.max()) if len(away) else None,
     }
 
@@ -69,6 +70,7 @@ def _lines(title: str, report: dict[str, Any], table: PlaneTable, picture: bytes
     for name, value in report.items():
         yield f'<tr><td>{html.escape(name)}</td><td class="n">{html.escape(_told(value))}</td></tr>'
     yield "</table><h2>Deviation of the scan from the model</h2>"
+    yield "<p>How well the model describes this scan; the accuracy of the scan itself is not part of it.</p>"
     yield from _bars(*histogram(table.away))
     rows = sorted(table.rows, key=lambda row: (-row["area"], row["region"]))
     yield "<h2>Planes</h2>"

@@ -157,9 +157,11 @@ def test_the_command_writes_tables_and_a_page(tmp_path):
     assert sum(float(row["area"]) for row in rows) == pytest.approx(2 * 6 * np.hypot(2, 2) + 2 * 16 + 2 * 18 + 24)
     assert len(read(out / "angles.csv")) == 1
     page = (out / "report.html").read_text()
+    assert "deviation, 95 % are below</td>" in page
+    assert "the accuracy of the scan itself is not part of it" in page
     assert page.count("<rect") == 40
     assert "data:image/png;base64," in page
-    assert page.count("<tr>") == 10 + 1 + 7
+    assert page.count("<tr>") == 11 + 1 + 7
 
 
 def test_round_parts_have_a_table(tmp_path):
