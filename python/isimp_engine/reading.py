@@ -23,7 +23,7 @@ from .file_errors import reader
 GLTF = (".glb", ".gltf")
 KINDS = (".obj", ".ply", *GLTF, ".stl", ".off", ".3mf")  #: kinds of files with faces
 _POINTS = (".las", ".laz", ".e57", ".xyz", ".pcd", ".pts")
-TO_A_MESH = "make a mesh of them first, for example by Poisson reconstruction in CloudCompare or MeshLab"
+TO_A_MESH = "make a mesh of them first, for example by Poisson reconstruction in CloudCompare (docs/points.md)"
 COMPRESSED = (".gz", ".zst")  #: may follow the kind of a file: scan.ply.gz
 _BLOCK = 1 << 20
 _PIECE = 1 << 11  # bytes of .zst that are decompressed at once: they give 64 MB at most

@@ -437,10 +437,13 @@ def test_points_are_no_scan(tmp_path: Path, capsys) -> None:
         "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
         "0 0 0\n1 0 0\n"
     )
-    (tmp_path / "a.las").write_bytes(b"LASF")
-    (tmp_path / "a.fbx").write_bytes(b"?")
-    for name, text in (("a.ply", "has 2 points and no faces; make a mesh of them first"),
-                       ("a.las", "has points, not faces; make a mesh of them first"),
-                       ("a.fbx", 'the extension ".fbx" is not known; it can be .obj, .ply, .glb')):  # fmt: skip
+    wanted = {"a.ply": "has 2 points and no faces; make a mesh of them first"}
+    wanted |= {f"a.{kind}": "has points, not faces; make a mesh" for kind in ("las", "laz", "e57", "xyz", "pts", "pcd")}
+    for name, text in wanted.items():
         assert main(["info", str(tmp_path / name)]) == 3
-        assert text in capsys.readouterr().err
+        error = capsys.readouterr().err
+        assert text in error
+        assert error.endswith("(docs/points.md)\n")
+        assert error.count("\n") == 1
+    assert main(["info", str(tmp_path / "a.fbx")]) == 3
+    assert 'the extension ".fbx" is not known; it can be .obj, .ply, .glb' in capsys.readouterr().err
