@@ -30,6 +30,8 @@ stage_lint() {
   shellcheck -x -P SCRIPTDIR scripts/*.sh .ci/run
   "$tests_venv/bin/check-jsonschema" --builtin-schema vendor.github-workflows .github/workflows/*.yml
   "$tests_venv/bin/check-jsonschema" --builtin-schema vendor.citation-file-format CITATION.cff
+  "$tests_venv/bin/check-jsonschema" --builtin-schema vendor.dependabot .github/dependabot.yml
+  "$tests_venv/bin/check-jsonschema" --builtin-schema vendor.github-issue-forms .github/ISSUE_TEMPLATE/[!c]*.yml
   "$tests_venv/bin/ruff" check .
   "$tests_venv/bin/ruff" format --check .
   "$tests_venv/bin/python" scripts/plain_words.py

@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import importlib.util
+import json
 import re
 import shutil
 import subprocess
@@ -334,6 +335,32 @@ def test_workflows_run_scripts_that_are_there():
     for workflow in (ROOT / ".github" / "workflows").glob("*.yml"):
         for name in re.findall(r"scripts/\w+\.(?:sh|py)", workflow.read_text(encoding="utf-8")):
             assert (ROOT / name).exists(), f"{workflow.name}: {name}"
+
+
+def test_a_repository_of_extensions_lists_the_zips_of_each_platform(tmp_path, monkeypatch):
+    repository, build = script("extension_repository"), script("build_addon")
+    for platform in (LINUX, "win_amd64"):
+        fat = wheels.fatten([made_wheel(tmp_path, 311, platform)], tmp_path / "fat")
+        build.main(["--wheel", str(fat), "--out", str(tmp_path / "zips" / "stable"), "--website", "https://a.example"])
+    for legacy in (tmp_path / "zips" / "stable").glob("*-legacy-*.zip"):
+        legacy.unlink()
+    monkeypatch.delenv("ISIMP_BLENDER_EXT", raising=False)
+    program = repository.blenders_program()
+    monkeypatch.setattr(repository, "blenders_program", lambda: None)
+    repository.main(tmp_path / "site", tmp_path / "zips")
+    index = json.loads((tmp_path / "site" / "stable" / "index.json").read_text(encoding="utf-8"))
+    assert [row["platforms"] for row in index["data"]] == [["linux-x64"], ["windows-x64"]]
+    for row in index["data"]:
+        data = (tmp_path / "site" / "stable" / row["archive_url"]).read_bytes()
+        assert row["archive_hash"] == f"sha256:{hashlib.sha256(data).hexdigest()}"
+        assert (row["id"], row["archive_size"], row["python_versions"]) == ("isimp", len(data), ["3"])
+        assert row["website"] == "https://a.example"
+    if program:  # Blender's own index is the same, in another order
+        monkeypatch.setattr(repository, "blenders_program", lambda: program)
+        repository.make(tmp_path / "site" / "stable")
+        theirs = json.loads((tmp_path / "site" / "stable" / "index.json").read_text(encoding="utf-8"))
+        theirs["data"].sort(key=lambda row: row["archive_url"])
+        assert theirs == index
 
 
 def test_the_next_version_of_a_zip_has_its_own_version_everywhere(tmp_path):
