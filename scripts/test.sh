@@ -5,6 +5,7 @@
 #   scripts/test.sh quick        format, lint and the quick tests on a development build: two minutes when it is warm
 #   scripts/test.sh changed      format, lint and the tests that the changes since main touch, by place
 #   scripts/test.sh all-tidy     clang-tidy on every source
+#   scripts/test.sh bench        the small benchmarks: fails where quality or operations are worse than in bench/public.json
 # The output of each stage is kept in out/test/STAGE.log, its results as JUnit files in out/test/STAGE/.
 set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
@@ -13,7 +14,7 @@ set -uo pipefail
 first=(format lint mypy wheel)
 compiling=(cpp cuda asan tsan tidy)
 blending=(python blender bpy45 bpy50 window)
-by_name=(quick changed all-tidy) # only on request
+by_name=(quick changed all-tidy bench) # only on request
 tests_venv=$root/.venv-test
 
 # Each stage is a function that runs with `set -e` and installs its own requirements. Test runners leave their JUnit
@@ -147,6 +148,14 @@ stage_tidy() { # clang-tidy, on the sources and headers whose code changed in th
 stage_all-tidy() { # clang-tidy, on all of the engine's own sources
   prepare_tidy
   run-clang-tidy -quiet -p build-test -j2 "^$root/native/src/"
+}
+
+stage_bench() { # made scans, by the wheel; instructions are counted by valgrind, so times do not matter
+  apt_install "${build_packages[@]}" valgrind
+  use_tests_venv
+  build_wheel "$tests_venv" --config-settings cmake.define.ISIMP_CUDA=OFF
+  install_wheel "$tests_venv"
+  "$tests_venv/bin/python" -m bench.public small --against bench/public.json --json "$results/small.json"
 }
 
 prepare_tidy() {
