@@ -77,8 +77,9 @@ def addon_files() -> dict[str, bytes]:
     names = {path.relative_to(ADDON).as_posix(): path for path in sorted(files)}
     names = {name: path for name, path in names.items() if name != "recipe.py"}  # it loads the next ones
     names |= {f"recipe/{path.name}": path for path in sorted(RECIPE.glob("*.py"))}
+    licences = [ROOT / "LICENSE", *sorted((ROOT / "licences").glob("*.txt"))]
     return {name: with_version(name, path.read_bytes()) for name, path in names.items()} | {
-        "LICENSE": (ROOT / "LICENSE").read_bytes()
+        path.relative_to(ROOT).as_posix(): path.read_bytes() for path in licences
     }
 
 
@@ -143,6 +144,8 @@ def pack_legacy(target: Path, wheel: Path) -> None:
                 add(archive, f"isimp/{name}", data)
         for name in sorted(filter(engine_of, source.namelist())):
             add(archive, f"isimp/{name}", source.read(name))
+        for name in sorted(name for name in source.namelist() if "/sboms/" in name):
+            add(archive, f"isimp/sboms/{Path(name).name}", source.read(name))
 
 
 def pack_extension(target: Path, wheel: Path, website: str | None) -> None:

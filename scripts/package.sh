@@ -22,6 +22,10 @@
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
+# Dates in the files: those of the last commit, so that the same tree gives the same files.
+SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct)}
+export SOURCE_DATE_EPOCH
+
 trial=""
 if [ "${1:-}" = --trial ]; then
   trial=.dev${2:?--trial needs a number}

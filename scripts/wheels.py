@@ -71,9 +71,10 @@ def fatten(wheels: list[Path], folder: Path) -> Path:
     if len(stems) != 1 or len(platforms) != 1:
         raise SystemExit(f"wheels of one version and one platform are wanted, got {sorted(w.name for w in wheels)}")
     stem, platform, files = stems.pop(), platforms.pop(), {}
-    for wheel in wheels:
+    for wheel in sorted(wheels):
         for name, (data, mode) in read(wheel).items():
             made_anew = name in (f"{stem}.dist-info/WHEEL", f"{stem}.dist-info/RECORD")
+            made_anew |= name.endswith("/sboms/auditwheel.cdx.json")  # names its wheel; the first one's is kept
             if not made_anew and name in files and files[name][0] != data:
                 raise SystemExit(f"{wheel.name}: {name} differs from that of another wheel")
             files.setdefault(name, (data, mode))

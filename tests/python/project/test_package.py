@@ -100,6 +100,26 @@ def test_the_same_wheels_give_the_same_bytes(tmp_path):
     assert one.read_bytes() == two.read_bytes()
 
 
+def test_bills_of_materials_stay_and_that_of_auditwheel_names_one_wheel(tmp_path):
+    parts = []
+    for python in (310, 311):
+        wheel = made_wheel(tmp_path, python)
+        with zipfile.ZipFile(wheel, "a") as archive:
+            archive.writestr("isimp-0.1.0.dist-info/sboms/auditwheel.cdx.json", wheel.name)
+            archive.writestr("isimp-0.1.0.dist-info/sboms/isimp.cdx.json", "the same")
+        parts.append(wheel)
+    one, two = (wheels.fatten(order, tmp_path / name) for name, order in (("a", parts), ("b", parts[::-1])))
+    assert one.read_bytes() == two.read_bytes()
+    assert contents(one)["isimp-0.1.0.dist-info/sboms/auditwheel.cdx.json"] == parts[0].name.encode()
+    build = script("build_addon")
+    build.main(["--wheel", str(one), "--out", str(tmp_path)])
+    (legacy,) = tmp_path.glob("*-legacy-*.zip")
+    assert {"isimp/sboms/auditwheel.cdx.json", "isimp/sboms/isimp.cdx.json"} < contents(legacy).keys()
+    for archive in tmp_path.glob("*.zip"):
+        texts = {name for name in contents(archive) if name.startswith(("isimp/LICENSE", "isimp/licences/"))}
+        assert len(texts) == 1 + len(list((ROOT / "licences").iterdir()))
+
+
 def test_wheels_that_do_not_belong_together_are_refused(tmp_path):
     first = made_wheel(tmp_path, 310)
     for other in (made_wheel(tmp_path, 311, "win_amd64"), made_wheel(tmp_path, 311, version="0.1.1")):
@@ -278,6 +298,53 @@ def test_every_package_states_its_checksum_and_licence():
     assert all(len(sha256) == 64 for _, _, sha256 in rows)
     named = [line.split(" | ")[0].strip("| ") for line in headers.LICENCES.splitlines() if line.startswith("| ")][1:]
     assert named == ["CGAL", "Boost", "Eigen", "fast_float", "OpenMesh"]
+
+
+def test_the_bill_of_materials_lists_the_fetched_headers():
+    template = (ROOT / "cmake" / "sbom.cdx.json.in").read_text(encoding="utf-8")
+    bill = json.loads(template.replace("@PROJECT_VERSION@@ISIMP_TRIAL@", "0.1.0"))
+    assert bill["metadata"]["component"]["version"] == "0.1.0"
+    components = bill["components"]
+    assert [bill["dependencies"][0]["dependsOn"]] == [[each["bom-ref"] for each in components]]
+    hashed = {each["purl"].rpartition("/")[2]: each["hashes"][0]["content"] for each in components if "hashes" in each}
+    assert hashed == {f"{name}@{version}": sha256 for name, version, sha256 in [*headers.OF_PYPI, *headers.OF_DEBIAN]}
+    stated = dict(line.strip("| ").split(" | ")[:2] for line in headers.LICENCES.splitlines() if line.startswith("| "))
+    for each in components[: len(hashed)]:
+        assert stated[each["name"]].startswith(each["version"])
+
+
+def test_every_licence_of_the_bill_of_materials_has_its_text():
+    bill = (ROOT / "cmake" / "sbom.cdx.json.in").read_text(encoding="utf-8")
+    texts = [path.stem for path in (ROOT / "licences").glob("*.txt")]
+    stated = {name for found in re.findall(r'"expression": "([^"]+)"', bill) for name in found.split(" AND ")}
+    for name in stated - {"GPL-3.0-or-later"}:  # that is LICENSE
+        assert any(text.startswith(name.replace(" ", "-")) for text in texts), name
+    assert len(texts) == len(stated - {"GPL-3.0-or-later"}) + 2  # two of BSD-3-Clause, and that of GCC's libraries
+
+
+def test_two_wheels_of_one_tree_are_equal(tmp_path, monkeypatch):
+    """All of a wheel but the compiled module, by the build's own settings."""
+    pytest.importorskip("scikit_build_core")
+    build = "import sys; from scikit_build_core.build import build_wheel as b; b(sys.argv[1], {'wheel.cmake': 'false'})"
+    made = []
+    for name, epoch in (("a", "1700000000"), ("b", "1700000000"), ("c", "1800000000")):
+        monkeypatch.setenv("SOURCE_DATE_EPOCH", epoch)
+        (tmp_path / name).mkdir()
+        subprocess.run([sys.executable, "-c", build, tmp_path / name], cwd=ROOT, check=True, capture_output=True)
+        (wheel,) = (tmp_path / name).glob("*.whl")
+        made.append(wheel)
+    assert made[0].read_bytes() == made[1].read_bytes()
+    with zipfile.ZipFile(made[0]) as first, zipfile.ZipFile(made[2]) as later:
+        assert {entry.date_time[0] for entry in first.infolist()} == {2023}
+        assert {entry.date_time[0] for entry in later.infolist()} == {2027}
+        licences = {Path(name).name for name in first.namelist() if "/licenses/" in name}
+    assert licences == {"LICENSE", *(path.name for path in (ROOT / "licences").iterdir())}
+
+
+def test_nothing_compiled_has_the_date_or_the_place_of_its_build():
+    sources = [*(ROOT / "native").rglob("*.[ch]*"), *(ROOT / "cuda").rglob("*.[ch]*")]
+    assert len(sources) > 100
+    assert not [path for path in sources if re.search(r"__DATE__|__TIME__|__TIMESTAMP__", path.read_text("utf-8"))]
 
 
 def test_the_sdist_has_the_headers_that_git_ignores():
