@@ -22,7 +22,7 @@
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-# Dates in the files: those of the last commit, so that the same tree gives the same files.
+# Files have the date of the last commit, so that the same tree gives the same files.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct)}
 export SOURCE_DATE_EPOCH
 

@@ -1,4 +1,4 @@
-"""bench/public.py: its tasks are those of docs/benchmarks.md, and a loss is found."""
+"""Checks that docs/benchmarks.md has the tasks of bench/public.py, and that a loss is found."""
 
 import importlib.util
 import json
