@@ -15,7 +15,8 @@
 #   each python3.10 to python3.14 on the PATH and of pyenv that has its headers, and 3.14 by the headers of Debian sid
 #   where these are available. There is a wheel for each; a zip holds the wheels of its Blenders
 #   (scripts/build_addon.py).
-# ISIMP_THIRD_PARTY: a folder that scripts/headers.py made before. ISIMP_WEBSITE: the address for the extension's manifest.
+# ISIMP_THIRD_PARTY: a folder that scripts/headers.py made before. ISIMP_WEBSITE: the project's address,
+#   for the extension's manifest and for the links of the page at PyPI.
 #
 # On Debian and x86-64 with GCC it links with the C library of Debian 11 (scripts/sysroot.py), so that the wheels run on
 # systems as old as that. Elsewhere they run on systems as new as this one, and the wheels' names contain it.
@@ -47,6 +48,7 @@ copy_source() {
   done | tar --null -T - -cf - | tar -xf - -C "$source"
   sed -i.old "s/^set(ISIMP_TRIAL \"\")/set(ISIMP_TRIAL \"$trial\")/" "$source/CMakeLists.txt"
   rm "$source/CMakeLists.txt.old"
+  "$python" scripts/index_page.py "$source" ${ISIMP_WEBSITE:+"$ISIMP_WEBSITE"}
 }
 
 third_party() {

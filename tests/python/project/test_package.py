@@ -14,6 +14,7 @@ from pathlib import Path, PurePosixPath
 import pytest
 import tomllib
 
+import isimp_engine as engine
 from conftest import script
 from isimp_engine import _carried
 
@@ -339,6 +340,27 @@ def test_two_wheels_of_one_tree_are_equal(tmp_path, monkeypatch):
         assert {entry.date_time[0] for entry in later.infolist()} == {2027}
         licences = {Path(name).name for name in first.namelist() if "/licenses/" in name}
     assert licences == {"LICENSE", *(path.name for path in (ROOT / "licences").iterdir())}
+
+
+@pytest.mark.parametrize("website", [None, "https://a.example/isimp/"])
+def test_the_page_of_an_index_has_no_relative_link(tmp_path, website):
+    page = script("index_page")
+    for name in ("README.md", "pyproject.toml", "CMakeLists.txt"):
+        shutil.copy(ROOT / name, tmp_path / name)
+    page.main(tmp_path, website)
+    text = (tmp_path / "README.md").read_text(encoding="utf-8")
+    links = re.findall(r"\]\(([^)]+)\)", text)
+    assert links
+    assert all(link.startswith("https://") for link in links)
+    urls = tomllib.loads((tmp_path / "pyproject.toml").read_text(encoding="utf-8"))["project"].get("urls", {})
+    if website:
+        assert f"({website}blob/v{engine.__version__}/docs/install.md)" in text
+        assert "![A scan of the Stanford bunny" in text
+        assert urls["Issues"] == f"{website}issues"
+    else:
+        assert "![" not in text
+        assert "Installing has more." in " ".join(text.split())
+        assert urls == {}
 
 
 def test_nothing_compiled_has_the_date_or_the_place_of_its_build():
