@@ -1,6 +1,8 @@
 """`isimp schema`: its JSON describes the commands and their options."""
 
 import json
+import re
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -56,3 +58,16 @@ def test_they_are_valid_schemas(commands: dict[str, Any]) -> None:
     check.validate({"input": "a.ply", "output": "b.obj", "proxies": 300, "planar": True, "regularise": 5.0})
     for wrong in ({"proxies": 0}, {"metric": "cubes"}, {"unknown": 1}, {"detail": 2.0}):
         assert not check.is_valid({"input": "a.ply", "output": "b.obj"} | wrong), wrong
+
+
+def test_the_page_for_programs_names_options_and_statuses_that_exist(
+    commands: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (Path(__file__).resolve().parents[3] / "AGENTS.md").read_text(encoding="utf-8")
+    flags = {f"--{name}" for command in commands.values() for name in command["properties"]}
+    assert set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", page)) - {"--python"} <= flags
+    assert set(re.findall(r"`isimp (\w+)", page)) == commands.keys()
+    assert main(["schema"]) == 0
+    statuses = json.loads(capsys.readouterr().out)["exit_status"]
+    stated = {status for row in re.findall(r"^\| ([\d, ]+) \|", page, re.MULTILINE) for status in row.split(", ")}
+    assert stated == statuses.keys()
