@@ -41,6 +41,7 @@ def data(name):
 TASKS = {
     "speed": ("bench.timer.run", [], "partition and meshing against the plain method"),
     "decimate": ("bench.peers.peers", [], "polygons against Blender's Decimate (Planar) and CGAL's VSA"),
+    "patches": ("bench.peers.patches", [], "polygons against CGAL's remesh_almost_planar_patches"),
     "collapse": ("bench.peers.decimate", [], "distance against edge collapse under quadric error"),
     "texture": ("bench.quality.texture", [], "likeness of the texture: SCAN PROXIES"),
     "cycles": ("bench.peers.texture_peer", [], "texture against Cycles: SCAN PROXIES SIZE, in bpy"),

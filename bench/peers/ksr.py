@@ -33,8 +33,8 @@ def headers() -> Path | None:
     return None
 
 
-def compiled(folder: Path) -> Path | str:
-    """The program, in a folder; or why there is none. It takes three gigabytes of memory and a minute and a half."""
+def compiled(folder: Path, name: str = "peer_ksr") -> Path | str:
+    """The program of a source here; or why there is none. `peer_ksr` takes three gigabytes of memory and 90 seconds."""
     where, compiler = headers(), os.environ.get("CXX") or shutil.which("c++")
     if where is None:
         return "no headers of CGAL 6: scripts/headers.py fetches them"
@@ -43,10 +43,10 @@ def compiled(folder: Path) -> Path | str:
     only = folder / "include"  # CGAL alone: that folder has not all of Boost
     only.mkdir()
     (only / "CGAL").symlink_to(where / "CGAL")
-    program, system = folder / "peer_ksr", ["-I", str(only), "-I", "/usr/include/eigen3"]
+    program, system = folder / name, ["-I", str(only), "-I", "/usr/include/eigen3"]
     flags = ["-std=c++20", "-O2", "-DNDEBUG", "-w", *system]
     done = subprocess.run(
-        [compiler, *flags, str(HERE / "peer_ksr.cpp"), "-o", str(program), "-lgmp", "-lmpfr"],
+        [compiler, *flags, str(HERE / f"{name}.cpp"), "-o", str(program), "-lgmp", "-lmpfr"],
         capture_output=True,
         text=True,
     )

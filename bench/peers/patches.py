@@ -1,0 +1,102 @@
+"""Compares polygons with those of CGAL's remesh_almost_planar_patches, judged alike: a table.
+
+    python -m bench.peers.patches [--data DIR] [--only bunny,castle] [--proxies 300] [--program PEER_PATCHES]
+
+`isimp_engine` must be importable. The program is compiled where the headers of CGAL 6 are (scripts/headers.py). Its
+regions grow by the angle of `COSINE`, and by the distance at which it makes about as many polygons as isimp does. The
+columns are those of bench/peers/peers.py.
+"""
+
+import argparse
+import os
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+import isimp_engine as engine
+from bench.peers import ksr, peers
+
+DATA = os.environ.get("ISIMP_DATA", peers.ROOT.parent / "shared" / "data")
+COSINE = 0.8  # the largest angle between a face and the plane of its region, chosen by hand
+TRIES = 10
+
+
+def write_off(path, mesh):
+    faces = np.asarray(mesh.triangles)
+    with path.open("w") as file:
+        file.write(f"OFF\n{len(mesh.vertices)} {len(faces)} 0\n")
+        np.savetxt(file, mesh.vertices, fmt="%.17g")
+        np.savetxt(file, np.column_stack([np.full(len(faces), 3), faces]), fmt="%d")
+
+
+def read_off(path):
+    """Vertices, loops and loop_start of a file of polygons."""
+    words = path.read_text().split()
+    points, count = int(words[1]), int(words[2])
+    vertices = np.array(words[4 : 4 + 3 * points], float).reshape(-1, 3)
+    at, loops, start = 4 + 3 * points, [], []
+    for _ in range(count):
+        size = int(words[at])
+        start.append(len(loops))
+        loops += map(int, words[at + 1 : at + 1 + size])
+        at += 1 + size
+    return vertices, np.array(loops), np.array(start)
+
+
+def by_patches(program, mesh, part, wanted, folder):
+    """The result nearest to `wanted` polygons, and the processor's seconds of the program; None without a result."""
+    write_off(folder / "scan.off", mesh)
+    low, high, best = 0.0, 0.1 * mesh.report["diagonal"], None
+    for _ in range(TRIES):
+        distance = (low + high) / 2
+        before = os.times().children_user
+        command = [program, folder / "scan.off", folder / "out.off", str(distance), str(COSINE)]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=600)
+        seconds = os.times().children_user - before
+        made = read_off(folder / "out.off")
+        miss = abs(len(made[2]) - wanted)
+        if len(made[2]) and (best is None or miss < best[0]):  # it makes nothing where a patch can't be cut
+            best = miss, made, seconds
+        low, high = (distance, high) if len(made[2]) > wanted else (low, distance)
+    return best and (peers.as_polygons(*best[1], mesh, part), best[2])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument(
+        "--data", type=Path, default=os.environ.get("ISIMP_DATA", peers.ROOT.parent / "shared" / "data")
+    )
+    parser.add_argument("--only", default="bunny,fandisk,shark", help="parts of mesh names, by commas")
+    parser.add_argument("--proxies", type=int, default=300)
+    parser.add_argument("--program", type=Path, help="peer_patches, compiled before")
+    options = parser.parse_args()
+    names = options.only.split(",")
+    paths = [p for p in sorted(Path(options.data).glob("*/*.ply")) if any(name in p.stem for name in names)]
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        program = options.program or ksr.compiled(folder, "peer_patches")
+        if isinstance(program, str):
+            raise SystemExit(program)
+        heads = "scan", "by", "polygons", "corners", "planarity mean", "most", "distance", "crossing", "no area"
+        heads += "flipped", "bent", "meet", "verdict", "seconds"
+        print(f"| {' | '.join(heads)} |\n|" + "---|" * len(heads))
+        for path in paths:
+            mesh = engine.clean(*engine.read(str(path)))
+            before = time.process_time()
+            part = engine.partition(mesh, engine.PartitionOptions(proxies=options.proxies))
+            poly = engine.polygonize(mesh, part)
+            made = {"isimp": (poly, time.process_time() - before)}
+            made["patches"] = by_patches(program, mesh, part, len(poly.loop_start), folder)
+            for by, found in made.items():
+                if found is None:
+                    print(f"| {path.stem} | {by} | none |" + " |" * 11, flush=True)
+                    continue
+                values = peers.figures(found[0], mesh, part, engine.MeshingOptions().flatness)
+                print(peers.row(path.stem, by, [*values, found[1]]), flush=True)
+
+
+if __name__ == "__main__":
+    main()
