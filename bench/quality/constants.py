@@ -268,6 +268,10 @@ class Build:
     def _copy(self, path: Path) -> None:
         """Unchanged files keep their times, so that ninja does not build their objects again."""
         files = [p for p in path.rglob("*") if p.is_file()] if path.is_dir() else [path] if path.exists() else []
+        copied = self.source / path.relative_to(ROOT)
+        for old in copied.rglob("*") if copied.is_dir() else ():
+            if old.is_file() and not (ROOT / old.relative_to(self.source)).exists():
+                old.unlink()
         for file in files:
             to = self.source / file.relative_to(ROOT)
             if to.exists() and to.read_bytes() == file.read_bytes():
