@@ -15,11 +15,11 @@ namespace {
 constexpr int kSmoothBorders = 4;  ///< between two surfaces that may be one
 constexpr std::size_t kSmall = 8;  ///< points of a plane that may be part of a revolution
 constexpr double kKept = 0.85;     ///< share of each that the common surface must explain
-constexpr double kFurther = 1.5;   ///< times the nearness, to be explained
+constexpr double kFurther = 1.5;   ///< distance at which a point counts as explained, in nearnesses
 constexpr double kTurnsMore = 1.3;
 constexpr double kAllRound = 0.9;  ///< least share of a full turn to join two that are no revolutions
 constexpr double kWorst = 0.8;     ///< share of the nearness: largest root mean square distance of the common surface
-constexpr double kReach = 1.4;     ///< times the nearness, to be taken in
+constexpr double kReach = 1.4;     ///< distance at which a point is taken in, in nearnesses
 
 constexpr double kNearlyAsWell = 1.3;  ///< simpler surfaces may be that much worse ...
 constexpr double kAnyway = 0.2;        ///< ... or this share of the nearness

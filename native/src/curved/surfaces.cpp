@@ -10,7 +10,7 @@ namespace isimp::curved {
 namespace {
 
 constexpr double kTiny = 1e-300;
-constexpr double kBeyond = 3;  ///< times its first and its last edge: an open profile is extended by this
+constexpr double kBeyond = 3;  ///< extension of an open profile at both ends, in lengths of its end edges
 
 }  // namespace
 

@@ -17,7 +17,7 @@ struct KeptPart {
 };
 
 /// Cuts off the faces of which polygons are made.
-/// \return nothing if polygons are made of all faces: then the whole mesh serves
+/// \return nullopt if the whole mesh can be used: polygons are made of all its faces
 /// \throws InvalidInput  all regions are left out
 /// Cost: O(F).
 std::optional<KeptPart> kept_part(const Mesh& mesh, const Partition& partition, Job& job);

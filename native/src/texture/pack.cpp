@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kGuess = 0.57;  // the fill to begin with: the search then takes few tries
 
-/// A tile from below: how high the pile is in each column, and at most.
+/// The skyline of a tile: the filled height of each column, and the largest.
 struct Pile {
   std::vector<Cell> top;
   std::int32_t used = 0;

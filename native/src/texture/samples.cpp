@@ -13,7 +13,8 @@ namespace {
 constexpr float kSeen = 1.5F;  // texels of the gutter that show at an edge, between pixels
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
-/// Finds the polygon's texels, with 0 for their share of the closest point. Returns whether there are any.
+/// Finds the texels of a polygon. Their weight of the closest point is 0 so far.
+/// \return whether there are any
 bool find_own(const Scene& scene, std::int32_t q, Samples& samples) {
   const TexelBox& box = samples.box;
   samples.closest.assign(static_cast<std::size_t>(box.width()) * box.height(), -1);

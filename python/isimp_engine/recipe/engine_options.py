@@ -413,7 +413,7 @@ TEXTURE: dict[str, Option] = {
         above_least=True,
         unit="length",
         label="Occlusion Distance",
-        tip="How far away faces may lie that keep light off; 0: at any distance, which is dark inside a closed room",
+        tip="Faces beyond this distance cast no occlusion. 0: no limit, and closed rooms become dark",
         high=10.0,
     ),
     "occlusion_rays": Option(

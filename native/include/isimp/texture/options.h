@@ -58,10 +58,9 @@ constexpr auto fields(const TextureOptions*) {
       field("occlusion_distance", &O::occlusion_distance, above(0), Unit::length,
             "How far away faces may lie that keep that light off. Not given: at any distance, which is dark inside a "
             "closed room.")
-          .shown(
-              "Occlusion Distance",
-              "How far away faces may lie that keep light off; 0: at any distance, which is dark inside a closed room",
-              {.high = 10}),
+          .shown("Occlusion Distance",
+                 "Faces beyond this distance cast no occlusion. 0: no limit, and closed rooms become dark",
+                 {.high = 10}),
       field("occlusion_rays", &O::occlusion_rays, between(9, 9216), Unit::none,
             "Directions in which light is looked for, in multiples of 9. More: smoother, and slower."),
       threads_field(&O::threads),

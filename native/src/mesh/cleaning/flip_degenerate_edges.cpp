@@ -48,7 +48,7 @@ class EdgeFlipper {
   }
 
  private:
-  /// The flat ones of some faces with their longest edges, the longest first.
+  /// The degenerate ones among some faces, with their longest edges, by falling length.
   [[nodiscard]] std::vector<std::pair<double, std::int32_t>> by_length(const std::vector<std::int32_t>& faces) const {
     std::vector<std::pair<double, std::int32_t>> order;
     for (const std::int32_t f : faces)

@@ -23,7 +23,7 @@ constexpr double kLeastScaled = 1e-20;  // share of the whole area: below it, fl
 constexpr int kAxisBits = 11;  // cells an axis, as a power of two: 33 bits of place leave 31 for the face's number
 constexpr int kFaceBits = 31;
 constexpr int kDigitBits = 11;      // bits of the sort's first digit
-constexpr int kByteBits = 8;        // bits of the other digits: three of them are the rest of a place
+constexpr int kByteBits = 8;        // bits of digits 2 to 4 of the sort's key
 constexpr std::size_t kAhead = 12;  // faces to prefetch ahead
 
 /// Moves every bit of the lower eleven to a place divisible by three.

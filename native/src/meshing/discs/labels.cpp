@@ -292,7 +292,7 @@ std::vector<std::int32_t> find_non_discs(Labels& labels, const Outlines& outline
   const Mesh& mesh = labels.mesh;
   labels.vertex_marks.clear();
   for (const std::int32_t h : outlines.halfedges) labels.vertex_marks.add(mesh.from(h));
-  // 2 V_inside - F of each chart, by part of the mesh; one part if there are too many charts for a quick sum of parts.
+  // By piece of the mesh: 2 * inner vertices - faces of each chart. One piece if there are too many charts to add pieces.
   const bool is_fine = labels.chart_count() > mesh.face_count() / 16;
   const std::int32_t parts = is_fine ? 1 : threads.pieces(mesh.face_count());
   std::vector<std::vector<std::int32_t>> inside(parts, std::vector<std::int32_t>(labels.charts.size(), 0));

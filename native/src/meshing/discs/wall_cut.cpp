@@ -13,7 +13,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kTogether = 8;   ///< most holes that one chain links in the best order; else it links a row
+constexpr std::int32_t kTogether = 8;   ///< holes up to which all orders are tried; with more, a chain follows a row
 constexpr std::size_t kMostLoops = 64;  ///< with more, the choice of cuts takes too long
 constexpr double kThrough = 0.1;        ///< cost of the way across a hole, relative to a cut of that length
 constexpr double kCostLeftOut = 0.3;    ///< cost of a hole that the chain leaves out, in sqrt(area)

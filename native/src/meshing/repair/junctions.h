@@ -15,7 +15,7 @@ namespace isimp::meshing {
 /// at the end that moves. It is made if
 /// - the planes of the charts meet in about one point, nearer than kPlanes times the deviation of the scan from them,
 /// - no polygon at the junctions turns over or gets a corner that is too sharp,
-/// - there are no more reflex corners than before and, where the chord is not very short, fewer,
+/// - the energy of the polygons there falls (the constants in junctions.cpp are its terms),
 /// - all charts stay discs, and no other junction changes,
 /// - no locked region changes and no bound of the partition is broken.
 /// Shortest chords come first; ties go to the lower vertex.
