@@ -30,16 +30,6 @@ bool fits(std::span<const Vec3> line, std::size_t first, std::size_t last, doubl
   return true;
 }
 
-void drop_needless(std::span<const Vec3> line, double reach, std::vector<std::size_t>& kept) {
-  std::size_t before = 0, out = 0;
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    const std::size_t after = i + 1 < kept.size() ? kept[i + 1] : line.size() - 1;
-    if (fits(line, before, after, reach)) continue;
-    before = kept[out++] = kept[i];
-  }
-  kept.resize(out);
-}
-
 /// Moves each kept point to where the two chords that meet there fit best, while both stay within reach.
 void slide(std::span<const Vec3> line, double reach, std::vector<std::size_t>& kept) {
   constexpr std::size_t kFar = 8;  // points that are tried on each side
@@ -166,7 +156,6 @@ std::vector<std::size_t> simplify(std::span<const Vec3> line, double reach) {
   std::vector<std::size_t> kept;
   const bool closed = line.front() == line.back();
   split(line, 0, reach, closed, kept);
-  if (!closed) drop_needless(line, reach, kept);
   slide(line, reach, kept);
   return kept;
 }

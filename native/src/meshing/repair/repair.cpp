@@ -330,7 +330,6 @@ RepairOutcome repair(State& state, Job& job) {
     mender.mend();
   }
   join_again(state, defects, mender, usual, job);
-  improve_places(state, defects, job);
   const Job::Stage stage(job, "repairing", 0.75, 1.0);
   if (mender.fall_back()) {
     coarsen(state, defects, usual, job);
