@@ -220,6 +220,7 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray, diagonal: float) ->
         "split": {name: report[name] for name in report if name.startswith("split_for_")}
         | {
             "cut_to_be_planar": report.get("faces_added", 0),
+            "cut_to_be_convex": report.get("cut_to_be_convex", 0),
             "without_area": regions.numbers["regions"] - regions.numbers.get("regions_left_out", 0) - report["regions"],
         },
     }

@@ -427,6 +427,7 @@ def why_more(numbers: dict[str, Any]) -> str:
         return said("{more} more than regions", more=f"{more:,}") if more > 0 else ""
     causes = {cause: split.get(name, 0) for name, cause in _WHY.items()}
     causes[own("{number} corners cut to keep faces flat")] = split.get("cut_to_be_planar", 0)
+    causes[own("{number} cut to be convex")] = split.get("cut_to_be_convex", 0)
     causes[_FEWER] = gone = split.get("without_area", 0)
     causes[own("{number} split because they bend")] = more + 2 * gone - sum(causes.values())
     found = sorted(((number, cause) for cause, number in causes.items() if number > 0), reverse=True)
@@ -442,7 +443,7 @@ def expected(
     """Return how many polygons Mesh will make, and why; empty if that is unknown or they exist.
 
     previewed: the numbers of their preview, which are exact; None: the estimate of the partition is used.
-    snaps: whether polygons become exactly planar or planes are snapped, which the estimate ignores.
+    snaps: whether polygons become exactly planar or convex or planes are snapped, which the estimate ignores.
     """
     if "polygons" in numbers:
         return ""
@@ -452,11 +453,7 @@ def expected(
         told, why = said("Mesh will make {polygons}", polygons=polygons), why_more(previewed)
     elif {"polygons", "regions"} <= counts.keys():
         why = why_more({"polygons": counts["polygons"], "regions": counts["regions"], "split": counts})
-        text = (
-            own("Mesh will make about {polygons}, more to be planar")
-            if snaps
-            else own("Mesh will make about {polygons}")
-        )
+        text = own("Mesh will make about {polygons} or more") if snaps else own("Mesh will make about {polygons}")
         told = said(text, polygons=count(counts["polygons"], "polygon"))
     else:
         return ""

@@ -64,7 +64,7 @@ py::dict report_of(const MeshingReport& r) {
       "imperfect"_a = listed_defects(r), "planes_let_go"_a = r.planes_let_go, "planar"_a = r.planar.planar,
       "rims"_a = py::dict("reach"_a = r.rims.reach, "edges"_a = r.rims.edges, "area_added"_a = r.rims.area_added,
                           "area_lost"_a = r.rims.area_lost),
-      "boxes"_a = r.boxes);
+      "boxes"_a = r.boxes, "concave"_a = r.concave, "cut_to_be_convex"_a = r.cut_to_be_convex);
   if (!r.planar.asked) return report;
   report["whole"] = r.planar.whole;
   report["left_off"] = r.planar.left_off;
@@ -117,7 +117,8 @@ polygons that were not cut; left_off: whether more would have been cut than opti
 was made planar; faces_added by cutting off corners, and faces_added_for, the causes: apart (planes do not meet
 within reach), crossing, flipped, meeting (the polygon would have this defect). planes_let_go: the number of regions whose
 snapped planes were released. rims: of straight rims the reach (0: rims follow the border), the edges at the rim, and the
-area between them and the border of the scan: area_added and area_lost. boxes: boxes that replace regions; their quads are
+area between them and the border of the scan: area_added and area_lost. concave: polygons with a corner beyond 180 degrees,
+seen along their own normal; cut_to_be_convex: polygons added by options.convex. boxes: boxes that replace regions; their quads are
 the last polygons, with the group's lowest region as polygon_region.
 imperfect is a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or
 "excused") and, for the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan

@@ -322,6 +322,7 @@ class MeshingOptions:
     planar: bool
     planar_reach: float
     planar_most: float
+    convex: bool
     threads: int
     def __init__(
         self,
@@ -338,6 +339,7 @@ class MeshingOptions:
         planar: bool = ...,
         planar_reach: float = ...,
         planar_most: float = ...,
+        convex: bool = ...,
         threads: int = ...,
     ) -> None: ...
     @staticmethod

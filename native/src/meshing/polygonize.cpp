@@ -88,6 +88,8 @@ void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> p
   report.repair_capped = outcome.capped;
   report.work = outcome.work;
   report.planar = outcome.planar;
+  report.concave = outcome.concave;
+  report.cut_to_be_convex = outcome.cut_to_be_convex;
   report.rims = outcome.rims;
   report.planes_let_go = static_cast<std::int32_t>(outcome.let_go.size());
   report.excused_at_least = outcome.excused_at_least;

@@ -27,6 +27,7 @@ class MeshingFields(Step):
     planar: bool = False
     planar_reach: float = 0.005
     planar_most: float = 1.0
+    convex: bool = False
 
 
 @dataclass(frozen=True)

@@ -132,6 +132,12 @@ MESHING: dict[str, Option] = {
         label="Cut at Most",
         tip="Largest share of the polygons that Exactly Flat Faces may cut. If more would be, polygons stay whole and are not exactly planar, and the report says so",
     ),
+    "convex": Option(
+        kind="bool",
+        default=False,
+        label="Convex Faces",
+        tip="Cut every concave polygon along diagonals into few convex ones. Corners stay where they are, and none is added",
+    ),
 }
 
 PARTITION: dict[str, Option] = {

@@ -104,10 +104,10 @@ def test_what_mesh_does_again_is_no_edit_by_hand():
     assert messages.hand_edits(recipe, regularises=False) == 2
 
 
-def test_the_estimate_warns_that_planar_polygons_are_more():
+def test_the_estimate_warns_that_planar_and_convex_polygons_are_more():
     numbers = {"regions": 4, "expected": {"polygons": 5, "regions": 4}}
     assert messages.expected(numbers).startswith("Mesh will make about 5 polygons, 1 more than regions")
-    assert messages.expected(numbers, snaps=True).startswith("Mesh will make about 5 polygons, more to be planar")
+    assert messages.expected(numbers, snaps=True).startswith("Mesh will make about 5 polygons or more")
     assert messages.expected(numbers, {"polygons": 7, "regions": 4}, snaps=True).startswith("Mesh will make 7 polygons")
 
 
@@ -115,14 +115,23 @@ def test_more_polygons_than_regions_are_explained():
     numbers = {
         "polygons": 558,
         "regions": 487,
-        "split": {"split_for_holes": 40, "split_for_repair": 3, "split_for_odd": 9, "cut_to_be_planar": 2},
+        "split": {
+            "split_for_holes": 40,
+            "split_for_repair": 3,
+            "split_for_odd": 9,
+            "cut_to_be_planar": 2,
+            "cut_to_be_convex": 7,
+        },
     }
     assert (
         messages.why_more(numbers)
-        == "71 more than regions: 40 with holes, 29 split because they bend, 2 corners cut to keep faces flat"
+        == "71 more than regions: 40 with holes, 22 split because they bend, 7 cut to be convex, "
+        "2 corners cut to keep faces flat"
     )
     numbers["split"]["without_area"] = 5
-    assert "34 split because they bend, 5 fewer without area, 2 corners cut" in messages.why_more(numbers)
+    assert "27 split because they bend, 7 cut to be convex, 5 fewer without area, 2 corners cut" in messages.why_more(
+        numbers
+    )
     assert messages.why_more({"polygons": 5, "regions": 4}) == "1 more than regions"
     assert messages.why_more({"polygons": 4, "regions": 4}) == ""
 

@@ -488,7 +488,7 @@ def tube():
 
 
 def test_every_setting_of_mesh_is_drawn():
-    drawn = {"chord_tolerance", "join_junctions", "flatten", "straight_rims", "planar", "planar_most"}
+    drawn = {"chord_tolerance", "join_junctions", "flatten", "straight_rims", "planar", "planar_most", "convex"}
     assert set(settings.names(rcp.Mesh)) == drawn, "draw a new one in panel/options.py"
 
 

@@ -208,7 +208,7 @@ def _draw_counts(context, layout, scan, numbers) -> None:
         made, is_new = {}, True
     column.active = is_new
     panel = context.window_manager.isimp
-    snaps = panel.mesh.planar or panel.regularise_first
+    snaps = panel.mesh.planar or panel.mesh.convex or panel.regularise_first
     first, *rows = text.report_rows(numbers, unit.system, unit.scale_length, made, width, snaps)
     # A button without a frame, since labels have no tooltip.
     told = column.row(align=True)

@@ -54,6 +54,7 @@ def _draw_polygons(layout, meshing) -> None:
     ticks = layout.column(align=True)
     ticks.use_property_split = False
     ticks.prop(meshing, "planar")
+    ticks.prop(meshing, "convex")
     ticks.popover("ISIMP_PT_polygons", text="Polygons", icon="MESH_ICOSPHERE")
 
 

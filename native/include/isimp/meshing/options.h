@@ -23,6 +23,7 @@ struct MeshingOptions {
   bool planar = false;
   double planar_reach = 0.005;
   double planar_most = 1;
+  bool convex = false;
   std::int32_t threads = 0;
 };
 
@@ -88,6 +89,14 @@ constexpr auto fields(const MeshingOptions*) {
           .shown("Cut at Most",
                  "Largest share of the polygons that Exactly Flat Faces may cut. If more would be, polygons stay whole "
                  "and are not exactly planar, and the report says so"),
+      field(
+          "convex", &O::convex,
+          "Cut concave polygons along diagonals into few convex ones. Corners stay where they are, and none is added. "
+          "A polygon stays concave where every cut would make a defect or a second edge between two corners: the "
+          "report counts them (concave).")
+          .shown("Convex Faces",
+                 "Cut every concave polygon along diagonals into few convex ones. Corners stay where they are, and "
+                 "none is added"),
       threads_field(&O::threads),
   };
 }

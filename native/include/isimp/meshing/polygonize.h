@@ -86,6 +86,8 @@ struct MeshingReport {
   MeshingWork work;
   bool repair_capped = false;  ///< a remaining defect needs more splits than repair_budget allows
   PlanarReport planar;
+  std::int32_t concave = 0;           ///< polygons with a corner beyond 180 degrees, seen along their own normal
+  std::int32_t cut_to_be_convex = 0;  ///< polygons added by MeshingOptions::convex
   RimReport rims;
   std::int32_t boxes = 0;          ///< boxes that replace regions; `polygons`, `corners`, `vertices` count them
   std::int32_t planes_let_go = 0;  ///< size of PolygonMesh::planes_let_go

@@ -18,6 +18,7 @@
 #include "place/slide.h"
 #include "planar/planar.h"
 #include "repair/coarsen.h"
+#include "repair/convex.h"
 #include "repair/junctions.h"
 #include "repair/list_defects.h"
 #include "repair/plans.h"
@@ -344,6 +345,8 @@ RepairOutcome repair(State& state, Job& job) {
   } else {
     outcome.planar.planar = planar::is_planar(state);
   }
+  if (state.options.convex) outcome.cut_to_be_convex = make_convex(state, defects, job);
+  outcome.concave = count_concave(state);
   outcome.rims = rims_of(state);
   list_defects(state, defects, outcome, job);
   return outcome;

@@ -17,6 +17,7 @@ struct RepairOutcome {
   MeshingWork work;
   bool capped = false;  ///< something is left, and more splits were wanted than allowed
   PlanarReport planar;
+  std::int32_t concave = 0, cut_to_be_convex = 0;
   RimReport rims;
   std::vector<std::int32_t> let_go;  ///< as PolygonMesh::planes_let_go
   /// As in MeshingReport, but polygons are numbered as in State and a pair is listed once.
