@@ -4,12 +4,14 @@
       --exact             the solids without noise; else their twins with noise of .1 % of the diagonal
       --enclose           parts that enclose every vertex
       --statues           scans of the data folder too, with 16 parts
+      --open              scans of rooms alone: open surfaces, whose walls get a thickness
       --peers             CoACD and V-HACD too, where the packages coacd and vhacdx are installed
       --only NAME         one solid or scan
 
 Columns: parts and the true number; triangles of a part; volume of the union over the true one, by 200,000 points;
-vertices outside all parts, and the farthest of these in % of the diagonal; free points that are free; mean distance of
-the parts' outer surface from the scan in % of the diagonal; seconds of the processor.
+vertices outside all parts, and the farthest of these in % of the diagonal; free points that are free, of open scans the
+share of points in front of the scan; mean distance of the scan from the parts' planes, and of the parts' outer surface
+from the scan, in % of the diagonal; seconds of the processor.
 """
 
 from __future__ import annotations
@@ -20,18 +22,19 @@ import time
 import numpy as np
 
 import isimp_engine as engine
-from bench.generators import hollow_solids
+from bench.generators import hollow_solids, real_scans
 from bench.timer.run import data_folder
 
 SCANS = ("scan/armadillo_86k.ply", "scan/bunny_69k.ply", "scan/rockerarm_20k.ply", "real/tin_16k.ply")
 PARTS = 16
 POINTS = 200_000
 NEAR = 0.002  # share of the diagonal
+FRONT = 0.03  # share of the diagonal: points this far in front of an open scan are free, if no other part of it is near
 
 
-def ours(vertices, faces, count, enclose):
+def ours(vertices, faces, count, arguments):
     result = engine.simplify((vertices, faces), planar=True, keep_openings=True)
-    found = engine.convex_parts(result, enclose=enclose, parts=count)
+    found = engine.convex_parts(result, enclose=arguments.enclose, parts=count, thickness=arguments.open)
     return [(part.vertices, part.triangles) for part in found]
 
 
@@ -68,7 +71,7 @@ def outside(parts, points):
     return out
 
 
-def judge(found, vertices, faces, solid):
+def judge(found, vertices, faces, solid, is_open=False):
     """The columns of the table."""
     parts = [planes_of(*part) for part in found]
     low, high = vertices.min(axis=0), vertices.max(axis=0)
@@ -77,18 +80,31 @@ def judge(found, vertices, faces, solid):
     points = rng.uniform(low - 0.02 * size, high + 0.02 * size, (POINTS, 3))
     covered = (outside(parts, points) <= 0).mean() * np.prod(high - low + 0.04 * size)
     a, b, c = (vertices[faces[:, k]] for k in range(3))
-    whole = solid.volume if solid else float((np.cross(a, b) * c).sum() / 6)
+    whole = solid.volume if solid else 1.0 if is_open else float((np.cross(a, b) * c).sum() / 6)
     out = outside(parts, vertices)
     triangles = sum(len(corners) for _, corners in found)
-    free = outside(parts, np.array(solid.free)) > 0 if solid else np.array([])
+    places = np.array(solid.free) if solid else in_front(vertices, faces, size, rng) if is_open else np.zeros((0, 3))
+    free = outside(parts, places) > 0
     return {
         "parts": f"{len(found)} / {len(solid.boxes) if solid else '-'}",
         "triangles": f"{triangles / len(found):.1f}",
         "volume": f"{covered / whole:.3f}",
         "outside": f"{(out > 0).mean():.2%}, {100 * max(out.max(), 0) / size:.3f}",
         "free": f"{free.sum()} / {len(free)}",
+        "away": f"{100 * np.abs(out).mean() / size:.3f}",
         "added": f"{100 * added(found, parts, vertices, faces, size, rng):.3f}",
     }
+
+
+def in_front(vertices, faces, size, rng):
+    """Points in front of an open scan, whose nearest point of it is behind them."""
+    chosen = rng.choice(len(faces), 1_000)
+    a, b, c = (vertices[faces[chosen, k]] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    length = np.linalg.norm(normal, axis=1)
+    points = ((a + b + c) / 3)[length > 0] + FRONT * size * normal[length > 0] / length[length > 0, None]
+    away = np.array([np.linalg.norm(vertices - p, axis=1).min() for p in points])
+    return points[away > 0.9 * FRONT * size]
 
 
 def added(found, parts, vertices, faces, size, rng):
@@ -111,18 +127,21 @@ def on_surface(meshes, count, rng):
 
 def main():
     command = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    for flag in ("--exact", "--enclose", "--statues", "--peers"):
+    for flag in ("--exact", "--enclose", "--statues", "--open", "--peers"):
         command.add_argument(flag, action="store_true")
     command.add_argument("--only")
     arguments = command.parse_args()
     cases = []
-    for name, make in hollow_solids.SOLIDS.items():
+    for name, make in hollow_solids.SOLIDS.items() if not arguments.open else ():
         solid = make()
         cases.append((name, solid, *(hollow_solids.surface if arguments.exact else hollow_solids.twin)(solid), None))
     if arguments.statues:
         for name in SCANS:
             soup = engine.read(data_folder(None) / name)
             cases.append((name, None, *soup, PARTS))
+    if arguments.open:
+        cases += [(f"room {seed}", None, *real_scans.room(seed), None) for seed in (1, 2, 3)]
+        cases.append(("office", None, *engine.read(data_folder(None) / "real/office_27k.ply"), None))
     makers = [ours] + ([coacd, vhacd] if arguments.peers else [])
     for name, solid, vertices, faces, count in cases:
         if arguments.only and arguments.only not in name:
@@ -130,12 +149,12 @@ def main():
         for make in makers:
             begun = time.process_time()
             try:
-                found = make(vertices, faces, count, arguments.enclose)
+                found = make(vertices, faces, count, arguments)
             except ImportError as error:
                 print(f"{name:24} {make.__name__:6} {error}")
                 continue
             seconds = time.process_time() - begun
-            columns = judge(found, vertices, faces, solid) | {"seconds": f"{seconds:.2f}"}
+            columns = judge(found, vertices, faces, solid, arguments.open) | {"seconds": f"{seconds:.2f}"}
             print(f"{name:24} {make.__name__:6} " + "  ".join(f"{k} {v}" for k, v in columns.items()), flush=True)
 
 

@@ -12,7 +12,8 @@ void bind_convex(py::module_& m) {
   m.def(
       "_convex_parts",
       [](const py::object& vertices, const py::object& loops, const py::object& loop_start, const py::object& region,
-         const py::object& enclosed, double tolerance, std::int32_t parts, std::int32_t most_vertices, Job* job) {
+         const py::object& enclosed, double tolerance, std::int32_t parts, std::int32_t most_vertices, double thickness,
+         Job* job) {
         const std::vector<std::int32_t> corners = read_indices(loops, "loops", "(L,)");
         const std::vector<std::int32_t> starts = read_indices(loop_start, "loop_start", "(Q,)");
         const PolygonSoup soup{.vertices = read_vertices(vertices),
@@ -20,7 +21,8 @@ void bind_convex(py::module_& m) {
                                .loop_start = {starts.begin(), starts.end()}};
         const std::vector<std::int32_t> regions = read_indices(region, "region", "(Q,)");
         const std::vector<Vec3> points = read_points(enclosed, "enclose", "(N, 3)");
-        const ConvexOptions options{.tolerance = tolerance, .parts = parts, .most_vertices = most_vertices};
+        const ConvexOptions options{
+            .tolerance = tolerance, .parts = parts, .most_vertices = most_vertices, .thickness = thickness};
         auto found = call(job, [&](Job& j) { return convex_parts(soup, regions, points, options, j); });
         py::list made;
         for (ConvexPart& part : found)
@@ -28,11 +30,11 @@ void bind_convex(py::module_& m) {
         return made;
       },
       "vertices"_a, "loops"_a, "loop_start"_a, "region"_a, "enclosed"_a, "tolerance"_a, "parts"_a, "most_vertices"_a,
-      "job"_a = py::none(),
+      "thickness"_a, "job"_a = py::none(),
       R"(Convex parts of the solid that polygons bound, as (vertices, triangles, volume); see `convex_parts`.
 
 region: (Q,) the region of each polygon, or (0,). enclosed: (N, 3) points that must be in a part. tolerance: 0 for half a
-per cent of the diagonal. parts: 0 for any number. Raises InvalidInput or Cancelled.)");
+per cent of the diagonal. parts: 0 for any number. thickness: 0 for a solid. Raises InvalidInput or Cancelled.)");
 }
 
 }  // namespace isimp::bindings

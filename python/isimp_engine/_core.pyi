@@ -385,6 +385,7 @@ def _convex_parts(
     tolerance: float,
     parts: int,
     most_vertices: int,
+    thickness: float,
     job: Job | None = None,
 ) -> list[tuple[NDArray[np.float64], NDArray[np.int32], float]]: ...
 def merge_flat(

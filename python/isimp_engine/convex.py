@@ -20,6 +20,7 @@ NAMES: Mapping[str, Callable[[str, int], str]] = {
     "plain": lambda name, number: f"{name}_{number:02}",
 }
 MOST_VERTICES = 64  #: the default; engines of games allow at most 64 to 255
+THICKNESS = 0.02  #: of walls, share of the diagonal
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,18 +42,22 @@ def convex_parts(
     tolerance: float | None = None,
     parts: int | None = None,
     most_vertices: int = MOST_VERTICES,
+    thickness: bool | float = False,
     job: Job | None = None,
 ) -> list[Convex]:
     """Cut a solid into convex parts along the planes of its polygons, for collisions in games and simulations.
 
     polygons: a PolygonMesh, a Result, `(vertices, faces)`, or an object with `vertices` and `faces`; closed, facing
-    outwards.
+    outwards, or with `thickness` open.
     enclose: False: parts of the solid's true size. True: every vertex is in a part, for a Result every vertex of its
     scan; planes are pushed outwards for this, the least possible. (N, 3): these points are.
     tolerance: free space may be filled this deep, in scene units: no point of a part is farther from the solid. It
     is also the least thickness that matters. None: half a per cent of the diagonal.
     parts: the most parts; they may fill free space then. None: as many as the tolerance needs.
     most_vertices: of each part, at least 8.
+    thickness: of the walls of an open surface that faces free space, such as a scanned room. Each polygon becomes a
+    slab behind it, or a few if it is concave. They meet at the edges without a gap. Walls with two sides get no thicker
+    than they are, and openings stay free. True: two per cent of the diagonal. False: the polygons bound a solid.
 
     Each part has `vertices` (N, 3), `triangles` (T, 3) and `volume`; the largest is first. It is convex by exact
     arithmetic: no vertex is outside the plane of a triangle. Solids that overlap count once.
@@ -61,6 +66,8 @@ def convex_parts(
     """
     if tolerance is not None and not tolerance > 0:
         raise InvalidInput(f"tolerance must be a length above 0, got {tolerance}")
+    if thickness is not False and not thickness > 0:
+        raise InvalidInput(f"thickness must be a length above 0, got {thickness}")
     if parts is not None and parts < 1:
         raise InvalidInput(f"parts must be at least 1, got {parts}")
     arrays, points = _content(polygons, job)
@@ -69,7 +76,11 @@ def convex_parts(
     elif enclose is not True:
         points = np.asarray(enclose)
     vertices, loops, loop_start, region = arrays
-    found = _convex_parts(vertices, loops, loop_start, region, points, tolerance or 0.0, parts or 0, most_vertices, job)
+    if thickness is True:
+        thickness = THICKNESS * float(np.linalg.norm(np.ptp(vertices, axis=0))) if len(vertices) else 0.0
+    found = _convex_parts(
+        vertices, loops, loop_start, region, points, tolerance or 0.0, parts or 0, most_vertices, thickness, job
+    )
     return [Convex(*part) for part in found]
 
 

@@ -85,14 +85,14 @@ Cells sorted_out(std::vector<Cell>&& cells, const Solid& solid, const Vec3& orig
   }
   if (inside == 0 && reversed != nullptr)
     throw InvalidInput("the surface faces inwards around " + place(reversed->center + origin) +
-                       ": it bounds free space, not a solid. Flip its faces, or give the walls of a scanned room a "
-                       "thickness first");
+                       ": it bounds free space, not a solid. Flip its faces, or set a thickness for the walls of a "
+                       "scanned room");
   if (worst != nullptr && doubtful > kMostDoubtful * inside)
     throw InvalidInput("the surface is open: it does not say whether " + place(worst->center + origin) +
-                       " is inside. Close its holes first, or give it a thickness");
+                       " is inside. Close its holes first, or set a thickness");
   if (inside == 0)
     throw InvalidInput("the surface encloses no volume around " + place((solid.low + solid.high) / 2 + origin) +
-                       ". Give it a thickness first");
+                       ". Set a thickness");
   for (std::size_t c = 0; c < cells.size(); ++c)
     (winding[c] >= 0.5 ? made.inside : made.outside).push_back(std::move(cells[c]));
   return made;

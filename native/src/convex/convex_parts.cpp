@@ -11,6 +11,7 @@
 #include "isimp/core/errors.h"
 #include "pieces.h"
 #include "solid.h"
+#include "walls.h"
 
 namespace isimp {
 namespace {
@@ -163,32 +164,16 @@ void leave_out_skins(std::vector<ConvexPart>& parts, double tolerance) {
   parts = std::move(kept);
 }
 
-}  // namespace
-
-std::vector<ConvexPart> convex_parts(const PolygonSoup& polygons, std::span<const std::int32_t> region,
-                                     std::span<const Vec3> enclosed, const ConvexOptions& options, Job& job) {
-  if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance))
-    throw InvalidInput("tolerance must be a length above 0, got " + std::to_string(options.tolerance));
-  if (options.parts < 0) throw InvalidInput("parts must be at least 1, got " + std::to_string(options.parts));
-  if (options.most_vertices < 8)
-    throw InvalidInput("most_vertices must be at least 8, got " + std::to_string(options.most_vertices));
-  for (std::size_t i = 0; i < enclosed.size(); ++i)
-    if (!enclosed[i].allFinite()) throw InvalidInput("point " + std::to_string(i) + " to enclose is not finite");
-  Vec3 low = Vec3::Zero(), high = low;
-  for (std::size_t i = 0; i < polygons.vertices.size(); ++i) {
-    low = i == 0 ? polygons.vertices[i] : low.cwiseMin(polygons.vertices[i]);
-    high = i == 0 ? polygons.vertices[i] : high.cwiseMax(polygons.vertices[i]);
-  }
-  const Vec3 origin = (low + high) / 2;
-  const double tolerance = options.tolerance > 0 ? options.tolerance : detail::kTolerance * (high - low).norm();
-  detail::Solid solid = detail::solid_of(polygons, region, origin, tolerance, job);
+/// The parts of a solid.
+std::vector<ConvexPart> parts_of(detail::Solid& solid, const Vec3& origin, double tolerance,
+                                 const ConvexOptions& options, Job& job) {
   detail::Cells cells;
   {
     const Job::Stage stage(job, "cells", 0.0, 0.3);
     cells = detail::cells_of(solid, origin, job);
   }
-  const std::int32_t most = options.parts > 0 ? options.parts : std::numeric_limits<std::int32_t>::max();
   std::vector<ConvexPart> made;
+  const std::int32_t most = options.parts > 0 ? options.parts : std::numeric_limits<std::int32_t>::max();
   {
     const Job::Stage stage(job, "cutting", 0.3, 0.9);
     Pieces pieces(solid, std::move(cells), job);
@@ -202,6 +187,42 @@ std::vector<ConvexPart> convex_parts(const PolygonSoup& polygons, std::span<cons
       ConvexPart part = detail::simple_hull_of(corners, kDropped * tolerance, options.most_vertices);
       if (!part.vertices.empty()) made.push_back(std::move(part));
     }
+  }
+  return made;
+}
+
+}  // namespace
+
+std::vector<ConvexPart> convex_parts(const PolygonSoup& polygons, std::span<const std::int32_t> region,
+                                     std::span<const Vec3> enclosed, const ConvexOptions& options, Job& job) {
+  if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance))
+    throw InvalidInput("tolerance must be a length above 0, got " + std::to_string(options.tolerance));
+  if (options.parts < 0) throw InvalidInput("parts must be at least 1, got " + std::to_string(options.parts));
+  if (options.most_vertices < 8)
+    throw InvalidInput("most_vertices must be at least 8, got " + std::to_string(options.most_vertices));
+  if (!(options.thickness >= 0) || !std::isfinite(options.thickness))
+    throw InvalidInput("thickness must be a length above 0, got " + std::to_string(options.thickness));
+  if (options.thickness > 0 && options.parts > 0)
+    throw InvalidInput("parts can't be limited with a thickness: each polygon has a slab of its own");
+  for (std::size_t i = 0; i < enclosed.size(); ++i)
+    if (!enclosed[i].allFinite()) throw InvalidInput("point " + std::to_string(i) + " to enclose is not finite");
+  Vec3 low = Vec3::Zero(), high = low;
+  for (std::size_t i = 0; i < polygons.vertices.size(); ++i) {
+    low = i == 0 ? polygons.vertices[i] : low.cwiseMin(polygons.vertices[i]);
+    high = i == 0 ? polygons.vertices[i] : high.cwiseMax(polygons.vertices[i]);
+  }
+  const Vec3 origin = (low + high) / 2;
+  const double tolerance = options.tolerance > 0 ? options.tolerance : detail::kTolerance * (high - low).norm();
+  detail::Solid solid = detail::solid_of(polygons, region, origin, tolerance, job);
+  std::vector<ConvexPart> made;
+  if (options.thickness > 0) {
+    const Job::Stage stage(job, "walls", 0.0, 0.9);
+    made = detail::walls_of(polygons, region, origin, solid, options.thickness, options.most_vertices, job);
+    std::ranges::stable_sort(made, std::ranges::greater{}, &ConvexPart::volume);
+    for (ConvexPart& part : made)
+      for (Vec3& p : part.vertices) p += origin;
+  } else {
+    made = parts_of(solid, origin, tolerance, options, job);
   }
   leave_out_skins(made, tolerance);
   if (!enclosed.empty() && !made.empty()) {

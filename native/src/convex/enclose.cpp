@@ -58,7 +58,8 @@ std::size_t corner_count(const Cell& cell) {
   return corners / 3;  // three faces meet in a corner, or more
 }
 
-/// The space below some planes, in a box.
+}  // namespace
+
 ConvexPart space_below(const std::vector<Plane>& planes, const Vec3& low, const Vec3& high, double snap,
                        std::int32_t most_vertices) {
   std::vector<Plane> all;
@@ -72,8 +73,6 @@ ConvexPart space_below(const std::vector<Plane>& planes, const Vec3& low, const 
   }
   return hull_of(cell.corners, 4 * snap);
 }
-
-}  // namespace
 
 void enclose(std::vector<ConvexPart>& parts, std::span<const Vec3> points, double same, std::int32_t most_vertices,
              Job& job) {

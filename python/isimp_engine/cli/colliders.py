@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import Result, simplify
-from ..convex import MOST_VERTICES, NAMES, convex_parts, used_vertices
+from ..convex import MOST_VERTICES, NAMES, convex_parts
 from ..exporting import colliders
 from ..source import Source, load
 from . import words
@@ -58,6 +58,16 @@ def add_options(command: argparse.ArgumentParser) -> None:
         help="names of the parts: UCX_NAME_00 for Unreal, NAME_collider_00 for Unity, NAME_00-convcol for Godot, "
         "NAME_00 for plain; NAME is that of OUTPUT. Default: %(default)s",
     )
+    command.add_argument(
+        "--thickness",
+        type=float,
+        nargs="?",
+        const=True,
+        default=False,
+        metavar="L",
+        help="for open scans, such as rooms: each polygon becomes a slab behind it, or a few, at most L thick, in "
+        "scene units. The two sides of a wall end at each other. Without L: two per cent of the diagonal",
+    )
     command.add_argument("--quiet", action="store_true", help="no progress, no summary")
 
 
@@ -76,10 +86,11 @@ def run(arguments: argparse.Namespace) -> None:
     with steps("parts") as job:
         parts = convex_parts(
             solid,
-            enclose=used_vertices(source) if arguments.enclose else False,
+            enclose=arguments.enclose,
             tolerance=arguments.tolerance,
             parts=arguments.parts,
             most_vertices=arguments.max_vertices,
+            thickness=arguments.thickness,
             job=job,
         )
     with Outputs() as outputs:

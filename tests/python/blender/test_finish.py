@@ -99,6 +99,9 @@ def test_colliders_of_an_open_result_are_refused_with_the_reason():
     with pytest.raises(RuntimeError, match="No colliders: "):
         OPS.colliders()
     assert (len(bpy.data.objects), len(bpy.data.collections)) == before
+    assert OPS.colliders(thickness=0.2) == {"FINISHED"}
+    (part,) = bpy.data.collections[-1].objects
+    assert np.ptp([v.co.z for v in part.data.vertices]) == pytest.approx(0.2, abs=1e-4)
 
 
 def test_merge_flat_keeps_materials_and_places():

@@ -85,3 +85,8 @@ def test_limits_and_refusals(table, tmp_path):
     done = isimp("colliders", tmp_path / "open.ply", tmp_path / "b.obj")
     check_line(done, 3, "open.ply: the surface is open: it does not say whether (")
     assert not (tmp_path / "b.obj").exists()
+    assert (
+        "1 convex part, 12 triangles"
+        in isimp("colliders", tmp_path / "open.ply", tmp_path / "b.obj", "--thickness", 0.1, "--enclose").stdout
+    )
+    assert "1 convex part," in isimp("colliders", tmp_path / "open.ply", tmp_path / "b.obj", "--thickness").stdout

@@ -86,6 +86,8 @@ def test_limits():
         ({"tolerance": 0}, "tolerance must be a length above 0, got 0"),
         ({"tolerance": -1.0}, "tolerance must be a length above 0"),
         ({"parts": 0}, "parts must be at least 1, got 0"),
+        ({"thickness": 0}, "thickness must be a length above 0, got 0"),
+        ({"thickness": 0.1, "parts": 3}, "parts can't be limited with a thickness"),
         ({"most_vertices": 4}, "most_vertices must be at least 8, got 4"),
         ({"enclose": np.zeros((2, 2))}, r"enclose .*\(N, 3\)"),
         ({"enclose": [[0, 0, np.nan]]}, "point 0 to enclose is not finite"),
@@ -105,6 +107,50 @@ def test_what_is_no_solid_is_refused_with_its_place():
     both = np.vstack([shapes.plane()[1], shapes.plane()[1][:, ::-1]])
     with pytest.raises(engine.InvalidInput, match=r"encloses no volume around \(0.5"):
         engine.convex_parts((shapes.plane()[0], both))
+
+
+def walls(vertices, faces, **options):
+    parts = engine.convex_parts(engine.merge_flat(engine.clean(vertices, faces))[0], **options)
+    check_convex(parts)
+    return parts
+
+
+def test_a_room_gets_walls_that_meet_in_its_corners():
+    vertices, faces = shapes.cube(3)
+    parts = walls(vertices, faces[:, ::-1], thickness=0.1)
+    assert len(parts) == 6
+    assert sum(part.volume for part in parts) == pytest.approx(1.2**3 - 1)
+    inside = np.stack(np.meshgrid(*[np.linspace(0.01, 0.99, 5)] * 3), axis=-1).reshape(-1, 3)
+    assert (distances(parts, inside) > 0.009).all()
+    around = np.stack(np.meshgrid(*[np.linspace(-0.099, 1.099, 13)] * 3), axis=-1).reshape(-1, 3)
+    around = around[((around < -0.01) | (around > 1.01)).any(axis=1)]
+    assert (distances(parts, around) < 1e-9).all()
+
+
+def test_walls_stay_within_a_pillar_and_a_plate():
+    vertices, faces = shapes.cube(3)
+    parts = walls(vertices, faces, thickness=0.1)
+    assert len(parts) == 6
+    assert sum(part.volume for part in parts) == pytest.approx(1 - 0.8**3)
+    plate = vertices * [1, 1, 0.05]
+    sides = np.abs(np.cross(*(plate[faces[:, k]] - plate[faces[:, 0]] for k in (1, 2)))[:, 2]) > 0
+    (part,) = walls(plate, faces[sides], thickness=0.2)
+    assert part.volume == pytest.approx(0.05)
+    (part,) = walls(*shapes.plane(4), thickness=0.25, enclose=[[0.5, 0.5, -0.5]])
+    assert part.volume == pytest.approx(0.5)
+
+
+def test_doors_of_a_scanned_room_stay_free():
+    solid = hollow_solids.floor_plan()
+    vertices, faces = hollow_solids.twin(solid)
+    low = vertices.min(axis=0)
+    outer = (vertices[faces] < low + 0.05).all(axis=1).any(axis=1)  # outer sides are not in a scan from inside
+    result = engine.simplify((vertices, faces[~outer]), planar=True, keep_openings=True)
+    parts = engine.convex_parts(result, thickness=0.2)
+    check_convex(parts)
+    assert (distances(parts, solid.free) > 0).all()
+    size = np.linalg.norm(np.ptp(vertices, axis=0))
+    assert np.abs(distances(parts, vertices[np.unique(faces[~outer])])).mean() < 0.002 * size
 
 
 def test_odd_solids_give_parts_of_what_they_enclose():

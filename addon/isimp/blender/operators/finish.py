@@ -72,7 +72,7 @@ class ISIMP_OT_keep_lod(bpy.types.Operator):
 
 
 class ISIMP_OT_colliders(bpy.types.Operator):
-    """Cut the result into convex parts for collisions, as objects in a new collection. It must be closed"""
+    """Cut the result into convex parts for collisions, as objects in a new collection. An open one needs a thickness"""
 
     bl_idname = "isimp.colliders"
     bl_label = "Colliders"
@@ -98,6 +98,14 @@ class ISIMP_OT_colliders(bpy.types.Operator):
         name="Enclose",
         description="Every corner of the result is inside: planes are pushed outwards for this, the least possible",
     )
+    thickness: FloatProperty(
+        name="Wall Thickness",
+        description="Each polygon becomes a slab behind it, as the walls of a scanned room. 0: the result is a solid",
+        unit="LENGTH",
+        min=0.0,
+        soft_max=1.0,
+        precision=3,
+    )
 
     @classmethod
     def poll(cls, context):
@@ -109,7 +117,9 @@ class ISIMP_OT_colliders(bpy.types.Operator):
         loops, start = mesh_io.polygons(result.data)
         solid = points, np.split(loops, start[1:])
         try:
-            parts = engine.convex_parts(solid, enclose=self.enclose, parts=self.parts or None)
+            thickness = self.thickness or False
+            most = None if thickness else self.parts or None
+            parts = engine.convex_parts(solid, enclose=self.enclose, parts=most, thickness=thickness)
         except ValueError as problem:
             self.report({"ERROR"}, said("No colliders: {reason}", reason=problem))
             return {"CANCELLED"}

@@ -15,6 +15,7 @@ struct ConvexOptions {
                            ///< of the diagonal
   std::int32_t parts = 0;  ///< the most parts; 0: as many as the tolerance needs
   std::int32_t most_vertices = 64;  ///< the most vertices of a part, at least 8
+  double thickness = 0;             ///< walls behind an open surface, scene units; 0: the surface bounds a solid
 };
 
 /// A convex polyhedron. No vertex lies outside the plane of any triangle, by exact arithmetic.
@@ -31,7 +32,10 @@ struct ConvexPart {
 /// within the tolerance of another part are left out. Solids may overlap, cross themselves or lie in each other: a point
 /// is inside if the surface winds around it at least once.
 ///
-/// \param polygons  closed surfaces of nearly planar polygons, facing outwards
+/// With `thickness`, the polygons are the fronts of walls: each becomes a slab behind it, or a few if it is concave. Slabs
+/// of neighbours meet without a gap. A wall of which both sides are there is as thick as it is, if that is less.
+///
+/// \param polygons  closed surfaces of nearly planar polygons, facing outwards; with `thickness`, any that face free space
 /// \param region    the region of each polygon: polygons of one region share a plane; empty: each has its own
 /// \param enclosed  points that must be in a part: planes are pushed outwards for this, the least possible
 /// \throws InvalidInput  an index, number or option out of its range; the surface is open where a part would begin, or
