@@ -1,4 +1,4 @@
-"""Make convex parts of a solid, for collisions in games and simulations: OBJ, GLB or MuJoCo's XML.
+"""Make convex parts of a solid, for collisions in games and simulations: OBJ, GLB, USD or MuJoCo's XML.
 
 A scan is simplified first, to exactly planar polygons and with all its openings, by the default options. A file with
 polygons of five corners or more is taken as it is.
@@ -28,7 +28,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
         "output",
         type=Path,
         metavar="OUTPUT",
-        help="OBJ (an object for each part), GLB (a node for each part) or XML (MuJoCo's MJCF)",
+        help="OBJ (an object for each part), GLB (a node for each part), XML (MuJoCo's MJCF) or USDA (USD as text)",
     )
     command.add_argument(
         "--enclose",

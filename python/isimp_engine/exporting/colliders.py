@@ -1,5 +1,6 @@
 """Files of convex parts, with names that games and simulations know."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
@@ -50,7 +51,38 @@ def _mjcf(draft: Path, name: str, parts: Named) -> None:
     draft.write_text("\n".join(lines), encoding="utf-8")
 
 
-_WRITERS = {".obj": _obj, ".glb": _glb, ".xml": _mjcf}
+def _usda(draft: Path, name: str, parts: Named) -> None:
+    """A scene of USD as text: a mesh for each part that collides as its convex hull."""
+    lines = [
+        "#usda 1.0",
+        "(",
+        f'    defaultPrim = "{_prim(name)}"',
+        '    upAxis = "Z"',
+        ")",
+        f'def Xform "{_prim(name)}" {{',
+    ]
+    for title, part in parts:
+        points = ", ".join(f"({x!r}, {y!r}, {z!r})" for x, y, z in part.vertices.tolist())
+        lines += [
+            f'    def Mesh "{_prim(title)}" (',
+            '        prepend apiSchemas = ["PhysicsCollisionAPI", "PhysicsMeshCollisionAPI"]',
+            "    ) {",
+            '        uniform token physics:approximation = "convexHull"',
+            '        uniform token subdivisionScheme = "none"',
+            f"        point3f[] points = [{points}]",
+            f"        int[] faceVertexCounts = {[3] * len(part.triangles)}",
+            f"        int[] faceVertexIndices = {part.triangles.ravel().tolist()}",
+            "    }",
+        ]
+    draft.write_text("\n".join([*lines, "}", ""]), encoding="utf-8")
+
+
+def _prim(title: str) -> str:
+    """A name that USD allows: ASCII letters, digits and underscores, no digit first."""
+    return re.sub(r"^(?=\d)", "_", re.sub(r"[^A-Za-z0-9_]", "_", title))
+
+
+_WRITERS = {".obj": _obj, ".glb": _glb, ".xml": _mjcf, ".usda": _usda}
 KINDS = tuple(_WRITERS)  #: endings of such files
 
 

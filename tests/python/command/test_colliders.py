@@ -65,6 +65,17 @@ def test_a_geom_for_each_part(table, tmp_path):
     assert mujoco.MjModel.from_xml_path(str(tmp_path / "desk.xml")).ngeom == 5
 
 
+def test_a_prim_for_each_part(table, tmp_path):
+    assert isimp("colliders", table, tmp_path / "7 desk.usda", "--names", "godot", "--quiet").returncode == 0
+    text = (tmp_path / "7 desk.usda").read_text()
+    assert re.findall(r'def (\w+) "(\w+)"', text)[:2] == [("Xform", "_7_desk"), ("Mesh", "_7_desk_00_convcol")]
+    assert text.count("PhysicsCollisionAPI") == text.count("convexHull") == 5
+    usd = pytest.importorskip("pxr.Usd")
+    stage = usd.Stage.Open(str(tmp_path / "7 desk.usda"))
+    points = [prim.GetAttribute("points").Get() for prim in stage.GetDefaultPrim().GetChildren()]
+    assert [len(of_part) for of_part in points] == [8] * 5
+
+
 def test_polygons_are_taken_as_they_are(tmp_path):
     solid = hollow_solids.Solid([((0, 0, 0), (2, 1, 1)), ((0, 1, 0), (1, 2, 1))], [])
     poly, _ = engine.merge_flat(engine.clean(*hollow_solids.surface(solid)))
@@ -78,7 +89,7 @@ def test_limits_and_refusals(table, tmp_path):
     assert "1 convex part," in isimp("colliders", table, tmp_path / "a.obj", "--parts", 1).stdout
     assert "1 convex part," in isimp("colliders", table, tmp_path / "a.obj", "--tolerance", 1).stdout
     done = isimp("colliders", table, tmp_path / "a.fbx")
-    check_line(done, 2, "OUTPUT must end in one of .obj, .glb, .xml")
+    check_line(done, 2, "OUTPUT must end in one of .obj, .glb, .xml, .usda")
     done = isimp("colliders", table, tmp_path / "a.obj", "--max-vertices", 3)
     check_line(done, 3, "most_vertices must be at least 8, got 3")
     meshfiles.ply_binary(tmp_path / "open.ply", *shapes.plane(8))
