@@ -69,3 +69,13 @@ def test_a_convex_result_stays_bit_for_bit():
     assert np.array_equal(plain.loops, convex.loops)
     assert np.array_equal(plain.vertices, convex.vertices)
     assert convex.report["cut_to_be_convex"] == 0
+
+
+def test_the_report_is_of_the_polygons_after_the_cuts():
+    dart = np.array([[0, 0, 0], [2, 0, 0], [0.5, 0.5, 0.001], [0, 2, 0]])  # one bent quad, or two planar triangles
+    mesh = engine.Mesh(dart, np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=1))
+    for on, polygons in ((False, 1), (True, 2)):
+        poly = engine.polygonize(mesh, part, engine.MeshingOptions(convex=on))
+        assert len(poly.faces()) == polygons
+        assert poly.report["planar"] == on

@@ -281,7 +281,6 @@ PlanarOutcome sum_up(const State& state, const Draft& draft, const Cuts& cuts) {
   }
   sort_unique(out.let_go);
   r.whole = draft.units.empty() ? 1.0 : whole / static_cast<double>(draft.units.size());
-  r.planar = is_planar(state);
   return out;
 }
 

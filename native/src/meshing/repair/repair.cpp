@@ -340,12 +340,9 @@ RepairOutcome repair(State& state, Job& job) {
   if (state.options.planar) settle_places(state, defects, job);  // corners slide off the planes that are solved next
   straighten_rims(state, defects, job);
   outcome.let_go = keep_to_planes(state, defects, job);
-  if (state.options.planar) {
-    make_planar(state, defects, mender, outcome, job);
-  } else {
-    outcome.planar.planar = planar::is_planar(state);
-  }
+  if (state.options.planar) make_planar(state, defects, mender, outcome, job);
   if (state.options.convex) outcome.cut_to_be_convex = make_convex(state, defects, job);
+  outcome.planar.planar = planar::is_planar(state);
   outcome.concave = count_concave(state);
   outcome.rims = rims_of(state);
   list_defects(state, defects, outcome, job);
