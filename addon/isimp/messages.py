@@ -403,6 +403,7 @@ STAGES = (
     own("Smoothing"),
     own("Splitting"),
     own("Teleporting"),
+    own("Walls"),
 )
 
 _WHY = {
