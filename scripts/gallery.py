@@ -132,6 +132,13 @@ def polygons_of(points, poly, color=None):
     return points, poly.loops, poly.loop_start, color, True
 
 
+def render_pair(name, vertices, triangles, poly, up, turn, size=(WIDE, HIGH)):
+    """A scan at the left, its polygons at the right."""
+    points, view = view_of(vertices, up, turn)
+    made = np.asarray(poly.vertices) - np.mean(vertices, axis=0)
+    render(name, [triangles_of(points, triangles, PAPER), polygons_of(made, poly)], view, size)
+
+
 def flags(options):
     return " ".join(f"--{name}" if value is True else f"--{name} {value}" for name, value in options.items())
 
@@ -150,9 +157,7 @@ def gallery_row(name, read, up, turn, options, origin):
     result = engine.simplify((vertices, triangles), **options)
     seconds = time.process_time() - started
     poly = result.polygons
-    points, view = view_of(vertices, up, turn)
-    made = np.asarray(poly.vertices) - np.mean(vertices, axis=0)
-    render(f"gallery-{name}", [triangles_of(points, triangles, PAPER), polygons_of(made, poly)], view)
+    render_pair(f"gallery-{name}", vertices, triangles, poly, up, turn)
     cells = (
         f"![The {name}: scan and polygons](images/gallery-{name}.jpg)",
         f"**{name}**, {origin}. {len(triangles):,} triangles",
@@ -226,17 +231,13 @@ def story_colliders(folder):
 def story_surveys(folder):
     vertices, triangles = engine.read(folder / "house.ply")
     result = engine.simplify((vertices, triangles), planar=True, regularise=True)
-    points, view = view_of(vertices, "Z", 30)
-    made = np.asarray(result.polygons.vertices) - vertices.mean(axis=0)
-    render("surveys", [triangles_of(points, triangles, PAPER), polygons_of(made, result.polygons)], view, (900, 380))
+    render_pair("surveys", vertices, triangles, result.polygons, "Z", 30, (900, 380))
 
 
 def story_parts(folder):
     vertices, triangles = engine.read(folder / "plate.stl")
     result = engine.simplify((vertices, triangles), curved=True)
-    points, view = view_of(vertices, "Z", 30)
-    made = np.asarray(result.polygons.vertices) - vertices.mean(axis=0)
-    render("parts", [triangles_of(points, triangles, PAPER), polygons_of(made, result.polygons)], view, (900, 300))
+    render_pair("parts", vertices, triangles, result.polygons, "Z", 30, (900, 300))
 
 
 def main():
