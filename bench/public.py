@@ -97,7 +97,7 @@ def rounds():
         vertices = round_shapes.with_noise(vertices, 0.001, 1)
         part = engine.partition(engine.clean(vertices, triangles), engine.PartitionOptions(curved=True))
         wanted = [p.radius for p in known[name].parts]
-        radii = [p["radius"] if isinstance(p, dict) else p.radius for p in part.curved]
+        radii = [p.radius for p in part.curved]
         found["missed"] += max(0, len(wanted) - len(radii))
         found["radius"] += sum(100 * min(abs(r / w - 1) for w in wanted) for r in radii)
     return found
@@ -129,7 +129,7 @@ def stages(count):
 
 
 def operations():
-    """Millions of instructions of each stage: of a run with it less those of a run without it."""
+    """Millions of instructions of each stage: the difference of a run with it and a run without it."""
     totals = []
     for count in range(len(STAGES) + 1):
         tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]

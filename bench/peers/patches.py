@@ -4,7 +4,7 @@
 
 `isimp_engine` must be importable. The program is compiled where the headers of CGAL 6 are (scripts/headers.py). Its
 regions grow by the angle of `COSINE`, and by the distance at which it makes about as many polygons as isimp does. The
-columns are those of bench/peers/peers.py.
+table has the columns of bench/peers/peers.py.
 """
 
 import argparse
@@ -19,7 +19,7 @@ import numpy as np
 import isimp_engine as engine
 from bench.peers import ksr, peers
 
-DATA = os.environ.get("ISIMP_DATA", peers.ROOT.parent / "shared" / "data")
+DATA = Path(os.environ.get("ISIMP_DATA", peers.ROOT.parent / "shared" / "data"))
 COSINE = 0.8  # the largest angle between a face and the plane of its region, chosen by hand
 TRIES = 10
 
@@ -66,15 +66,13 @@ def by_patches(program, mesh, part, wanted, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument(
-        "--data", type=Path, default=os.environ.get("ISIMP_DATA", peers.ROOT.parent / "shared" / "data")
-    )
+    parser.add_argument("--data", type=Path, default=DATA)
     parser.add_argument("--only", default="bunny,fandisk,shark", help="parts of mesh names, by commas")
     parser.add_argument("--proxies", type=int, default=300)
     parser.add_argument("--program", type=Path, help="peer_patches, compiled before")
     options = parser.parse_args()
     names = options.only.split(",")
-    paths = [p for p in sorted(Path(options.data).glob("*/*.ply")) if any(name in p.stem for name in names)]
+    paths = [p for p in sorted(options.data.glob("*/*.ply")) if any(name in p.stem for name in names)]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         program = options.program or ksr.compiled(folder, "peer_patches")

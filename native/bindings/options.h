@@ -206,8 +206,7 @@ class OptionsClass {
         .def_static(
             "gone", [gone] { return dict(*gone, Options()); },
             "The options that only earlier versions have: a dict of the name of each and the value that turned it off. "
-            "This "
-            "version accepts and ignores them.")
+            "This version accepts and ignores them.")
         .def("__repr__",
              [fields, name](const Options& options) {
                std::string text;
