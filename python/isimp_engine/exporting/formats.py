@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .._core import FileError, Job, Mesh, Partition, PolygonMesh
 from ..file_errors import reader
-from . import cityjson, dxf, ifc, triangles
+from . import cityjson, dxf, energy, ifc, triangles
 from .surfaces import Surfaces, surfaces_of
 
 
@@ -54,6 +54,16 @@ def _dxf(draft: Path, of: Content) -> dict[str, Any]:
 
 def _ifc(draft: Path, of: Content) -> dict[str, Any]:
     draft.write_text(ifc.ifc(of.polygons, of.surfaces, of.name, of.crs), encoding="ascii")
+    return {}
+
+
+def _idf(draft: Path, of: Content) -> dict[str, Any]:
+    draft.write_text(energy.idf(of.polygons, of.surfaces, of.name), encoding="ascii")
+    return {}
+
+
+def _hbjson(draft: Path, of: Content) -> dict[str, Any]:
+    draft.write_text(energy.hbjson(of.polygons, of.surfaces, of.name), encoding="utf-8")
     return {}
 
 
@@ -118,6 +128,8 @@ FORMATS = (
     Format(".city.json", _cityjson, lods=True, menu="building"),
     Format(".dxf", _dxf, lods=True, menu="building"),
     Format(".ifc", _ifc, lods=True, menu="building"),
+    Format(".idf", _idf, menu="building"),
+    Format(".hbjson", _hbjson, menu="building"),
     Format(".step", _step, "OCP", "cadquery-ocp-novtk", "step", menu="solid"),
     Format(".stp", _step, "OCP", "cadquery-ocp-novtk", "step", menu="solid"),
 )

@@ -13,7 +13,7 @@ CLASSES = (WALL, ROOF, GROUND, CEILING)
 PLANAR = 0.01  # scene units: the default of validators of city models, in metres
 
 _UPRIGHT = 0.25  # largest component along up of a wall's normal: it leans by less than 14.5 degrees
-_LEVEL = 0.94  # least component along up of the ground's normal: it rises by less than 20 degrees
+LEVEL = 0.94  # least component along up of the ground's normal: it rises by less than 20 degrees
 _LOW = 0.1  # share of the model's height: ground lies below this
 
 
@@ -60,8 +60,8 @@ def surfaces_of(poly: PolygonMesh, up: tuple[float, float, float] = (0.0, 0.0, 1
     heights_all = at @ axis if len(at) else np.zeros(1)
     low = heights_all.min() + _LOW * float(np.ptp(heights_all))
     kind = np.where(np.abs(along) <= _UPRIGHT, WALL, np.where(along > 0, ROOF, CEILING)).astype(object)
-    kind[(np.abs(along) >= _LEVEL) & (heights <= low)] = GROUND
-    parts = _components(loops, len(at))
+    kind[(np.abs(along) >= LEVEL) & (heights <= low)] = GROUND
+    parts = len(set(component_of(loops, len(at)).tolist()))
     closed = bool(poly.report["closed"]) and bool(poly.report["manifold"])
     return Surfaces([str(k) for k in kind], normal, parts, volume, closed and parts == 1 and volume > 0)
 
@@ -95,19 +95,19 @@ def validity(poly: PolygonMesh, limit: float = PLANAR, surfaces: Surfaces | None
     }
 
 
-def _components(loops: list[NDArray[np.int32]], vertices: int) -> int:
+def component_of(loops: list[NDArray[np.int32]], vertices: int) -> NDArray[np.int64]:
+    """The component of each polygon, from 0 in the order of their first polygons. Polygons share corners in one."""
     parent = np.arange(vertices)
 
     def root(v: int) -> int:
         while parent[v] != v:
             parent[v] = parent[parent[v]]
-            v = parent[v]
+            v = int(parent[v])
         return v
 
-    used = set()
     for loop in loops:
         first = root(int(loop[0]))
         for v in loop.tolist():
-            used.add(v)
             parent[root(v)] = first
-    return len({root(v) for v in used})
+    numbers: dict[int, int] = {}
+    return np.array([numbers.setdefault(root(int(loop[0])), len(numbers)) for loop in loops], dtype=np.int64)

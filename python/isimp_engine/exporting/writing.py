@@ -32,13 +32,16 @@ def write(
     unit: str = "m",
     place: NDArray[np.float64] | None = None,
 ) -> dict[str, Any]:
-    """Write polygons: PLY, OBJ, GLB, glTF, STL, 3MF; for buildings CityJSON (.city.json), DXF, IFC; STEP (.step, .stp).
+    """Write polygons: PLY, OBJ, GLB, glTF, STL, 3MF, STEP (.step, .stp), and formats of buildings.
+
+    Buildings: CityJSON (.city.json), DXF, IFC, IDF of EnergyPlus, HBJSON of Honeybee.
 
     PLY and OBJ keep n-gons. GLB and glTF have triangles, which FB_ngon_encoding groups to n-gons, and contain all
     arrays; STL and 3MF have triangles alone. STL is text where coordinates are too far from zero for its float32.
 
     The file appears whole or not at all. CityJSON, DXF and IFC have their polygons by class (walls, roofs, ground) and
-    keep n-gons and the scan's coordinates in double precision; they take scene units for metres.
+    keep n-gons and the scan's coordinates in double precision. IDF and HBJSON have convex surfaces. All five take scene
+    units for metres.
 
     STEP is a solid where the polygons are closed, else a shell. Round parts of the partition (`Partition.curved`) have
     true surfaces; where one can't be cut to a valid face, its cells are planes. Non-planar polygons are cut into

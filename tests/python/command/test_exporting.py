@@ -5,6 +5,7 @@ import json
 import re
 import sys
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -91,6 +92,44 @@ def cityjson_rings(city: dict) -> list[np.ndarray]:
     faces = geometry["boundaries"][0] if geometry["type"] == "Solid" else geometry["boundaries"]
     at = np.array(city["vertices"]) * city["transform"]["scale"] + city["transform"]["translate"]
     return [at[face[0]] for face in faces]
+
+
+def zones_of(path: Path) -> Iterator[tuple[np.ndarray, tuple[str, str]]]:
+    """The corners, the class and the boundary condition of each surface of an energy model."""
+    if path.suffix == ".hbjson":
+        for room in json.loads(path.read_text())["rooms"]:
+            for face in room["faces"]:
+                kind = face["face_type"].removesuffix("Ceiling")
+                yield np.array(face["geometry"]["boundary"]), (kind, face["boundary_condition"]["type"])
+        return
+    for item in re.sub("!.*", "", path.read_text()).split(";"):
+        kind, *fields = (field.strip() for field in item.split(","))
+        if kind == "BuildingSurface:Detailed":
+            yield np.array(fields[11:], float).reshape(int(fields[10]), 3), (fields[1], fields[5])
+
+
+@pytest.mark.parametrize("kind", [".idf", ".hbjson"])
+@pytest.mark.parametrize("inwards", [False, True])
+def test_surfaces_of_an_energy_model_are_convex_and_face_out_of_their_zone(
+    tmp_path: Path, kind: str, inwards: bool
+) -> None:
+    house = houses.make(0.0, 1, turn=0.0, at=UTM)
+    mesh = engine.Mesh(house.vertices, house.triangles[:, ::-1] if inwards else house.triangles)
+    poly = engine.polygonize(mesh, engine.partition_from(mesh, house.label.astype(np.int32)))
+    engine.write(path := tmp_path / f"house{kind}", poly)
+    found = list(zones_of(path))
+    low, volume = min(ring[:, 2].min() for ring, _ in found), 0.0
+    for ring, told in found:
+        along = np.roll(ring, -1, axis=0) - ring
+        area = np.cross(ring - ring[0], np.roll(ring, -1, axis=0) - ring[0]).sum(axis=0) / 2
+        volume += float(ring[0] @ area) / 3
+        assert (np.cross(np.roll(along, 1, axis=0), along) @ area >= 0).all()
+        rise = area[2] / np.linalg.norm(area)
+        beyond = "Ground" if rise < -0.9 and ring[:, 2].max() < low + 0.1 else "Outdoors"
+        assert told == ("Floor" if rise < -0.9 else "Roof" if rise > 0.2 else "Wall", beyond)
+    a, b, c = (house.vertices[house.triangles[:, k]] - UTM for k in range(3))
+    assert volume == pytest.approx(np.einsum("ij,ij->", a, np.cross(b, c)) / 6, rel=1e-3)
+    assert len(found) > len(poly.faces())  # concave walls became triangles
 
 
 @pytest.mark.parametrize("version", ["2.0", "1.1"])

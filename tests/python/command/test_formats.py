@@ -12,7 +12,7 @@ import shapes
 from isimp_engine import exporting
 from isimp_engine.cli import main
 from isimp_engine.reading import KINDS
-from test_exporting import cityjson_rings
+from test_exporting import cityjson_rings, zones_of
 
 SIZES = np.array([1.0, 2.0, 3.0])
 AREAS = [6.0, 6.0, 3.0, 3.0, 2.0, 2.0]  # sides towards -x, x, -y, y, -z and z
@@ -66,6 +66,8 @@ def rings_of(path: Path) -> list[np.ndarray]:
         return np.split(vertices[loops], start[1:])
     if path.suffix == ".json":
         return cityjson_rings(json.loads(path.read_text()))
+    if path.suffix in (".idf", ".hbjson"):
+        return [ring for ring, _ in zones_of(path)]
     if path.suffix == ".dxf":
         ezdxf = pytest.importorskip("ezdxf")
         meshes = ezdxf.readfile(path).modelspace().query("MESH")
@@ -84,6 +86,8 @@ def name_in(path: Path) -> str | None:
         return json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])["nodes"][0]["name"]
     if path.suffix == ".json":
         return next(iter(json.loads(path.read_text())["CityObjects"]))
+    if path.suffix == ".hbjson":
+        return json.loads(path.read_text())["display_name"]
     if path.suffix == ".ifc":
         return pytest.importorskip("ifcopenshell").open(str(path)).by_type("IfcBuilding")[0].Name
     return None
