@@ -103,7 +103,8 @@ def in_front(vertices, faces, size, rng):
     normal = np.cross(b - a, c - a)
     length = np.linalg.norm(normal, axis=1)
     points = ((a + b + c) / 3)[length > 0] + FRONT * size * normal[length > 0] / length[length > 0, None]
-    away = np.array([np.linalg.norm(vertices - p, axis=1).min() for p in points])
+    scan = np.concatenate([vertices, on_surface([(vertices, faces)], 100_000, rng)])  # some scans have large triangles
+    away = np.array([np.linalg.norm(scan - p, axis=1).min() for p in points])
     return points[away > 0.9 * FRONT * size]
 
 

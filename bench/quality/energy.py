@@ -2,8 +2,8 @@
 
     python -m bench.quality.energy [--data DIR] [--houses N] [--noise 0.001]
 
-Houses are parts of buildings of DIR/lod2 (CityJSON), made dense, with noise as a share of the diagonal, and simplified by
-`--planar --regularise --convex`. Each runs for a day in winter. It needs the package pyenergyplus-lbnl.
+Houses are parts of buildings of DIR/lod2 (CityJSON), made dense, with noise as a share of the diagonal, and simplified
+by `--planar --regularise --convex`. Each runs for a day in winter. It needs the package pyenergyplus-lbnl.
 
 Columns: polygons; surfaces that are called non-convex; zones that are not enclosed; severe errors.
 """

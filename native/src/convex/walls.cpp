@@ -13,8 +13,8 @@
 namespace isimp::detail {
 namespace {
 
-constexpr double kBent = 0.1;     ///< share of the tolerance: deeper corners of a face are reflex
-constexpr double kSpread = 1.75;  ///< the most by which the back of a slab is wider at an edge, in thicknesses
+constexpr double kBent = 0.1;    ///< share of the tolerance: deeper corners of a face are reflex
+constexpr double kSpread = 1.0;  ///< the most by which the back of a slab is wider at an edge, in thicknesses
 
 using Edge = std::array<std::int32_t, 2>;
 
