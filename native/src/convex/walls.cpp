@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -16,19 +16,50 @@ namespace {
 constexpr double kBent = 0.1;    ///< share of the tolerance: deeper corners of a face are reflex
 constexpr double kSpread = 1.0;  ///< the most by which the back of a slab is wider at an edge, in thicknesses
 
+constexpr double kAlong = 1e-6;  ///< cosine: a facet this upright on a polygon is not in front of it
+
 using Edge = std::array<std::int32_t, 2>;
 
-/// A convex polygon.
+/// A convex polygon of one or more triangles of a region.
 struct Face {
   std::vector<std::int32_t> loop;  ///< vertices
+  std::vector<Edge> edges;         ///< the border of its triangles; all are in the loop, or in its inside
   std::int32_t region = 0;
 };
+
+/// Whether a point is in a convex polygon.
+bool is_in(const Vec3& p, const Loop& loop, const Vec3& normal) {
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const Vec3 &a = loop[i], &b = loop[(i + 1) % loop.size()];
+    if ((b - a).cross(p - a).dot(normal) < 0) return false;
+  }
+  return true;
+}
+
+/// Whether a point can be seen from the front of a polygon: the next facet in front of it faces it, or there is none.
+bool is_seen(const Vec3& p, const Vec3& normal, const Solid& solid) {
+  double nearest = std::numeric_limits<double>::infinity();
+  bool faces = true;
+  for (const Facet& facet : solid.facets) {
+    const double turn = facet.normal.dot(normal);
+    if (std::abs(turn) < kAlong) continue;
+    const double away = facet.normal.dot(facet.corners[0] - p) / turn;
+    if (away <= solid.lengths.deep || away >= nearest) continue;
+    const Loop loop(facet.corners.begin(), facet.corners.end());
+    if (!is_in(p + away * normal, loop, facet.normal)) continue;
+    nearest = away;
+    faces = turn < 0;
+  }
+  return faces;
+}
 
 /// The faces of a surface, with their edges and normals.
 class Surface {
  public:
   Surface(std::vector<Vec3> vertices, std::vector<Face> faces, double slack)
-      : vertices_(std::move(vertices)), faces_(std::move(faces)), slack_(slack) {}
+      : vertices_(std::move(vertices)), faces_(std::move(faces)), slack_(slack) {
+    for (const Face& face : faces_) triangles_[face.region].push_back(corners(face));
+  }
 
   [[nodiscard]] const std::vector<Face>& faces() const { return faces_; }
   [[nodiscard]] Loop corners(const Face& face) const {
@@ -37,27 +68,31 @@ class Surface {
     return loop;
   }
 
-  /// Joins faces of one region along edges that they share, the longest first, where that is convex.
-  void join() {
+  /// Joins faces of one region along edges that they share, the longest first: where that is convex, then where their
+  /// hull adds only what is hidden behind other facets, as the floor under a cupboard is.
+  /// \param spacing  of the points at which it is looked
+  void join(const Solid& solid, double spacing, Job& job) {
     std::map<Edge, std::int32_t> face_of;  // by directed edge
     std::vector<std::pair<double, Edge>> inner;
     for (std::size_t f = 0; f < faces_.size(); ++f)
-      for_each_edge(faces_[f], [&](const Edge& e) { face_of[e] = static_cast<std::int32_t>(f); });
+      for (const Edge& e : faces_[f].edges) face_of[e] = static_cast<std::int32_t>(f);
     for (const auto& [e, f] : face_of) {
       const auto other = face_of.find({e[1], e[0]});
       if (e[0] < e[1] && other != face_of.end() && faces_[f].region == faces_[other->second].region)
         inner.emplace_back((vertices_[e[0]] - vertices_[e[1]]).squaredNorm(), e);
     }
     std::ranges::stable_sort(inner, std::ranges::greater{}, &std::pair<double, Edge>::first);
-    for (const auto& [length, e] : inner) {
-      const std::int32_t f = face_of.at(e), g = face_of.at({e[1], e[0]});
-      if (f == g) continue;
-      Face both{united(faces_[f].loop, faces_[g].loop, e), faces_[f].region};
-      if (both.loop.empty() || !is_convex(both)) continue;
-      for_each_edge(faces_[g], [&](const Edge& of_g) { face_of[of_g] = f; });
-      faces_[f] = std::move(both);
-      faces_[g].loop.clear();
-    }
+    for (const bool fill : {false, true})
+      for (const auto& [length, e] : inner) {
+        const std::int32_t f = face_of.at(e), g = face_of.at({e[1], e[0]});
+        if (f == g) continue;
+        job.poll();
+        Face both = hull(faces_[f], faces_[g]);
+        if (fill ? is_any_seen(both, faces_[f], faces_[g], solid, spacing) : adds(both, faces_[f], faces_[g])) continue;
+        for (const Edge& of_g : faces_[g].edges) face_of[of_g] = f;
+        faces_[f] = std::move(both);
+        faces_[g].loop.clear();
+      }
     std::erase_if(faces_, [](const Face& face) { return face.loop.empty(); });
   }
 
@@ -66,43 +101,91 @@ class Surface {
     std::map<Edge, Vec3> normals;
     for (const Face& face : faces_) {
       const Vec3 normal = area_vector(corners(face)).normalized();
-      for_each_edge(face, [&](const Edge& e) { normals[e] = normal; });
+      for (const Edge& e : face.edges) normals[e] = normal;
     }
     return normals;
   }
 
- private:
-  template <class Function>
-  static void for_each_edge(const Face& face, Function fn) {
-    for (std::size_t i = 0; i < face.loop.size(); ++i)
-      fn(Edge{face.loop[i], face.loop[i + 1 < face.loop.size() ? i + 1 : 0]});
-  }
-
-  /// Two loops as one; empty if they share more than the edge, which runs forwards in the first.
-  static std::vector<std::int32_t> united(std::vector<std::int32_t> p, std::vector<std::int32_t> q, const Edge& e) {
-    std::rotate(p.begin(), std::ranges::find(p, e[1]), p.end());  // it ends with the edge's first vertex
-    std::rotate(q.begin(), std::ranges::find(q, e[0]), q.end());  // it ends with the edge's second one
-    q.pop_back();
-    q.erase(q.begin());
-    if (std::ranges::find_first_of(p, q) != p.end()) return {};
-    p.insert(p.end(), q.begin(), q.end());
-    return p;
-  }
-
-  [[nodiscard]] bool is_convex(const Face& face) const {
-    const Loop loop = corners(face);
-    const Vec3 normal = area_vector(loop).normalized();
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const Vec3 &a = loop[i], &b = loop[(i + 1) % loop.size()], &c = loop[(i + 2) % loop.size()];
-      if ((b - a).cross(c - b).dot(normal) < -slack_ * (c - a).norm()) return false;
-      if ((b - a).dot(c - b) < 0 && (b - a).cross(c - b).dot(normal) <= 0) return false;  // it turns back
+  /// The normal of the face beyond a side of a face: beyond the longest of its edges in the line of this side, the
+  /// opposite of its own normal without such an edge.
+  [[nodiscard]] Vec3 beyond(const Face& face, const Edge& side, const std::map<Edge, Vec3>& normals) const {
+    const Vec3 &a = vertices_[side[0]], along = (vertices_[side[1]] - a).normalized();
+    double longest = 0;
+    Vec3 found = area_vector(corners(face)).normalized();
+    for (const auto& [from, to] : face.edges) {
+      const auto next = normals.find({to, from});
+      const Vec3 p = vertices_[from] - a, q = vertices_[to] - a;
+      const bool in_line = p.cross(along).norm() <= slack_ && q.cross(along).norm() <= slack_;
+      if (next == normals.end() || !in_line || (q - p).dot(along) <= longest) continue;
+      longest = (q - p).dot(along);
+      found = next->second;
     }
-    return true;
+    return found;
+  }
+
+ private:
+  /// The convex hull of two faces of one plane.
+  [[nodiscard]] Face hull(const Face& f, const Face& g) const {
+    Face both{{}, f.edges, f.region};
+    for (const Edge& e : g.edges)
+      if (std::erase(both.edges, Edge{e[1], e[0]}) == 0) both.edges.push_back(e);
+    std::vector<std::int32_t> all = f.loop;
+    for (const std::int32_t v : g.loop)
+      if (std::ranges::find(f.loop, v) == f.loop.end()) all.push_back(v);
+    const Vec3 normal = (area_vector(corners(f)) + area_vector(corners(g))).normalized();
+    const Vec3 right = normal.unitOrthogonal(), up = normal.cross(right);
+    const auto place = [&](std::int32_t v) { return std::pair(right.dot(vertices_[v]), up.dot(vertices_[v])); };
+    std::ranges::sort(all, {}, place);
+    for (const int way : {1, -1}) {  // the lower side from left to right, the upper side back (Andrew 1979)
+      const std::size_t first = both.loop.size();
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        const std::int32_t v = all[way > 0 ? k : all.size() - 1 - k];
+        while (both.loop.size() >= first + 2) {
+          const Vec3 &a = vertices_[both.loop.end()[-2]], &b = vertices_[both.loop.back()];
+          if ((b - a).cross(vertices_[v] - b).dot(normal) > slack_ * (vertices_[v] - a).norm()) break;
+          both.loop.pop_back();
+        }
+        both.loop.push_back(v);
+      }
+      if (!both.loop.empty()) both.loop.pop_back();  // the other side begins with it
+    }
+    return both;
+  }
+
+  /// Whether the hull of two faces that do not overlap has more than these.
+  [[nodiscard]] bool adds(const Face& hull, const Face& f, const Face& g) const {
+    double around = 0;
+    const Loop loop = corners(hull);
+    for (std::size_t i = 0; i < loop.size(); ++i) around += (loop[(i + 1) % loop.size()] - loop[i]).norm();
+    return area_vector(loop).norm() >
+           area_vector(corners(f)).norm() + area_vector(corners(g)).norm() + slack_ * around / 4;
+  }
+
+  /// Whether anything that the hull of two faces adds can be seen.
+  [[nodiscard]] bool is_any_seen(const Face& hull, const Face& f, const Face& g, const Solid& solid,
+                                 double spacing) const {
+    const Loop loop = corners(hull);
+    const Vec3 normal = area_vector(loop).normalized(), right = normal.unitOrthogonal(), up = normal.cross(right);
+    std::vector<Loop> known = triangles_.at(hull.region);
+    known.push_back(corners(f));
+    known.push_back(corners(g));
+    Eigen::AlignedBox2d box;
+    for (const Vec3& p : loop) box.extend(Eigen::Vector2d(right.dot(p - loop[0]), up.dot(p - loop[0])));
+    const Eigen::Vector2d steps = (box.sizes() / spacing).array().ceil();
+    for (double i = 0.5; i < steps.x(); ++i)
+      for (double j = 0.5; j < steps.y(); ++j) {
+        const Eigen::Vector2d at = box.min() + spacing * Eigen::Vector2d(i, j);
+        const Vec3 p = loop[0] + at.x() * right + at.y() * up;
+        const auto has = [&](const Loop& each) { return is_in(p, each, normal); };
+        if (has(loop) && !std::ranges::any_of(known, has) && is_seen(p, normal, solid)) return true;
+      }
+    return false;
   }
 
   std::vector<Vec3> vertices_;
   std::vector<Face> faces_;
   double slack_;
+  std::map<std::int32_t, std::vector<Loop>> triangles_;  // by region
 };
 
 /// The plane at an edge of a slab: halfway to the next face.
@@ -160,10 +243,11 @@ std::vector<ConvexPart> walls_of(const PolygonSoup& polygons, std::span<const st
   for (std::size_t t = 0; t < cut.triangles.size(); ++t) {
     const auto& corners = cut.triangles[t];
     const std::int32_t q = cut.source_polygon[t];
-    triangles.push_back({{corners.begin(), corners.end()}, region.empty() ? q : region[q]});
+    const auto& [a, b, c] = corners;
+    triangles.push_back({{a, b, c}, {{a, b}, {b, c}, {c, a}}, region.empty() ? q : region[q]});
   }
   Surface surface(near.vertices, std::move(triangles), kBent * solid.lengths.deep);
-  surface.join();
+  surface.join(solid, thickness / 2, job);
   const std::map<Edge, Vec3> normals = surface.normals();
   std::vector<ConvexPart> made;
   const auto& faces = surface.faces();
@@ -176,8 +260,8 @@ std::vector<ConvexPart> walls_of(const PolygonSoup& polygons, std::span<const st
     std::vector<Plane> planes;
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const std::size_t j = (i + 1) % loop.size();
-      const auto next = normals.find({faces[f].loop[j], faces[f].loop[i]});
-      planes.push_back(side_of_slab(loop[i], loop[j], normal, next == normals.end() ? normal : next->second));
+      const Vec3 next = surface.beyond(faces[f], {faces[f].loop[i], faces[f].loop[j]}, normals);
+      planes.push_back(side_of_slab(loop[i], loop[j], normal, next));
     }
     const double room = room_behind(loop, normal, planes, thickness, solid), offset = normal.dot(mean_of(loop));
     planes.push_back({normal, offset});

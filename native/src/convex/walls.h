@@ -12,7 +12,9 @@ namespace isimp::detail {
 /// edge meet in the plane halfway between them, so that they neither overlap nor leave a gap. A slab ends where another
 /// polygon lies behind it, and halfway where that one faces the same way, as there is free space between them.
 ///
-/// \param region     as of `convex_parts`: polygons of one region are joined where that is convex
+/// Notches and holes of a region are filled where nothing of them can be seen from the front.
+///
+/// \param region     as of `convex_parts`
 /// \param origin     is subtracted from all vertices
 /// \param thickness  the most, scene units
 /// \return relative to the origin

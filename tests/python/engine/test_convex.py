@@ -140,6 +140,20 @@ def test_walls_stay_within_a_pillar_and_a_plate():
     assert part.volume == pytest.approx(0.5)
 
 
+def test_a_floor_is_one_slab_under_a_cupboard_and_open_where_it_has_a_hole():
+    floor, squares = shapes.plane(10)
+    under = (np.abs(floor[squares].mean(axis=1)[:, :2] - 0.5) < 0.2).all(axis=1)
+    parts = walls(floor, squares[~under], thickness=0.1)
+    assert len(parts) == 4
+    assert distances(parts, np.array([[0.5, 0.5, -0.05]]))[0] > 0.19
+    box, sides = shapes.cube(4)
+    sides = sides[(box[sides][:, :, 2] > 0).any(axis=1)]  # its bottom is not in the scan
+    cupboard = shapes.joined((floor, squares[~under]), (box * [0.4, 0.4, 0.5] + [0.3, 0.3, 0], sides))
+    parts = walls(*shapes.welded(*cupboard), thickness=0.1)
+    assert len(parts) == 6
+    assert distances(parts, np.array([[0.5, 0.5, -0.05]]))[0] < 0
+
+
 def test_doors_of_a_scanned_room_stay_free():
     solid = hollow_solids.floor_plan()
     vertices, faces = hollow_solids.twin(solid)
