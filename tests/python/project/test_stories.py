@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+import meshfiles
+import shapes
 from isimp_engine.cli import main
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -76,3 +78,13 @@ def test_points_become_a_mesh(scans, tmp_path, capsys):
     program, mesh = ROOT / "examples" / "points_to_mesh.py", tmp_path / "mesh.ply"
     subprocess.run([sys.executable, program, scans / "points.ply", mesh, "--depth", "7"], check=True)
     assert "1 part, closed" in summary(capsys, mesh, tmp_path / "house.obj", "--planar")
+
+
+def test_a_scanned_room_has_a_reverberation_time(tmp_path):
+    pytest.importorskip("pyroomacoustics")
+    vertices, faces = shapes.cube(12)
+    meshfiles.obj(tmp_path / "room.obj", vertices * [6, 4, 2.6], faces[:, ::-1])
+    command = [sys.executable, ROOT / "examples" / "acoustics.py", tmp_path / "room.obj"]
+    told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    assert told.startswith("6 walls, ")
+    assert float(told.split()[-2]) == pytest.approx(0.87, rel=0.05)
