@@ -191,10 +191,10 @@ TEST(ConvexParts, DoNotDependOnTheUnit) {
 }
 
 TEST(ConvexParts, OfABallAreTheBall) {
-  const auto ball = parts_of(soup_of(shapes::sphere(3)), {.tolerance = 0.05});
+  const auto ball = parts_of(soup_of(shapes::sphere(2)), {.tolerance = 0.05});
   expect_convex(ball);
   ASSERT_EQ(ball.size(), 1);
-  const auto few = parts_of(soup_of(shapes::sphere(3)), {.tolerance = 0.05, .most_vertices = 12});
+  const auto few = parts_of(soup_of(shapes::sphere(2)), {.tolerance = 0.05, .most_vertices = 12});
   EXPECT_LE(few[0].vertices.size(), 12);
 }
 

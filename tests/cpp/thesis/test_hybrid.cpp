@@ -71,7 +71,7 @@ TEST(Hybrid, HasExactlyTheRequestedRegionsAndErrsLittle) {
 }
 
 TEST(Hybrid, ErrsLessThanTheThesissOwn) {
-  const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::torus(160, 80), 0.001, 2), 3));
+  const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::torus(80, 40), 0.001, 2), 3));
   const Partition flooded = run(mesh, {.proxies = 100, .connect = Connect::flood});
   expect_sound(mesh, flooded);
   const Partition relaxed = run(mesh, {.proxies = 100, .threads = 1});
