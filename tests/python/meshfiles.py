@@ -108,10 +108,10 @@ POLYGONS = {
 TRIANGLES = {**POLYGONS, "ascii.stl": stl_ascii, "binary.stl": stl_binary}
 
 
-def read_rows(path, rows, end="\n", threads=0):
+def read_rows(path, rows):
     """The engine's result for a file of these lines."""
-    path.write_bytes(end.join(rows).encode())
-    return engine.reading.read_polygons(path, threads=threads)
+    path.write_bytes("\n".join(rows).encode())
+    return engine.reading.read_polygons(path)
 
 
 def assert_same(found, wanted):

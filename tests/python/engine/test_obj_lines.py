@@ -1,4 +1,4 @@
-"""Plain OBJ files are read on all threads, others line by line: with the same result and the same messages."""
+"""Lines of OBJ files of all kinds, and damaged ones, which are named."""
 
 import numpy as np
 import pytest
@@ -8,41 +8,17 @@ import shapes
 from meshfiles import assert_same, read_rows
 
 
-def lines(corners=3, n=40):
-    """An OBJ file of more than a million bytes, so that several threads share it, with lines that are skipped."""
-    vertices, triangles = shapes.plane(n)
+def lines():
+    """The lines of an OBJ file, some of which are skipped."""
+    vertices, triangles = shapes.plane(10)
     rows = ["mtllib a.mtl", "o sheet"] + [f"v {x:.17g} {y:.17g} {z:.17g} 0.5 0.5 0.5" for x, y, z in vertices]
     rows += ["vt 0 0", "vn 0 0 1", "", "# faces", "usemtl a"]
-    faces = triangles if corners == 3 else np.concatenate([triangles[: n * n], triangles[n * n :, 2:]], 1)
     forms = ("{}", "{}/1", "{}//1", "{}/1/1")
-    for k, face in enumerate(np.tile(faces, (60 if n > 20 else 1, 1))):
-        rows.append("f " + " ".join(forms[k % 4].format(v + 1) for v in face))
-    return rows
+    return rows + ["f " + " ".join(forms[k % 4].format(v + 1) for v in face) for k, face in enumerate(triangles)]
 
 
-def read(tmp_path, rows, end="\n", threads=0):
-    return read_rows(tmp_path / "a.obj", rows, end, threads)
-
-
-@pytest.mark.parametrize("corners", [3, 4])
-@pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_plain_files_equal_reading_line_by_line(tmp_path, corners, end):
-    rows = lines(corners)
-    assert sum(map(len, rows)) > 1 << 20
-    slowly = read(tmp_path, [" # a space before a line is not plain", *rows])
-    for threads in (1, 2, 5):
-        assert_same(read(tmp_path, rows, end, threads), slowly)
-    assert len(slowly[0]) == 41 * 41
-    assert len(slowly[2]) == 60 * (2 if corners == 3 else 1) * 40 * 40
-
-
-def test_faces_of_several_sizes_are_shared_by_threads(tmp_path):
-    rows = lines()
-    rows[2000:2000] = ["f 1 2 3 4", "f", "f 5 6 7 8 9"]
-    slowly = read(tmp_path, [" # a space before a line is not plain", *rows])
-    for threads in (1, 2, 5):
-        assert_same(read(tmp_path, rows, threads=threads), slowly)
-    assert len(slowly[1]) == 3 * (len(slowly[2]) - 3) + 9
+def read(tmp_path, rows):
+    return read_rows(tmp_path / "a.obj", rows)
 
 
 @pytest.mark.parametrize(
@@ -59,8 +35,8 @@ def test_faces_of_several_sizes_are_shared_by_threads(tmp_path):
         ("f\v1 2 3", [[0, 1, 2]]),
     ],
 )
-def test_other_files_are_read_too(tmp_path, row, faces):
-    rows = lines(n=10)
+def test_lines_of_all_kinds_are_read(tmp_path, row, faces):
+    rows = lines()
     _, loops, start = read(tmp_path, [*rows, row])
     found = [part.tolist() for part in np.split(loops, start[1:])]
     assert found[-len(faces) :] == faces
@@ -79,7 +55,7 @@ def test_other_files_are_read_too(tmp_path, row, faces):
     ],
 )
 def test_damage_is_named_with_its_line(tmp_path, row, said):
-    rows = lines(n=10)
+    rows = lines()
     assert len(rows) == 328
     with pytest.raises(engine.FileError, match=said):
         read(tmp_path, [*rows, row])

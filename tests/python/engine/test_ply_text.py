@@ -1,7 +1,4 @@
-"""Text PLY files with a row in each line are read on all threads, others word by word: with the same result.
-
-The messages are the same, too. Plain files of any kind are never in memory as a whole.
-"""
+"""Text PLY files with any line ends, and damaged ones, which are named; and the memory that reading takes."""
 
 import subprocess
 import sys
@@ -23,36 +20,18 @@ def head(vertices, faces, vertex=VERTEX, face=FACE, form="ascii"):
     return [*rows, f"element face {faces}", *(f"property {p}" for p in face), "end_header"]
 
 
-def sheet(corners=3, n=40, times=20):
-    """Rows of more than a million bytes, so that several threads share them."""
-    vertices, triangles = shapes.plane(n)
+def sheet():
+    vertices, triangles = shapes.plane(10)
     places = [f"{x:.17g} {y:.17g} {z:.17g}" for x, y, z in vertices]
-    faces = triangles.tolist()
-    if corners == 0:  # polygons of all sizes, including none and one corner
-        faces = [[(7 * k + j) % len(vertices) for j in range(k % 7)] for k in range(len(triangles))]
-    return places, [" ".join(map(str, [len(face), *face])) for face in faces] * times
+    return places, [" ".join(map(str, [3, *face])) for face in triangles.tolist()]
 
 
-def read(tmp_path, rows, end="\n", threads=0):
-    return read_rows(tmp_path / "a.ply", rows, end, threads)
-
-
-@pytest.mark.parametrize("corners", [3, 0])
-@pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_rows_in_lines_equal_reading_word_by_word(tmp_path, corners, end):
-    places, faces = sheet(corners, times=40)
-    rows = head(len(places), len(faces)) + places + faces
-    assert sum(map(len, rows)) > 1 << 20
-    slowly = read(tmp_path, [*rows[:-1], "", rows[-1]])  # an empty line is no row
-    assert len(slowly[0]) == 41 * 41
-    assert len(slowly[2]) == 40 * 2 * 40 * 40
-    for threads in (1, 2, 5):
-        assert_same(read(tmp_path, rows, end, threads), slowly)
-        assert_same(read(tmp_path, [*rows, ""], end, threads), slowly)
+def read(tmp_path, rows):
+    return read_rows(tmp_path / "a.ply", rows)
 
 
 def test_other_properties_and_elements_are_skipped(tmp_path):
-    places, faces = sheet(n=10, times=1)
+    places, faces = sheet()
     wanted = read(tmp_path, head(len(places), len(faces)) + places + faces)
     vertex = ("uchar red", "float z", "double x", "float y", "int tag")
     face = ("float quality", "list uchar float texcoord", *FACE, "int id")
@@ -60,8 +39,7 @@ def test_other_properties_and_elements_are_skipped(tmp_path):
     more = [f"0.5 2 .25 .75 {row} 7" for row in faces]
     rows = head(len(places), len(faces), vertex, face)
     rows[-1:] = ["element edge 1", "property int vertex1", "end_header"]
-    for threads in (1, 3):
-        assert_same(read(tmp_path, [*rows, *swapped, *more, "0", "what follows is not read"], threads=threads), wanted)
+    assert_same(read(tmp_path, [*rows, *swapped, *more, "0", "what follows is not read"]), wanted)
 
 
 @pytest.mark.parametrize(
@@ -76,7 +54,7 @@ def test_other_properties_and_elements_are_skipped(tmp_path):
     ],
 )
 def test_rows_that_are_no_lines_are_read_too(tmp_path, mend):
-    places, faces = sheet(n=10, times=1)
+    places, faces = sheet()
     rows = head(len(places), len(faces))
     assert_same(read(tmp_path, rows + mend(places + faces)), read(tmp_path, rows + places + faces))
 
@@ -94,7 +72,7 @@ def test_rows_that_are_no_lines_are_read_too(tmp_path, mend):
     ],
 )
 def test_damage_is_named_with_its_place(tmp_path, at, row, said):
-    places, faces = sheet(n=10, times=1)
+    places, faces = sheet()
     rows = places + faces
     rows[at] = row
     with pytest.raises(engine.FileError, match=said):
@@ -121,7 +99,7 @@ print((peak() - before - sum(array.nbytes for array in arrays)) / len(arrays[1])
 
 @pytest.mark.skipif(sys.platform != "linux", reason="asks Linux for the peak of memory")
 @pytest.mark.parametrize("kind", ["binary.ply", "text.ply", "text.obj"])
-def test_reading_takes_little_memory_above_the_arrays(tmp_path, kind):
+def test_reading_takes_the_arrays_the_file_and_little_more_memory(tmp_path, kind):
     vertices, triangles = shapes.plane(350)
     path = tmp_path / kind
     if kind == "binary.ply":
@@ -138,4 +116,4 @@ def test_reading_takes_little_memory_above_the_arrays(tmp_path, kind):
     assert path.stat().st_size > 25 * len(triangles)
     own = {"PYTHONPATH": ":".join(p for p in sys.path if p)}
     done = subprocess.run([sys.executable, "-c", PEAK, str(path)], env=own, capture_output=True, text=True, check=True)
-    assert float(done.stdout) < 20
+    assert float(done.stdout) < 20 + path.stat().st_size / len(triangles)

@@ -33,12 +33,6 @@ std::span<std::int32_t> SoupBuilder::add_polygons(std::size_t count, std::size_t
   return std::span(soup_.loops).subspan(held);
 }
 
-SoupBuilder::Polygons SoupBuilder::add_mixed_polygons(std::size_t count, std::size_t corners) {
-  soup_.loop_start.resize(count);
-  soup_.loops.resize(corners);
-  return {soup_.loop_start, soup_.loops};
-}
-
 void SoupBuilder::drop_polygons(std::size_t count, std::size_t corners) {
   soup_.loop_start.resize(soup_.loop_start.size() - count);
   soup_.loops.resize(soup_.loops.size() - count * corners);

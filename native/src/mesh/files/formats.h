@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "files/file_parts.h"
 #include "files/file_text.h"
 #include "isimp/core/job.h"
 #include "isimp/core/threads.h"
@@ -61,16 +60,6 @@ class SoupBuilder {
   std::span<Vec3> add_vertices(std::size_t count);
   /// Adds `count` polygons with `corners` corners each. The caller sets the corners, polygon after polygon.
   std::span<std::int32_t> add_polygons(std::size_t count, std::size_t corners);
-  /// Whether this many vertices, polygons and corners in all can still be added.
-  [[nodiscard]] bool has_room(std::size_t vertices, std::size_t polygons, std::size_t corners) const {
-    return vertices <= room_for_vertices() && polygons <= room_for_polygons(0) && corners <= room_for_polygons(1);
-  }
-  /// The first corners of polygons, and their corners.
-  struct Polygons {
-    std::span<std::int32_t> starts, corners;
-  };
-  /// Adds polygons with `corners` corners in all, the first polygons of the soup. The caller sets both arrays.
-  Polygons add_mixed_polygons(std::size_t count, std::size_t corners);
   /// Removes the last `count` polygons, which have `corners` corners each.
   void drop_polygons(std::size_t count, std::size_t corners);
   [[nodiscard]] const std::vector<Vec3>& vertices() const { return soup_.vertices; }
@@ -90,16 +79,16 @@ class SoupBuilder {
   PolygonSoup soup_;
 };
 
-// Readers on all threads, of the usual files. They return nothing for other files, including damaged ones: the readers
-// below then read them, or report the error.
+/// Polls in each piece of work, and reports how far the first one is, since the others are about as far.
+inline void report_piece(Job& job, std::int32_t piece, double share) {
+  if (piece == 0) {
+    job.report(share);
+  } else {
+    job.poll();
+  }
+}
 
-/// Binary PLY with rows of equal size, or text with a row in each line; vertices first, then faces.
-std::optional<PolygonSoup> read_plain_ply(const FileParts& parts, const Threads& threads, Job& job);
-/// Lines that begin with "v " or "f ", numbers of vertices counted from 1. Other lines are skipped. The lines are
-/// counted first, so no array is larger than it must be.
-std::optional<PolygonSoup> read_plain_obj(const FileParts& parts, const Threads& threads, Job& job);
-
-/// Readers of all files. \param columns  see `read_polygons`
+/// \param columns  see `read_polygons`
 PolygonSoup read_ply(const FileText& file, Columns* columns, const Threads& threads, Job& job);
 PolygonSoup read_obj(const FileText& file, Columns* columns, const Threads& threads, Job& job);
 PolygonSoup read_stl(const FileText& file, Columns* columns, const Threads& threads, Job& job);

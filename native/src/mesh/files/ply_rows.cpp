@@ -25,21 +25,19 @@ std::optional<std::vector<std::size_t>> offsets_of(const PlyElement& element, st
   return offsets;
 }
 
-/// Calls visit(reader, begin, end) for blocks of rows in pieces, one a thread, until a call of the piece returns less
+/// Calls visit(begin, end) for blocks of rows in pieces, one a thread, until a call of the piece returns less
 /// than the block's end: the row that it reached.
 /// \return the row that all of them reached without a gap
 template <class Visit>
-std::size_t for_each_block(std::size_t rows, const FileParts& parts, const Threads& threads, Job& job,
-                           const Visit& visit) {
+std::size_t for_each_block(std::size_t rows, const Threads& threads, Job& job, const Visit& visit) {
   const auto n = static_cast<std::int32_t>(rows);
   const std::int32_t pieces = threads.pieces(n);
   std::vector<std::size_t> stopped(static_cast<std::size_t>(pieces), rows);
   threads.run(n, pieces, [&](std::int32_t piece, std::int32_t first, std::int32_t last) {
-    FileParts::Reader reader(parts);
     const auto end = static_cast<std::size_t>(last);
     for (auto begin = static_cast<std::size_t>(first); begin < end; begin += kBlock) {
       report_piece(job, piece, static_cast<double>(begin) / last);
-      const std::size_t block_end = std::min(end, begin + kBlock), came = visit(reader, begin, block_end);
+      const std::size_t block_end = std::min(end, begin + kBlock), came = visit(begin, block_end);
       if (came == block_end) continue;
       stopped[piece] = came;
       return;
@@ -100,20 +98,15 @@ void copy_corners(const Lists& lists, const char* block, std::size_t rows, std::
 
 }  // namespace
 
-std::optional<std::size_t> bytes_of_row(const PlyElement& element) {
-  const auto offsets = offsets_of(element, {});
-  return offsets ? std::optional(offsets->back()) : std::nullopt;
-}
-
 std::size_t read_vertex_rows(const PlyBytes& bytes, const PlyElement& element, const std::array<int, 3>& axes,
                              SoupBuilder& soup, const Threads& threads, Job& job) {
   const auto offsets = offsets_of(element, {});
   if (!offsets || element.count > soup.room_for_vertices()) return 0;
   const std::size_t row_bytes = offsets->back();
-  if (bytes.size() / row_bytes < element.count) return 0;
+  if (bytes.rest.size() / row_bytes < element.count) return 0;
   const std::span<Vec3> vertices = soup.add_vertices(element.count);
-  const auto read = [&](FileParts::Reader& reader, std::size_t begin, std::size_t end) {
-    const char* block = reader.bytes(bytes.begin + begin * row_bytes, bytes.begin + end * row_bytes).data();
+  const auto read = [&](std::size_t begin, std::size_t end) {
+    const char* block = bytes.rest.data() + begin * row_bytes;
     for (int k = 0; k < 3; ++k) {
       const auto property = static_cast<std::size_t>(axes[static_cast<std::size_t>(k)]);
       with_type(element.properties[property].type, [&](auto zero) {
@@ -124,7 +117,7 @@ std::size_t read_vertex_rows(const PlyBytes& bytes, const PlyElement& element, c
     }
     return end;
   };
-  for_each_block(element.count, bytes.parts, threads, job, read);
+  for_each_block(element.count, threads, job, read);
   return element.count * row_bytes;
 }
 
@@ -133,25 +126,23 @@ PlyRows read_face_rows(const PlyBytes& bytes, const PlyElement& element, std::si
   const auto offsets = offsets_of(element, corners);
   const PlyProperty& list = element.properties[corners];
   const std::size_t count_bytes = size_of(list.count_type);
-  if (!offsets || bytes.size() < offsets->back() + count_bytes) return {};
+  if (!offsets || bytes.rest.size() < offsets->back() + count_bytes) return {};
   Lists lists{(*offsets)[corners], 0, count_bytes, 0, bytes.swap};
-  const std::size_t first = bytes.begin + lists.offset;
-  FileParts::Reader start(bytes.parts);
-  const std::int64_t count = load_count(start.bytes(first, first + count_bytes).data(), list.count_type, bytes.swap);
+  const std::int64_t count = load_count(bytes.rest.data() + lists.offset, list.count_type, bytes.swap);
   if (count < 0) return {};
   lists.corners = static_cast<std::size_t>(count);
   lists.row_bytes = offsets->back() + count_bytes + lists.corners * size_of(list.type);
-  const std::size_t room = std::min(bytes.size() / lists.row_bytes, soup.room_for_polygons(lists.corners));
+  const std::size_t room = std::min(bytes.rest.size() / lists.row_bytes, soup.room_for_polygons(lists.corners));
   const std::size_t rows = std::min(most, room);
   const std::span<std::int32_t> to = soup.add_polygons(rows, lists.corners);
-  const auto read = [&](FileParts::Reader& reader, std::size_t begin, std::size_t end) {
-    const char* block = reader.bytes(bytes.begin + begin * lists.row_bytes, bytes.begin + end * lists.row_bytes).data();
+  const auto read = [&](std::size_t begin, std::size_t end) {
+    const char* block = bytes.rest.data() + begin * lists.row_bytes;
     const std::size_t equal = rows_with_count(lists, list.count_type, block, end - begin);
     with_type(list.type,
               [&](auto zero) { copy_corners<decltype(zero)>(lists, block, equal, to.data() + begin * lists.corners); });
     return begin + equal;
   };
-  const std::size_t equal = for_each_block(rows, bytes.parts, threads, job, read);
+  const std::size_t equal = for_each_block(rows, threads, job, read);
   soup.drop_polygons(rows - equal, lists.corners);
   return {equal, equal * lists.row_bytes};
 }

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <optional>
+#include <string_view>
 #include <utility>
 
 #include "files/formats.h"
@@ -49,11 +49,8 @@ auto with_type(PlyScalar type, const Visit& visit) {
 
 /// The part of the file that is not read yet.
 struct PlyBytes {
-  const FileParts& parts;
-  std::size_t begin = 0;
+  std::string_view rest;
   bool swap = false;  ///< whether the file's byte order is the other one
-
-  [[nodiscard]] std::size_t size() const { return parts.size() - begin; }
 };
 
 /// Reads all vertices if none of their properties is a list and the file holds all of them; else reads nothing.
@@ -66,9 +63,6 @@ std::size_t read_vertex_rows(const PlyBytes& bytes, const PlyElement& element, c
 struct PlyRows {
   std::size_t rows = 0, bytes = 0;
 };
-
-/// The number of bytes of a row of an element; nothing if one of its properties is a list.
-std::optional<std::size_t> bytes_of_row(const PlyElement& element);
 
 /// Reads polygons as long as each has as many corners as the first one. Reads nothing where another property is a list.
 /// \param corners  the property that lists the corners

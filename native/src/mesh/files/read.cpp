@@ -14,7 +14,7 @@ namespace isimp {
 namespace {
 
 namespace fs = std::filesystem;
-using detail::FileParts, detail::FileText;
+using detail::FileText;
 
 constexpr std::size_t kBlock = std::size_t{1} << 22;  // bytes between two polls: some milliseconds
 
@@ -61,32 +61,15 @@ std::optional<std::size_t> begin(const fs::path& path, FileText& file, Job& job)
   return size;
 }
 
-/// The readers of a format.
-struct Format {
-  std::optional<PolygonSoup> (*plain)(const FileParts&, const Threads&, Job&);  ///< for usual files, or null
-  PolygonSoup (*any)(const FileText&, Columns*, const Threads&, Job&);
-};
+using Reader = PolygonSoup (*)(const FileText&, Columns*, const Threads&, Job&);
 
-std::optional<Format> format_of(std::string_view extension) {
-  if (extension == ".ply") return Format{detail::read_plain_ply, detail::read_ply};
-  if (extension == ".obj") return Format{detail::read_plain_obj, detail::read_obj};
-  if (extension == ".stl") return Format{nullptr, detail::read_stl};
-  if (extension == ".off") return Format{nullptr, detail::read_off};
-  return {};
-}
-
-PolygonSoup read_with(const Format& format, const fs::path& path, FileText& file, Columns* columns,
-                      const Threads& threads, Job& job) {
-  const std::optional<std::size_t> size = begin(path, file, job);
-  if (format.plain != nullptr && columns == nullptr) {
-    const FileParts parts = size ? FileParts(path, file, *size) : FileParts(file);
-    if (auto soup = format.plain(parts, threads, job)) return std::move(*soup);
-  }
-  if (size) {
-    file.bytes.resize(*size);
-    read_bytes(path, file, threads, job);
-  }
-  return format.any(file, columns, threads, job);
+/// The reader of a format, or null.
+Reader reader_of(std::string_view extension) {
+  if (extension == ".ply") return detail::read_ply;
+  if (extension == ".obj") return detail::read_obj;
+  if (extension == ".stl") return detail::read_stl;
+  if (extension == ".off") return detail::read_off;
+  return nullptr;
 }
 
 }  // namespace
@@ -100,10 +83,16 @@ std::span<const std::int32_t> PolygonSoup::polygon(std::int32_t q) const {
 PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int32_t threads, Columns* columns) {
   const std::string extension = lower_extension(path);
   FileText file{detail::utf8(path), {}};
-  const std::optional<Format> format = format_of(extension);
-  if (!format) file.fail("the extension \"" + extension + "\" is not known; PLY, OBJ, STL and OFF files can be read");
+  const Reader reader = reader_of(extension);
+  if (reader == nullptr)
+    file.fail("the extension \"" + extension + "\" is not known; PLY, OBJ, STL and OFF files can be read");
   try {
-    return read_with(*format, path, file, columns, Threads(threads), job);
+    const std::optional<std::size_t> size = begin(path, file, job);
+    if (size) {
+      file.bytes.resize(*size);
+      read_bytes(path, file, Threads(threads), job);
+    }
+    return reader(file, columns, Threads(threads), job);
   } catch (const std::bad_alloc&) {
     file.fail("there is not enough memory for it");
   }

@@ -1,4 +1,4 @@
-// Reads OBJ files that the plain reader leaves.
+// Reads OBJ files.
 #include <algorithm>
 #include <array>
 #include <vector>

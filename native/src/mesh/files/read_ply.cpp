@@ -1,4 +1,4 @@
-// Reads PLY files that the plain reader leaves.
+// Reads PLY files.
 #include <algorithm>
 #include <array>
 #include <span>
@@ -36,7 +36,7 @@ class Values {
   }
   /// The unread rest of a binary file; empty for a text file.
   [[nodiscard]] PlyBytes bytes() const {
-    return {parts_, text_ ? parts_.size() : static_cast<std::size_t>(at_ - file_.bytes.data()), swap_};
+    return {text_ ? std::string_view() : std::string_view(at_, static_cast<std::size_t>(end_ - at_)), swap_};
   }
   /// Skips bytes that were read elsewhere.
   void pass(std::size_t bytes) { at_ += bytes; }
@@ -119,7 +119,6 @@ class Values {
   }
 
   const FileText& file_;
-  FileParts parts_{file_};
   bool text_, swap_;
   Words words_;
   const char* at_;
@@ -238,7 +237,7 @@ void read_faces(const FileText& file, const PlyElement& element, Values& values,
   for (std::size_t row = 0; row < element.count;) {
     job.poll();
     const PlyBytes bytes = values.bytes();
-    if (in_stretches && bytes.size() > 0) {
+    if (in_stretches && !bytes.rest.empty()) {
       const PlyRows read = read_face_rows(bytes, element, static_cast<std::size_t>(corners),
                                           std::min(tried, element.count - row), soup, threads, job);
       values.pass(read.bytes);
