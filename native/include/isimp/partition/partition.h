@@ -24,7 +24,7 @@ struct RegularAxes {
   bool operator==(const RegularAxes&) const = default;
 };
 
-/// The result of `regularise` for the planes of a partition (meshing/regularise.h). Lengths in scene units.
+/// The result of `regularise` for the planes of a partition (regular/regularise.h). Lengths in scene units.
 struct Regularity {
   std::int32_t directions = 0;  ///< number of directions of all regions' planes, opposite ones counted once
   std::int32_t planes = 0;      ///< number of different planes
