@@ -16,12 +16,13 @@ class Preset:
 
     name: str  #: identifier
     label: str  #: name in the interface
+    icon: str  #: one of Blender's icons
     about: str
     partition: rcp.Partition
     mesh: rcp.Mesh
     regularise: rcp.Regularise | None = None  #: the step that snaps planes before Mesh; None: no snapping
     scanned_detail: float = 0.0  #: the detail for scans with noise, if it differs: finer detail is noise there
-    card: bool = True  #: whether the panel has a card for it; the menu lists all presets
+    is_kind: bool = True  #: whether the panel has an icon for it; the menu lists all presets
 
     @property
     def recipe(self) -> rcp.Recipe:
@@ -40,7 +41,8 @@ class Preset:
 PRESETS = (
     Preset(
         "figure",
-        "Figure",
+        "Statue",
+        "OUTLINER_OB_ARMATURE",
         "People, animals, statues: rounded shapes with fine details such as faces and hands",
         rcp.Partition(count_by="detail", detail=0.005, adaptivity=0.25),
         rcp.Mesh(),
@@ -48,29 +50,50 @@ PRESETS = (
     Preset(
         "building",
         "Building",
-        "One building or room: large planes with straight edges and noise; planes become regular",
+        "HOME",
+        "One building from outside: large planes with straight edges and noise; planes become regular",
         rcp.Partition(count_by="detail", detail=0.0025, adaptivity=0.0, sharp_edges=0.0, curved=True),
         rcp.Mesh(planar=True, planar_most=0.1),
         rcp.Regularise(),
     ),
     Preset(
-        "city",
-        "City Tile",
-        "Roofs, walls and ground from the air: few large triangles, many small loose parts",
-        rcp.Partition(count_by="detail", detail=0.0025, noise=0.0, adaptivity=0.0, leave_out=0.0005),
-        rcp.Mesh(),
+        "room",
+        "Room",
+        "MATCUBE",
+        "Rooms from inside: walls, floor and ceiling become regular planes; furniture can be left out",
+        rcp.Partition(count_by="detail", detail=0.0025, adaptivity=0.0, sharp_edges=0.0),
+        rcp.Mesh(planar=True, planar_most=0.1),
+        rcp.Regularise(),
     ),
     Preset(
         "cad",
-        "CAD",
+        "Machine Part",
+        "TOOL_SETTINGS",
         "Machine parts, drawn or scanned: planes, cylinders and other round parts. Drawn ones keep finer features",
         rcp.Partition(count_by="detail", detail=0.00125, adaptivity=0.0, leave_out=0.0, curved=True),
         rcp.Mesh(),
         scanned_detail=0.005,
     ),
     Preset(
+        "city",
+        "City",
+        "MOD_ARRAY",
+        "Roofs, walls and ground from the air: few large triangles, many small loose parts",
+        rcp.Partition(count_by="detail", detail=0.0025, noise=0.0, adaptivity=0.0, leave_out=0.0005),
+        rcp.Mesh(),
+    ),
+    Preset(
+        "drawn",
+        "Drawn",
+        "GREASEPENCIL",
+        "Models drawn in a program, without noise: all planes and round parts, exactly",
+        rcp.Partition(count_by="detail", detail=0.00125, noise=0.0, adaptivity=0.0, leave_out=0.0, curved=True),
+        rcp.Mesh(planar=True),
+    ),
+    Preset(
         "generated",
-        "Generated Mesh",
+        "Generated",
+        "SHADERFX",
         "Meshes cut on a grid, such as those made from pictures or texts: stair steps are smoothed, edges are sharp",
         rcp.Partition(count_by="detail", detail=0.005, snap=False, adaptivity=0.0, sharp_edges=0.0),
         rcp.Mesh(),
@@ -78,10 +101,11 @@ PRESETS = (
     Preset(
         "low_poly",
         "Low Poly",
+        "MESH_ICOSPHERE",
         "Few large facets of similar size",
         rcp.Partition(count_by="detail", detail=0.01, snap=False, adaptivity=0.0),
         rcp.Mesh(),
-        card=False,  # a style, not a kind of scan
+        is_kind=False,  # a style
     ),
 )
 

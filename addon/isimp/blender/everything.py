@@ -33,7 +33,6 @@ def register():
         bpy.utils.register_class(cls)
     store.register()
     settings.register()
-    presets.register()
     display.register()
     live.register()
     overlay.register()
@@ -52,7 +51,6 @@ def unregister():
     overlay.unregister()
     live.unregister()
     display.unregister()
-    presets.unregister()
     settings.unregister()
     store.unregister()
     for cls in reversed(_CLASSES):

@@ -32,6 +32,9 @@ class ISIMP_MT_object(bpy.types.Menu):
         layout.separator()
         for name in ("add_worst", "delete_least", "merge_cheapest", "improve", "even_borders"):
             layout.operator(f"isimp.{name}")
+        again = layout.operator("isimp.partition", text="Repartition", icon="MOD_EXPLODE")
+        settings.give(rcp.Partition, panel.partition, again)
+        again.part = True
         layout.separator()
         settings.give(rcp.Regularise, panel.regularise, layout.operator("isimp.regularise", icon="SNAP_ON"))
         layout.menu("ISIMP_MT_planes")

@@ -16,16 +16,12 @@ from isimp.session import Session
 from session_scans import scan_of
 
 
-def test_there_are_six_with_names_of_their_own():
-    assert len(BY_NAME) == len(PRESETS) == 6
-    assert [preset.label for preset in PRESETS] == [
-        "Figure",
-        "Building",
-        "City Tile",
-        "CAD",
-        "Generated Mesh",
-        "Low Poly",
-    ]
+def test_there_are_seven_kinds_of_scans_and_a_style():
+    assert len(BY_NAME) == len(PRESETS) == 8
+    kinds = [preset.label for preset in PRESETS if preset.is_kind]
+    assert kinds == ["Statue", "Building", "Room", "Machine Part", "City", "Drawn", "Generated"]
+    assert [preset.label for preset in PRESETS if not preset.is_kind] == ["Low Poly"]
+    assert len({preset.icon for preset in PRESETS}) == 8
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=BY_NAME)

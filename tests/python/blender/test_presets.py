@@ -28,6 +28,7 @@ def fresh():
 
 @pytest.mark.parametrize("preset", given.PRESETS, ids=lambda preset: preset.name)
 def test_a_preset_sets_the_settings_of_its_kind_of_scan_and_no_more(preset):
+    scans.cube()
     group = settings.group(bpy.context, rcp.Partition)
     group.proxies, group.weights = 123, "Density"
     bpy.ops.isimp.preset(name=preset.name)
@@ -36,28 +37,64 @@ def test_a_preset_sets_the_settings_of_its_kind_of_scan_and_no_more(preset):
     assert (step.noise, step.leave_out) == (preset.partition.noise, preset.partition.leave_out)
     assert step.detail == pytest.approx(preset.partition.detail)
     assert shown(rcp.Mesh) == preset.mesh
-    assert presets.title(bpy.context) == preset.label
+    assert presets.chosen(bpy.context) == (preset, True)
     group.seed += 1
-    assert presets.title(bpy.context) == "Presets"
+    assert presets.chosen(bpy.context) == (preset, False)
 
 
 @pytest.mark.parametrize("way", ["proxies", "triangles", "tolerance"])
-def test_a_preset_keeps_the_way_to_count_and_stays_lit(way):
-    group = settings.group(bpy.context, rcp.Partition)
+def test_a_preset_keeps_the_way_to_count_and_stays_lit_with_a_dot(way):
+    scan, group = scans.cube(), settings.group(bpy.context, rcp.Partition)
     group.count_by = way
     bpy.ops.isimp.preset(name="figure")
+    statue = given.BY_NAME["figure"]
     assert group.count_by == way
-    assert presets.title(bpy.context) == "Figure"
+    assert presets.chosen(bpy.context) == (statue, True)
     group.count_by = "detail"
-    assert presets.title(bpy.context) == "Figure"
+    assert presets.chosen(bpy.context) == (statue, True)
+    assert row() == ("Statue", ["figure"])
+    group.adaptivity = 1.0
+    assert presets.chosen(bpy.context) == (statue, False)
+    assert row() == ("Statue \N{BULLET}", ["figure"])
+    bpy.ops.isimp.partition(proxies=6)
+    assert row()[1] == ["figure"], "it stays with the scan"
+    scans.activate(scans.cube("Other"))
+    assert bpy.context.window_manager.isimp.kind == ""
+    scans.activate(scan)
+    assert bpy.context.window_manager.isimp.kind == "figure"
+
+
+def row():
+    """The name above the row of kinds, and the kinds that are lit."""
+    names, lit = [], []
+
+    class Layout:
+        def column(self, align):
+            return self
+
+        row = column
+
+        def label(self, text):
+            names.append(text)
+
+        def menu(self, name, text, icon):
+            assert hasattr(bpy.types, name)
+
+        def operator(self, name, text, icon, depress):
+            button = type("Button", (), {})()
+            lit.append((button, depress))
+            return button
+
+    presets.draw(bpy.context, Layout())
+    assert [button.name for button, _ in lit] == [preset.name for preset in given.PRESETS if preset.is_kind]
+    return names[0], [button.name for button, depress in lit if depress]
 
 
 def test_no_preset_is_named_before_one_is_chosen():
+    scans.cube()
     for cls in (rcp.Partition, rcp.Mesh):
         settings.copy(cls, cls(), settings.group(bpy.context, cls))
-    assert presets.title(bpy.context) == "No preset (defaults)"
-    bpy.ops.isimp.preset(name="figure")
-    assert presets.title(bpy.context) == "Figure"
+    assert row() == ("What is it?", [])
 
 
 def test_a_preset_equals_partition_with_its_settings():
@@ -77,8 +114,8 @@ def test_a_scan_with_noise_has_larger_features_and_the_same_card(capfd):
     drawn.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
     bpy.ops.isimp.preset(name="cad")
     assert shown(rcp.Partition).detail == pytest.approx(0.005)
-    assert presets.title(bpy.context) == "CAD"
-    assert "CAD: the scan has noise, features below 1" in capfd.readouterr().out
+    assert row() == ("Machine Part", ["cad"])
+    assert "Machine Part: the scan has noise, features below 1" in capfd.readouterr().out
     bpy.ops.object.select_all(action="DESELECT")
     bpy.context.view_layer.objects.active = None
     bpy.ops.isimp.preset(name="cad")
@@ -87,46 +124,26 @@ def test_a_scan_with_noise_has_larger_features_and_the_same_card(capfd):
 
 def test_users_keep_presets_of_their_own(tmp_path, monkeypatch):
     monkeypatch.setenv("BLENDER_USER_SCRIPTS", str(tmp_path))
+    scans.cube()
     group, meshing = (settings.group(bpy.context, cls) for cls in (rcp.Partition, rcp.Mesh))
     bpy.ops.isimp.preset(name="building")
     group.seed, group.detail, meshing.flatten = 77, 0.0123, 11
     bpy.ops.isimp.preset_add(name="My Walls")
     (file,) = (tmp_path / "presets" / "isimp").iterdir()
-    assert presets.title(bpy.context) == bpy.path.display_name(file.name)
+    assert presets.ISIMP_MT_presets.bl_label == bpy.path.display_name(file.name)
+    assert row() == ("Building \N{BULLET}", ["building"])
     bpy.ops.isimp.preset(name="figure")
-    assert (group.seed, presets.title(bpy.context)) == (1, "Figure")
+    assert (group.seed, row()) == (1, ("Statue", ["figure"]))
     bpy.ops.script.execute_preset(filepath=str(file), menu_idname="ISIMP_MT_presets")
     assert (group.seed, meshing.flatten) == (77, 11)
     assert group.detail == pytest.approx(0.0123)
+    assert row() == ("Building \N{BULLET}", ["building"])
     bpy.ops.isimp.preset_add(remove_active=True)
     assert not file.exists()
 
 
-@pytest.mark.parametrize("chosen", ["", "figure", "building", "cad"])
-def test_the_card_of_a_preset_is_lit_once_it_was_chosen(chosen):
-    for cls in (rcp.Partition, rcp.Mesh):
-        settings.copy(cls, cls(), settings.group(bpy.context, cls))
-    if chosen:
-        bpy.ops.isimp.preset(name=chosen)
-    cards = {}
-
-    class Layout:
-        def grid_flow(self, **_):
-            return self
-
-        def operator(self, name, text, depress, icon_value):
-            cards[text] = depress
-            return type("Button", (), {})()
-
-    presets.draw(bpy.context, Layout())
-    assert list(cards) == ["Figure", "Building", "City Tile", "CAD", "Generated Mesh"]
-    assert [name for name, lit in cards.items() if lit] == ([given.BY_NAME[chosen].label] if chosen else [])
-
-
 @pytest.mark.parametrize("preset", given.PRESETS, ids=lambda preset: preset.name)
-def test_each_preset_has_a_small_picture(preset):
-    path = presets._PICTURES / f"{preset.name}.png"
-    image = bpy.data.images.load(str(path))
-    assert tuple(image.size) == (64, 64)
-    assert path.stat().st_size < 10_000
-    bpy.data.images.remove(image)
+def test_each_preset_has_an_icon_of_blender_and_a_tooltip_with_its_name(preset):
+    assert preset.icon in bpy.types.UILayout.bl_rna.functions["operator"].parameters["icon"].enum_items
+    told = presets.ISIMP_OT_preset.description(bpy.context, type("Properties", (), {"name": preset.name}))
+    assert told.startswith(f"{preset.label}: ")

@@ -1,24 +1,18 @@
 """Presets of the add-on, and presets of the user, which Blender stores as files."""
 
-from pathlib import Path
-
 import bpy
-import bpy.utils.previews
 from bl_operators.presets import AddPresetBase
 from bpy.props import EnumProperty
 
 from ... import presets
 from ... import recipe as rcp
-from ...language import own, said
+from ...language import said
 from ..scene import mesh_io, runtime, targets
 from ..texts.text import in_scene
 from . import settings
 
 _FOLDER = "isimp"
-_TITLE, _DEFAULTS = "Presets", own("No preset (defaults)")
-# Titles of the menu that are not presets of the user.
-_OURS = {_TITLE, _DEFAULTS, *(preset.label for preset in presets.PRESETS)}
-_PICTURES = Path(__file__).parents[2] / "pictures"
+_TITLE = "Presets"
 # Settings that belong to one scan, not to a kind of scans: lengths, counts and their choice, weights.
 _COUNTS = {"count_by", "proxies", "triangles", "tolerance", "bound"}
 _LEFT = frozenset(_COUNTS | {"weights", "influence", "borders", "length"})
@@ -38,7 +32,8 @@ class ISIMP_OT_preset(bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        return presets.BY_NAME[properties.name].about
+        preset = presets.BY_NAME[properties.name]
+        return f"{said(preset.label)}: {said(preset.about)}"
 
     def execute(self, context):
         preset = presets.BY_NAME[self.name]
@@ -50,7 +45,8 @@ class ISIMP_OT_preset(bpy.types.Operator):
                 if getattr(group, name) != getattr(step, name):
                     setattr(group, name, getattr(step, name))
         context.window_manager.isimp.regularise_first = preset.regularise is not None
-        ISIMP_MT_presets.bl_label = preset.label
+        context.window_manager.isimp.kind = preset.name
+        ISIMP_MT_presets.bl_label = _TITLE
         if scanned:
             feature = in_scene(settings.group(context, rcp.Partition).feature)
             self.report(
@@ -76,7 +72,7 @@ def _is_scanned(context) -> bool:
 
 
 class ISIMP_MT_presets(bpy.types.Menu):
-    """Presets for kinds of scans, and your own presets"""
+    """A style, and your own presets: store the settings as one"""
 
     bl_label = _TITLE
     preset_subdir = _FOLDER
@@ -84,10 +80,16 @@ class ISIMP_MT_presets(bpy.types.Menu):
 
     def draw(self, context):
         for preset in presets.PRESETS:
-            self.layout.operator("isimp.preset", text=preset.label).name = preset.name
+            if not preset.is_kind:
+                self.layout.operator("isimp.preset", text=preset.label, icon=preset.icon).name = preset.name
         if bpy.utils.preset_paths(_FOLDER):  # exists once the user has stored a preset
             self.layout.separator()
             self.draw_preset(context)
+        self.layout.separator()
+        self.layout.operator("isimp.preset_add", icon="ADD")
+        if self.bl_label != _TITLE:
+            text = said("Remove {preset}", preset=self.bl_label)
+            self.layout.operator("isimp.preset_add", text=text, icon="REMOVE").remove_active = True
 
 
 class ISIMP_OT_preset_add(AddPresetBase, bpy.types.Operator):
@@ -105,19 +107,32 @@ class ISIMP_OT_preset_add(AddPresetBase, bpy.types.Operator):
         return [
             *(f"shown.{rcp.KINDS[cls]}.{name}" for cls in steps for name in _kept(cls)),
             "shown.regularise_first",
+            "shown.kind",
         ]
 
 
-def title(context) -> str:
-    """Return the title of the menu: the add-on's preset with these settings, else the preset chosen last."""
-    chosen = ISIMP_MT_presets.bl_label
-    for preset in presets.PRESETS:
-        snaps = context.window_manager.isimp.regularise_first == (preset.regularise is not None)
-        partitions = {preset.partition_for(scanned) for scanned in (False, True)}
-        if snaps and any(_is_shown(context, step) for step in partitions) and _is_shown(context, preset.mesh):
-            are_defaults = (preset.partition, preset.mesh, preset.regularise) == (rcp.Partition(), rcp.Mesh(), None)
-            return _DEFAULTS if are_defaults and chosen != preset.label else preset.label
-    return _TITLE if chosen in _OURS else chosen
+def chosen(context) -> tuple:
+    """Return (preset, whether all its settings are shown): the kind of the scan, else a preset with these settings.
+
+    (None, False) if no preset was chosen and the settings belong to none, or are the defaults.
+    """
+    found = presets.BY_NAME.get(context.window_manager.isimp.kind)
+    if found is not None:
+        return found, _has(context, found)
+    given = {preset: _has(context, preset) for preset in presets.PRESETS}
+    found = next((preset for preset, has in given.items() if has and not _is_default(preset)), None)
+    return found, found is not None
+
+
+def _is_default(preset) -> bool:
+    return (preset.partition, preset.mesh, preset.regularise) == (rcp.Partition(), rcp.Mesh(), None)
+
+
+def _has(context, preset) -> bool:
+    """Return whether the panel shows a preset's settings."""
+    snaps = context.window_manager.isimp.regularise_first == (preset.regularise is not None)
+    partitions = {preset.partition_for(scanned) for scanned in (False, True)}
+    return snaps and any(_is_shown(context, step) for step in partitions) and _is_shown(context, preset.mesh)
 
 
 def _is_shown(context, step) -> bool:
@@ -125,46 +140,18 @@ def _is_shown(context, step) -> bool:
     return all(getattr(shown, name) == getattr(step, name) for name in _kept(type(step)))
 
 
-def draw(context, layout, is_narrow: bool = False) -> None:
-    """Draws the cards of presets. The card with the present settings is highlighted; for defaults, if it was chosen."""
-    grid = layout.grid_flow(row_major=True, columns=1 if is_narrow else 2, even_columns=True, align=True)
-    chosen = title(context)
-    for preset in filter(lambda each: each.card, presets.PRESETS):
-        card = grid.operator(
-            "isimp.preset", text=preset.label, icon_value=_picture(preset.name), depress=preset.label == chosen
-        )
-        card.name = preset.name
-
-
-def draw_own(context, layout) -> None:
-    """Draws the menu of presets and the buttons that store and delete the user's presets."""
-    row = layout.row(align=True)
-    row.use_property_split = False
-    shown = title(context)
-    row.menu("ISIMP_MT_presets", text=said(shown) if shown in _OURS else shown)
-    row.operator("isimp.preset_add", text="", icon="ADD")
-    if shown not in _OURS:
-        row.operator("isimp.preset_add", text="", icon="REMOVE").remove_active = True
-
-
-def _picture(name: str) -> int:
-    """Return the icon id of a preset's picture; 0 if no pictures are loaded."""
-    found = runtime.get().pictures
-    return found[name].icon_id if found is not None and name in found else 0
-
-
-def register() -> None:
-    if bpy.app.background:
-        return
-    found = runtime.get().pictures = bpy.utils.previews.new()
+def draw(context, layout) -> None:
+    """Draws the row of kinds of scans. The chosen one is lit; a dot at its name stands for another setting."""
+    found, is_pure = chosen(context)
+    column = layout.column(align=True)
+    head = column.row(align=True)
+    name = said("What is it?") if found is None else said(found.label)
+    head.label(text=name if found is None or is_pure else f"{name} \N{BULLET}")
+    head.menu("ISIMP_MT_presets", text="", icon="DOWNARROW_HLT")
+    row = column.row(align=True)
     for preset in presets.PRESETS:
-        found.load(preset.name, str(_PICTURES / f"{preset.name}.png"), "IMAGE")
-
-
-def unregister() -> None:
-    if runtime.get().pictures is not None:
-        bpy.utils.previews.remove(runtime.get().pictures)
-        runtime.get().pictures = None
+        if preset.is_kind:
+            row.operator("isimp.preset", text="", icon=preset.icon, depress=preset == found).name = preset.name
 
 
 CLASSES = (ISIMP_OT_preset, ISIMP_MT_presets, ISIMP_OT_preset_add)

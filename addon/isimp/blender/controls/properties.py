@@ -106,7 +106,7 @@ class PartitionSettings:
     weights: StringProperty(
         name="Weights",
         description="A vertex group (from weight paint) or an attribute of faces or vertices. Higher weights give more "
-        "and smaller regions; with Count, the total number stays. Empty: no weights",
+        "and smaller regions; with a given number, the total stays. Empty: no weights",
         default=_PARTITION.weights,
         **_SEARCHED,
     )

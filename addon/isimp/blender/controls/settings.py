@@ -11,7 +11,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from ... import recipe as rcp
-from ..scene import runtime, weights
+from ..scene import runtime, targets, weights
 from . import units
 from .properties import AlignSettings, MeshSettings, PartitionSettings, RegulariseSettings, TextureSettings
 
@@ -87,7 +87,19 @@ def _set_colour(self, chosen: int) -> None:
         setattr(self, name, number == chosen)
 
 
+def _kind(self) -> str:
+    scan, problem = targets.seen(bpy.context)
+    return "" if problem else scan.isimp.kind
+
+
+def _set_kind(self, name: str) -> None:
+    scan, problem = targets.seen(bpy.context)
+    if not problem and scan.isimp.kind != name:
+        scan.isimp.kind = name
+
+
 class _Shown:
+    kind: StringProperty(get=_kind, set=_set_kind)  #: name of the preset chosen for the active scan
     live: BoolProperty(
         name="Live",
         description="Apply changed settings at once, even while you drag them. If off, press Partition or Mesh",
@@ -177,6 +189,10 @@ class _Shown:
         name="Lock", description="Lock newly painted regions: only painting changes them", default=True
     )
     all_steps: BoolProperty(name="All Steps", description="List all steps, not only the latest")
+    notes: BoolProperty(name="Notes", description="Show what was repaired, closed, ignored and let go")
+    search: StringProperty(
+        name="Search", description="List only the settings with this text in their names", options={"TEXTEDIT_UPDATE"}
+    )
 
 
 def _panel() -> type:

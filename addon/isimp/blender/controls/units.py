@@ -123,7 +123,7 @@ def _set_coarseness(self, percent: float) -> None:
     _set_share(self, _FINEST * exp(percent / 100 * log(_COARSEST / _FINEST)))
 
 
-_WAYS = ("detail", "proxies")  #: values of `count_by` for `way`; lengths count as the first
+_WAYS = ("detail", "proxies", "triangles")  #: values of `count_by` for `way`; lengths count as the first
 
 
 def _set_way(self, number: int) -> None:
@@ -132,7 +132,7 @@ def _set_way(self, number: int) -> None:
 
 
 def _way(self) -> int:
-    return int(self.count_by in ("proxies", "triangles"))
+    return _WAYS.index(self.count_by) if self.count_by in _WAYS else 0
 
 
 def _set_sharpens(self, value: bool) -> None:
@@ -146,7 +146,8 @@ SHOWN = {
             description="How the number of regions is chosen",
             items=(
                 ("SIZE", "By Size", "The number follows from the shape: features below a size are ignored"),
-                ("COUNT", "Count", "An exact number of regions"),
+                ("COUNT", "Polygons", "An exact number of regions; each becomes one polygon, or a few"),
+                ("TRIANGLES", "Triangles", "As many regions as their polygons may have triangles"),
             ),
             get=_way,
             set=_set_way,

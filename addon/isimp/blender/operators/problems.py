@@ -92,7 +92,9 @@ def _report(context) -> list:
     if "regions" not in numbers:
         return []
     unit, made = context.scene.unit_settings, overlay.previewed(context, scan)
-    return [line for line, _ in text.report_lines(numbers, unit.system, unit.scale_length, made)]
+    rows = text.number_rows(numbers, unit.system, unit.scale_length)
+    lines = [line for line, _ in text.report_lines(numbers, unit.system, unit.scale_length, made)]
+    return [*lines, *(f"{name}: {value}" for name, value in rows)]
 
 
 def _chosen(mesh, kind: str) -> np.ndarray:

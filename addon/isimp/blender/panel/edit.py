@@ -1,4 +1,4 @@
-"""Panels and menus with edits: of all regions, at selected faces, and at places chosen by the error."""
+"""Panels and menus with edits: of all regions, and at chosen regions or selected faces."""
 
 import bpy
 
@@ -12,6 +12,7 @@ from .common import SubPanel, side_by_side
 
 class ISIMP_PT_clean_up(SubPanel, bpy.types.Panel):
     bl_label = "Clean Up"
+    bl_options = {"DEFAULT_CLOSED"}
     bl_order = 0
 
     def draw(self, context):
@@ -40,9 +41,7 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         locks = _row(context, column, ("isimp.lock", "Lock", "LOCKED"), ("isimp.lock", "Unlock", "UNLOCKED"))
         locks[1].unlock = True
         column.operator("isimp.leave_out", text="Leave Out", icon="GHOST_DISABLED")
-        row = side_by_side(context, layout, "Select", "By Error")
-        row.menu("ISIMP_MT_select", text="Select")
-        row.menu("ISIMP_MT_by_error", text="By Error")
+        column.menu("ISIMP_MT_select", text="Select")
         locked = store.numbers(scan).get("locked", 0)
         if locked:
             layout.label(text=messages.locked({"locked": locked}), icon="LOCKED")
@@ -87,18 +86,4 @@ class ISIMP_MT_select(bpy.types.Menu):
         self.layout.operator("isimp.paint_faces", text="From Selection", icon="BRUSH_DATA")
 
 
-class ISIMP_MT_by_error(bpy.types.Menu):
-    """Edits at places that the error chooses, and a new partition of the selected faces"""
-
-    bl_label = "By Error"
-
-    def draw(self, context):
-        for name in ("add_worst", "delete_least", "merge_cheapest", "improve"):
-            self.layout.operator(f"isimp.{name}")
-        self.layout.separator()
-        again = self.layout.operator("isimp.partition", text="Repartition", icon="MOD_EXPLODE")
-        settings.give(rcp.Partition, context.window_manager.isimp.partition, again)
-        again.part = True
-
-
-CLASSES = (ISIMP_PT_clean_up, ISIMP_PT_regions, ISIMP_MT_select, ISIMP_MT_by_error)
+CLASSES = (ISIMP_PT_clean_up, ISIMP_PT_regions, ISIMP_MT_select)

@@ -1,8 +1,7 @@
-"""The main panel: scan, presets, number of regions, Partition, Mesh and the report.
+"""The main panel: scan, kinds of scans, number of regions, Partition, Mesh and the report.
 
 The rows above a button are drawn before and after the button is pressed, so that it does not move under the mouse. The
-report has a fixed height too, since buttons of edits are below it. Each group of the panel is one function: add a new
-setting to the function of its group.
+report has a fixed height too, since buttons of edits are below it. Each group of the panel is one function.
 """
 
 import bpy
@@ -15,7 +14,7 @@ from ..controls import presets, settings
 from ..scene import result, runtime, store, targets
 from ..texts import text
 from ..view import clipping, overlay
-from .common import Panel, draw_lines, is_narrow, letters, side_by_side
+from .common import Panel, draw_lines, letters, side_by_side
 
 
 class ISIMP_PT_main(Panel, bpy.types.Panel):
@@ -33,7 +32,7 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
             return
         numbers, panel = store.numbers(scan), context.window_manager.isimp
         _draw_head(context, layout, scan, numbers)
-        presets.draw(context, layout, is_narrow(context))
+        presets.draw(context, layout)
         _draw_count(layout, panel.partition)
         _draw_partition(context, layout, scan, numbers, panel)
         _draw_mesh(context, layout, scan, numbers, panel)
@@ -41,31 +40,30 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
 
 
 def _draw_head(context, layout, scan, numbers) -> None:
-    """Draws the scan's name and size: three lines before and after Partition."""
+    """Draws the name of the active object and the scan's size: two lines before and after Partition."""
     column = layout.column(align=True)
     active = context.view_layer.objects.active
-    column.label(text=scan.name if active == scan else said("{name} (its result)", name=scan.name), icon="MESH_DATA")
-    for line in text.scan_lines(scan.data, numbers):
-        column.label(text=line, icon="BLANK1")
+    is_scan = active == scan or active is None
+    name = text.shortened((scan if is_scan else active).name, letters(context) - 3)
+    column.label(text=name, icon="MESH_DATA" if is_scan else "MESH_ICOSPHERE")
+    column.label(text=text.scan_lines(scan.data, numbers)[0], icon="BLANK1")
     if clipping.hides(context.space_data, scan):
         column.operator("isimp.show_all", text=clipping.told(context.space_data, scan), icon="ERROR")
 
 
 def _draw_count(layout, partition) -> None:
-    """Draws the settings for the number of regions, in a fixed number of rows."""
+    """Draws the way to choose the number of regions, and its field: two rows for each way."""
     column = layout.column(align=True)
     column.use_property_split = False
     ways = column.row(align=True)
     for way in partition.bl_rna.properties["way"].enum_items:
         ways.prop_enum(partition, "way", way.identifier, text=way.name, text_ctxt=translations.CONTEXT)
+    field = column.row(align=True)
     if partition.count_by in ("proxies", "triangles"):
-        column.prop(partition, partition.count_by)
-        for _ in range(2):
-            column.label(text="")
+        field.prop(partition, partition.count_by, text="")
         return
-    column.label(text="Distance at most:" if partition.count_by == "bound" else "Smallest feature:")
-    column.prop(partition, "feature", text="")
-    column.prop(partition, "coarseness", slider=True)
+    field.prop(partition, "feature", text="")
+    field.prop(partition, "coarseness", text="", slider=True)
 
 
 def _draw_partition(context, layout, scan, numbers, panel) -> None:
@@ -84,7 +82,10 @@ def _draw_partition(context, layout, scan, numbers, panel) -> None:
         depress="regions" not in numbers,  # highlights the next thing to do
     )
     settings.give(rcp.Partition, panel.partition, operator)
-    place.label(text=_regions_line(numbers, edits), icon="FORWARD" if "regions" in numbers else "BLANK1")
+    line = place.row(align=True)
+    line.label(text=_regions_line(numbers, edits), icon="FORWARD" if "regions" in numbers else "BLANK1")
+    if "regions" in numbers:
+        line.popover("ISIMP_PT_steps", text="", icon="PRESET")
 
 
 def _regions_line(numbers, edits: int) -> str:
@@ -110,8 +111,11 @@ def _draw_mesh(context, layout, scan, numbers, panel) -> None:
     if "regions" in numbers:
         row = place.row(align=True)
         row.operator("isimp.swap", text="Swap", icon="ARROW_LEFTRIGHT")
+        row.operator("isimp.compare", text="Compare", icon="IMAGE_ALPHA")
+        row = place.row(align=True)
+        row.operator("isimp.export_lods", text="LODs...", icon="MOD_DECIM")
+        row.menu("ISIMP_MT_export", text="Export...")
         row.menu("ISIMP_MT_colour", text="", icon="COLOR")
-        place.operator("isimp.compare", text="Compare", icon="IMAGE_ALPHA")
 
 
 def give_mesh(panel, operator) -> None:
@@ -150,7 +154,6 @@ def _draw_progress(place, running) -> None:
 
 def _draw_report(context, layout, scan, numbers) -> None:
     """Draws the report of Mesh, repairs, notes and warnings, below the buttons because the number of lines varies."""
-    unit = context.scene.unit_settings
     if "regions" in numbers:
         parts = text.round_parts(numbers.get("round", []), _asks_for_round_parts(context, scan))
         draw_lines(context, layout, parts, icon="MESH_CYLINDER")
@@ -159,21 +162,39 @@ def _draw_report(context, layout, scan, numbers) -> None:
     defects = text.problems(numbers)
     if defects:
         layout.operator("isimp.show_problems", text=defects, icon="ERROR").kind = "DEFECTIVE"
-    why = "" if runtime.get().running is not None else result.why_kept_here(context, scan)
-    if why:
-        draw_lines(context, layout, messages.is_kept(why), icon="INFO")
-    if not text.describes(scan.data, numbers):
-        numbers = {}
-    for line in text.repair_lines(numbers, unit.system, unit.scale_length):
-        draw_lines(context, layout, line, icon="CHECKMARK")
-    if text.has_openings(numbers):
+    _draw_notes(context, layout, scan, numbers)
+
+
+def _draw_notes(context, layout, scan, numbers) -> None:
+    """Draws one line with the number of notes, which opens, and the notes below it."""
+    found = _notes(context, scan, numbers)
+    if not found:
+        return
+    panel = context.window_manager.isimp
+    row = layout.row(align=True)
+    row.use_property_split, row.alignment = False, "LEFT"
+    icon = "ERROR" if any(icon == "ERROR" for _, icon in found) else "INFO"
+    row.prop(panel, "notes", text=messages.count(len(found), "note"), icon=icon, emboss=False, toggle=True)
+    if not panel.notes:
+        return
+    for line, icon in found:
+        draw_lines(context, layout, line, icon=icon)
+    if text.has_openings(numbers) and text.describes(scan.data, numbers):
         choose = layout.operator("wm.tool_set_by_id", text="Choose Openings", icon="MESH_CIRCLE")
         choose.name = f"isimp.opening_tool.{context.mode.lower()}"
-    left_out = text.left_out(numbers)
-    for line in (*([left_out] if left_out else ()), *targets.notes(scan)):
-        draw_lines(context, layout, line, icon="INFO")
-    for warning in text.lost_detail(scan, unit):
-        draw_lines(context, layout, warning, icon="ERROR")
+
+
+def _notes(context, scan, numbers) -> list:
+    """Return (line, icon) of repairs, closed openings, ignored faces, released planes, and lost detail."""
+    unit = context.scene.unit_settings
+    why = "" if runtime.get().running is not None else result.why_kept_here(context, scan)
+    lines = [messages.is_kept(why)] if why else []
+    if text.describes(scan.data, numbers):
+        shape = text.scan_lines(scan.data, numbers)[1] if numbers["components"] > 1 or not numbers["closed"] else ""
+        lines += [shape, text.planes_let_go(numbers), text.left_out(numbers)]
+        lines += text.repair_lines(numbers, unit.system, unit.scale_length)
+    found = [(line, "INFO") for line in (*lines, *targets.notes(scan)) if line]
+    return found + [(warning, "ERROR") for warning in text.lost_detail(scan, unit)]
 
 
 def _asks_for_round_parts(context, scan) -> bool:

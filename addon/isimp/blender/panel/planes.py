@@ -12,7 +12,7 @@ _ROWS = (("level", "upright"), ("parallel", "perpendicular"), ("coplanar", "free
 
 
 class ISIMP_PT_planes(SubPanel, bpy.types.Panel):
-    bl_label = "Planes"
+    bl_label = "Planes and Round Parts"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 2
 

@@ -1,4 +1,4 @@
-"""Panels and menus of the result: colours over the scan, texture, export, list of all numbers."""
+"""Panels and menus of the result: colours over the scan, texture, export."""
 
 import dataclasses
 
@@ -7,7 +7,6 @@ import bpy
 from ... import recipe as rcp
 from ..controls import settings
 from ..scene import store, targets
-from ..texts import text
 from ..texturing import texture
 from ..view import display
 from .common import SubPanel, ready
@@ -81,30 +80,17 @@ class ISIMP_MT_texture(bpy.types.Menu):
             turned("Keep Materials Apart", "materials")
 
 
-class ISIMP_PT_export(SubPanel, bpy.types.Panel):
+class ISIMP_MT_export(bpy.types.Menu):
+    """Files of the result: buildings, solids, levels of detail, a report"""
+
     bl_label = "Export"
-    bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 7
 
     def draw(self, context):
-        column = self.prepare(context).column(align=True)
-        column.operator("isimp.export_building", icon="HOME")
-        column.operator("isimp.write_report", icon="TEXT")
+        layout = self.layout
+        layout.operator("isimp.export_building", icon="HOME")
+        layout.operator("isimp.export_step", icon="MESH_CYLINDER")
+        layout.operator("isimp.export_lods", icon="MOD_DECIM")
+        layout.operator("isimp.write_report", icon="TEXT")
 
 
-class ISIMP_PT_numbers(SubPanel, bpy.types.Panel):
-    bl_label = "Numbers"
-    bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 8
-
-    def draw(self, context):
-        scan, _ = targets.seen(context)
-        column = self.layout.column(align=True)
-        unit = context.scene.unit_settings
-        for name, value in text.number_rows(store.numbers(scan), unit.system, unit.scale_length):
-            row = column.split(factor=0.4)
-            row.label(text=name)
-            row.label(text=value)
-
-
-CLASSES = (ISIMP_MT_colour, ISIMP_PT_texture, ISIMP_MT_texture, ISIMP_PT_export, ISIMP_PT_numbers)
+CLASSES = (ISIMP_MT_colour, ISIMP_PT_texture, ISIMP_MT_texture, ISIMP_MT_export)

@@ -19,7 +19,7 @@ _MOST_LINES = 12  # the largest parts are listed
 
 class ISIMP_PT_round_parts(SubPanel, bpy.types.Panel):
     bl_label = "Round Parts"
-    bl_parent_id = "ISIMP_PT_regions"
+    bl_parent_id = "ISIMP_PT_planes"
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod

@@ -1,4 +1,4 @@
-"""Panel of the recipe: one row for each step, and the settings of the open step."""
+"""Popover of the recipe: one row for each step, and the settings of the open step."""
 
 import bpy
 
@@ -6,15 +6,15 @@ from ... import messages
 from ...language import said
 from ..controls import settings
 from ..scene import store, targets
-from .common import SubPanel, draw_lines
+from .common import Popover, draw_lines
 
 _ROWS = 16  # the last steps, unless "All Steps" is on
 
 
-class ISIMP_PT_steps(SubPanel, bpy.types.Panel):
+class ISIMP_PT_steps(Popover, bpy.types.Panel):
+    """The steps of the recipe, each with its settings"""
+
     bl_label = "Steps"
-    bl_order = 6
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
         layout, panel = self.prepare(context), context.window_manager.isimp

@@ -66,7 +66,6 @@ class Runtime:
         self.own_writes = set()  #: names of meshes whose next change is the add-on's own
         self.drawings = OrderedDict()  #: overlays of scans; see overlay.py
         self.shaders = {}  #: the add-on's shaders by name
-        self.pictures = None  #: pictures of the presets, as Blender's previews
         self.keys = []  #: (key map, item) of the add-on's own shortcuts
         self.start = None  #: the draw handler of the quick start
         self.handles = ()  #: the draw handlers of the overlay

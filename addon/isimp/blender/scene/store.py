@@ -40,7 +40,7 @@ class IsimpMesh(bpy.types.PropertyGroup):
 
 
 class IsimpObject(bpy.types.PropertyGroup):
-    """Which scan a result is of"""
+    """Which scan a result is of, and which kind a scan"""
 
     # The scan is stored by name and key, since a pointer would keep a deleted scan in the file.
 
@@ -50,6 +50,7 @@ class IsimpObject(bpy.types.PropertyGroup):
     made: StringProperty()  # digest of a result after Mesh; see result.py
     named: StringProperty()  # name of a result after Mesh
     placed: StringProperty()  # transform of a result after Mesh, as JSON
+    kind: StringProperty()  # name of the preset chosen for a scan
     unrendered: StringProperty()  # not empty: hidden in renders by the add-on, not by the user
 
 

@@ -12,7 +12,7 @@ from ...outcome import EXACT
 from ..scene import mesh_io
 
 _STAY = "\N{NO-BREAK SPACE}"
-_ROWS = 3  # height of a report without warnings
+_ONE_LINE = 46  # letters that hold the whole report
 
 
 def wrapped(message: str, width: int) -> list:
@@ -46,6 +46,12 @@ def beside(told: str, measure, wanted: float, right: float, left: float) -> tupl
         else:
             lines.append(part)
     return lines, max(left, min(wanted, right - max(map(measure, lines))))
+
+
+def shortened(name: str, most: int) -> str:
+    """Return a name of at most `most` letters: its beginning and its end."""
+    end = (most - 1) // 2
+    return name if len(name) <= most else f"{name[: most - 1 - end]}\N{HORIZONTAL ELLIPSIS}{name[len(name) - end :]}"
 
 
 def scan_lines(mesh, numbers: dict) -> tuple:
@@ -125,42 +131,35 @@ def report_rows(
 ) -> list:
     """Return (row, icon, whether it is a warning) of the report in the panel, in rows of `width` letters.
 
-    The first row has the number of polygons, present or expected, the next two the distance from the scan. Warnings
-    follow. The number of rows without warnings is fixed, so that the buttons below do not move. `report_lines` has
-    the whole report.
+    First the numbers of polygons and triangles, present or expected, and the distance from the scan; warnings follow.
+    The number of rows without warnings is fixed, so that the buttons below do not move. `report_lines` has the rest.
     """
-    lines = report_lines(numbers, system, scale, previewed, snaps=snaps)
-    short = _short(numbers, system, scale, previewed, snaps)
-    rows: list = [(short[0] if short else "", "CHECKMARK" if short else "BLANK1", False)]
-    for line in short[1:]:
-        rows += [(part, "BLANK1", False) for part in wrapped(line, width)]
-    rows += [("", "BLANK1", False)] * (_ROWS - len(rows))
-    if "polygons" in numbers and not not_flat(numbers):  # else that line has the reason
-        icons = ["INFO"]
-        rows += [(part, icons.pop() if icons else "BLANK1", False) for part in wrapped(_let_go(numbers), width)]
-    for line, alert in lines:
+    told = _short(numbers, system, scale, previewed, snaps)
+    icons = ["CHECKMARK"]
+    rows = [(part, icons.pop() if icons else "BLANK1", False) for part in wrapped(told, width)]
+    rows += [("", "BLANK1", False)] * ((1 if width >= _ONE_LINE else 2) - len(rows))
+    for line, alert in report_lines(numbers, system, scale, previewed, snaps=snaps):
         if alert:
             icons = ["ERROR"]
             rows += [(part, icons.pop() if icons else "BLANK1", True) for part in wrapped(line, width)]
     return rows
 
 
-def _short(numbers: dict, system: str, scale: float, previewed: dict | None, snaps: bool) -> list:
-    """Return the short report: the numbers of polygons and triangles, and the distance from the scan."""
+def _short(numbers: dict, system: str, scale: float, previewed: dict | None, snaps: bool) -> str:
+    """Return the report in one line: the numbers of polygons and triangles, and the distance from the scan."""
     made = numbers if "polygons" in numbers else previewed or {}
     if "polygons" not in made:
         counts = numbers.get("expected", {})
         if "polygons" not in counts:
-            return []
+            return ""
         about = own("About {polygons}, or more") if snaps else own("About {polygons}")
-        return [said(about, polygons=_count(counts["polygons"], "polygon"))]
-    shape = "" if made is not numbers else said("closed") if made["closed"] and made["manifold"] else said("open")
-    told = _count(made["polygons"], "polygon")
-    more = [_count(made["corners"] - 2 * made["polygons"], "triangle")] if "corners" in made else []
-    if "away_max" in made:
-        mean, most = (amount(made, name, system, scale) for name in ("away_mean", "away_max"))
-        more.append(said("{mean} off, {most} at most", mean=mean, most=most))
-    return [f"{told} · {shape}" if shape else told, *([" · ".join(more)] if more else [])]
+        return said(about, polygons=_count(counts["polygons"], "polygon"))
+    told = [_count(made["polygons"], "polygon")]
+    if "corners" in made:
+        told.append(_count(made["corners"] - 2 * made["polygons"], "triangle"))
+    if "away_mean" in made:
+        told.append(said("{mean} off", mean=amount(made, "away_mean", system, scale)))
+    return f"{_STAY}· ".join(told)  # no row begins with a dot
 
 
 def report_lines(
@@ -189,7 +188,7 @@ def report_lines(
     if "cut_if_planar" in numbers:
         share = f"{100 * numbers['cut_if_planar']:.0f} %"
         lines.append((said("Exactly Flat Faces left off: it would cut {share} of the polygons", share=share), False))
-    lines += [(line, False) for line in [not_flat(numbers), _let_go(numbers)] if line]
+    lines += [(line, False) for line in [not_flat(numbers), planes_let_go(numbers)] if line]
     if not numbers["manifold"]:
         lines.append((said("Non-manifold: polygons share an edge or vertex that they should not"), True))
     elif not numbers["closed"]:
@@ -205,7 +204,7 @@ def report_lines(
     return lines
 
 
-def _let_go(numbers: dict) -> str:
+def planes_let_go(numbers: dict) -> str:
     """Return the line about planes that the user asked for and that are not held; empty if there are none."""
     if not numbers.get("let_go") or not (numbers.get("held") or "planes" in numbers):
         return ""

@@ -124,7 +124,7 @@ def surveyor(hand):
     user.does("**File > Import > Scan (iSimp)** reads PLY, OBJ, STL, OFF and 3MF")
     bpy.ops.isimp.import_scan(filepath=str(hand.out / "house.ply"), epsg=25832)
     yield from user.looks()
-    user.does("**Figure**, **Building**, **City Tile**, **CAD**, **Generated Mesh**")
+    user.does("**Statue**, **Building**, **Room**, **Machine Part**, **City**")
     bpy.ops.isimp.preset("EXEC_DEFAULT", True, name="building")
     yield 0.3
     yield from user.presses("Partition")

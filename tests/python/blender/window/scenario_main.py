@@ -20,9 +20,11 @@ def make_scan(subdivisions=5):
 
 
 def show_steps():
-    """Opens the panel with the steps from the beginning; before the add-on is switched on."""
-    from isimp.blender.panel import steps
+    """Puts the steps in the sidebar, where the mouse can leave them; before the add-on is switched on."""
+    from isimp.blender.panel import common, steps
 
+    for name in ("bl_space_type", "bl_region_type", "bl_category"):
+        setattr(steps.ISIMP_PT_steps, name, getattr(common.Panel, name))
     steps.ISIMP_PT_steps.bl_options = set()
 
 
