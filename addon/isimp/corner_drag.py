@@ -21,14 +21,6 @@ class Around:
     corner: int  #: the vertex where the regions meet
 
 
-def corners(edges: np.ndarray, beside: np.ndarray) -> np.ndarray:
-    """Return vertices where three or more regions meet. edges: (K, 2) vertices. beside: (K, 2) regions, -1 for none."""
-    ends = np.repeat(edges.ravel(), 2)
-    pairs = np.stack([ends, np.repeat(beside, 2, axis=0).ravel()], axis=1)
-    found, count = np.unique(np.unique(pairs[pairs[:, 1] >= 0], axis=0)[:, 0], return_counts=True)
-    return found[count >= 3]
-
-
 def swept(around: Around, drag: np.ndarray, sight: np.ndarray) -> dict[int, np.ndarray]:
     """Return the triangles that change their region as the corner moves, by their new region.
 

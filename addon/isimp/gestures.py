@@ -34,22 +34,23 @@ class Hit:
 class Wish:
     """The result of a gesture: a verb and faces."""
 
-    verb: str  #: add, delete, merge, select, paint, new, erase, smooth, finer, split, cut, grow or shrink
+    verb: str  #: add, delete, merge, choose, paint, new, erase, smooth, finer, split, cut, grow or shrink
     faces: tuple
     into: int | None = None  #: a face of the other region of a merge, or of the growing region of a stroke
     rings: int = 0  #: number of rings of faces to grow or shrink by
 
 
 class Pointing:
-    """The Region tool: click adds, ctrl-click deletes, alt-click selects, a drag to another region merges the two."""
+    """The Region tool: a click adds, deletes or chooses; a drag to another region merges the two."""
 
     def __init__(self):
         self.begin = self.over = None
         self._verb, self._from, self._dragged = "", (0.0, 0.0), False
 
-    def press(self, hit: Hit | None, at=(0.0, 0.0), ctrl: bool = False, alt: bool = False) -> None:
+    def press(self, hit: Hit | None, at=(0.0, 0.0), verb: str = "add") -> None:
+        """Starts the gesture. verb: of a click; "merge" has none, and drags of this and of "add" merge."""
         self.begin = self.over = hit
-        self._verb = "delete" if ctrl else "select" if alt else "add"
+        self._verb = verb
         self._from, self._dragged = at, False
 
     def move(self, hit: Hit | None, at=(0.0, 0.0)) -> None:
@@ -59,7 +60,7 @@ class Pointing:
     @property
     def merging(self) -> bool:
         """Whether a release now would merge two regions."""
-        return self._verb == "add" and self._dragged and self._parted()
+        return self._verb in ("add", "merge") and self._dragged and self._parted()
 
     def _parted(self) -> bool:
         if self.begin is None or self.over is None:
@@ -76,7 +77,7 @@ class Pointing:
             return None
         if merging:
             return Wish("merge", (over.face,), into=begin.face)
-        return None if dragged and verb == "add" else Wish(verb, (begin.face,))
+        return None if verb == "merge" or (dragged and verb == "add") else Wish(verb, (begin.face,))
 
     def cancel(self) -> None:
         self.begin = self.over = None

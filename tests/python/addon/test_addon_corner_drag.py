@@ -27,11 +27,6 @@ def around():
     return corner_drag.Around(centers, label, vertices, edges[border], label[pairs[border]], corner)
 
 
-def test_a_corner_is_where_three_regions_meet(around):
-    assert corner_drag.corners(around.edges, around.beside).tolist() == [around.corner]
-    assert len(corner_drag.corners(around.edges, np.minimum(around.beside, 3))) == 0
-
-
 @pytest.mark.parametrize("drag", [(0.33, 0.21), (-0.42, 0.11), (0.12, -0.44), (-0.31, -0.32)])
 def test_borders_run_straight_to_the_new_corner(around, drag):
     found = corner_drag.swept(around, np.array([*drag, 7.0]), SIGHT)

@@ -20,13 +20,15 @@ NEAR, FAR = (2.0, 1.0), (60.0, 0.0)
     [
         ({}, [], Wish("add", (1,))),
         ({}, [(A2, NEAR)], Wish("add", (1,))),
-        ({"ctrl": True}, [], Wish("delete", (1,))),
-        ({"alt": True}, [], Wish("select", (1,))),
+        ({"verb": "delete"}, [], Wish("delete", (1,))),
+        ({"verb": "choose"}, [(B, FAR)], Wish("choose", (1,))),
+        ({"verb": "merge"}, [], None),
+        ({"verb": "merge"}, [(B, FAR)], Wish("merge", (9,), into=1)),
         ({}, [(A2, FAR), (B, FAR)], Wish("merge", (9,), into=1)),
         ({}, [(B, FAR), (A2, NEAR)], None),  # dragged back: dropped
         ({}, [(B, FAR), (None, FAR)], None),
         ({}, [(NONE, FAR)], None),
-        ({"ctrl": True}, [(B, FAR)], Wish("delete", (1,))),
+        ({"verb": "delete"}, [(B, FAR)], Wish("delete", (1,))),
     ],
 )
 def test_pointing(held, moves, wanted):

@@ -162,6 +162,19 @@ class _Shown:
         description="Show the numbers of regions and polygons and the distance from the scan in a corner of the view",
         default=True,
     )
+    hand: EnumProperty(
+        name="Mode",
+        description="Effect of a click or a drag with the Region tool",
+        items=(
+            ("add", "Add", "Click: add a region. Drag a border or a corner: move it. Drag to another region: merge"),
+            ("delete", "Delete", "Click: delete the region; its neighbours take its faces (Ctrl)"),
+            ("merge", "Merge", "Drag to another region: merge both, also from a border"),
+            ("cut", "Cut", "Drag a line over a region: cut it. Click: split it where its halves differ most"),
+            ("choose", "Choose", "Click: choose one more region, or no longer (Shift). Buttons act on chosen regions"),
+            ("finer", "Finer Here", "Stroke: split each region under it where its halves differ most"),
+        ),
+        default="add",
+    )
     brush: IntProperty(name="Radius", description="Radius of the brush", default=40, min=1, max=500, subtype="PIXEL")
     mirror: EnumProperty(
         name="Mirror",
@@ -181,7 +194,7 @@ class _Shown:
                 "Erase",
                 "Erase from the region where the stroke begins; its neighbours take the faces (Ctrl and Shift)",
             ),
-            ("finer", "Finer Here", "Split each region under the stroke where its halves differ most (Alt)"),
+            ("finer", "Finer Here", "Split each region under the stroke where its halves differ most"),
         ),
         default="paint",
     )

@@ -52,17 +52,28 @@ class ISIMP_OT_merge(_Edit, bpy.types.Operator):
         return recipe
 
 
-class ISIMP_OT_split(_Edit, bpy.types.Operator):
-    """Split each region with a selected face in two where its halves differ most"""
-
-    bl_idname = "isimp.split"
-    bl_label = "Split Region"
+class _Split(_Edit):
+    """Mixin of splits, which differ in the names of their undo steps."""
 
     def wanted(self, context, target):
         recipe = target.recipe
         for face in self.each(target.scan):
             recipe = recipe.then(rcp.SplitRegion(face=face))
         return recipe
+
+
+class ISIMP_OT_split(_Split, bpy.types.Operator):
+    """Split each region with a selected face in two where its halves differ most"""
+
+    bl_idname = "isimp.split"
+    bl_label = "Split Region"
+
+
+class ISIMP_OT_finer(_Split, bpy.types.Operator):
+    """Split each region under a stroke in two where its halves differ most"""
+
+    bl_idname = "isimp.finer"
+    bl_label = "Finer Here"
 
 
 class ISIMP_OT_lock(_Edit, bpy.types.Operator):
@@ -136,12 +147,8 @@ class ISIMP_OT_grow(_Edit, bpy.types.Operator):
         return (rcp.ShrinkRegion if shrink else rcp.GrowRegion)(face=face, rings=rings)
 
 
-class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
-    """Make one region of exactly the selected faces"""
-
-    bl_idname = "isimp.paint_faces"
-    bl_label = "Paint Faces"
-    adjusted = ("lock",)
+class _Strokes(AtFaces):
+    """Mixin of strokes, which differ in the names of their undo steps."""
 
     painted: StringProperty(
         name="Faces",
@@ -149,11 +156,6 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
         "region. Empty: the selected faces become a new region",
         options={"SKIP_SAVE"},
     )
-    erase: BoolProperty(
-        name="Erase", description="Erase the faces from the region of the first face", options={"SKIP_SAVE"}
-    )
-    smooth: BoolProperty(name="Smooth", description="Smooth the region borders inside the faces", options={"SKIP_SAVE"})
-    lock: BoolProperty(name="Lock", description="Lock the region if it is new", options={"SKIP_SAVE"})
 
     @classmethod
     def problem(cls, context, scan):
@@ -166,9 +168,7 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
         return recipe
 
     def step(self, onto: int, faces: tuple):
-        if self.erase or self.smooth:
-            return rcp.EraseFaces(faces=faces) if self.erase else rcp.SmoothFaces(faces=faces)
-        return rcp.PaintFaces(faces=faces, onto=onto, lock=self.lock and onto < 0)
+        return rcp.PaintFaces(faces=faces, onto=onto)
 
     def strokes(self, scan) -> list:
         if not self.painted:
@@ -181,6 +181,46 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
         except ValueError:
             text = own("'{text}' is not a list of strokes: write 'onto:face,face'.")
             raise mesh_io.Unusable(said(text, text=self.painted[:40])) from None
+
+
+class ISIMP_OT_paint_faces(_Strokes, bpy.types.Operator):
+    """Make one region of exactly the selected faces"""
+
+    bl_idname = "isimp.paint_faces"
+    bl_label = "Paint Faces"
+    adjusted = ("lock",)
+
+    lock: BoolProperty(name="Lock", description="Lock the region if it is new", options={"SKIP_SAVE"})
+
+    def step(self, onto, faces):
+        return rcp.PaintFaces(faces=faces, onto=onto, lock=self.lock and onto < 0)
+
+
+class ISIMP_OT_move_border(_Strokes, bpy.types.Operator):
+    """Move a border or a corner: each region gets the faces of its stroke"""
+
+    bl_idname = "isimp.move_border"
+    bl_label = "Move Border"
+
+
+class ISIMP_OT_erase_faces(_Strokes, bpy.types.Operator):
+    """Erase faces from the region of the first one; its neighbours take them"""
+
+    bl_idname = "isimp.erase_faces"
+    bl_label = "Erase Faces"
+
+    def step(self, onto, faces):
+        return rcp.EraseFaces(faces=faces)
+
+
+class ISIMP_OT_smooth_faces(_Strokes, bpy.types.Operator):
+    """Smooth the region borders inside the faces"""
+
+    bl_idname = "isimp.smooth_faces"
+    bl_label = "Smooth Borders"
+
+    def step(self, onto, faces):
+        return rcp.SmoothFaces(faces=faces)
 
 
 class ISIMP_OT_cut_region(AtFaces, bpy.types.Operator):
@@ -270,10 +310,14 @@ class ISIMP_OT_even_borders(RecipeOperator, bpy.types.Operator):
 CLASSES = (
     ISIMP_OT_merge,
     ISIMP_OT_split,
+    ISIMP_OT_finer,
     ISIMP_OT_lock,
     ISIMP_OT_leave_out,
     ISIMP_OT_grow,
     ISIMP_OT_paint_faces,
+    ISIMP_OT_move_border,
+    ISIMP_OT_erase_faces,
+    ISIMP_OT_smooth_faces,
     ISIMP_OT_cut_region,
     ISIMP_OT_add_worst,
     ISIMP_OT_delete_least,

@@ -57,7 +57,9 @@ def _chosen(scan) -> str:
     number, count = pointed.region(scan), len(pointed.faces(scan))
     if count > 1:
         return said("{regions} chosen", regions=messages.count(count, "region"))
-    return said("Region {number}, clicked last", number=number) if number >= 0 else said("Alt-click a region (tool: T)")
+    if number < 0:
+        return said("None chosen: shift-click one")
+    return said("Region {number}, clicked last", number=number)
 
 
 def _row(context, column, *buttons) -> list:

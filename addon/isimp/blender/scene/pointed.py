@@ -9,7 +9,7 @@ from ... import sketch
 from ...language import own
 from . import mesh_io, runtime, store
 
-NONE = own("No region is chosen: alt-click one with the Region tool (T), or select faces in Edit Mode (Tab, then 3)")
+NONE = own("No region is chosen: shift-click one with the Region tool (T), or select faces in Edit Mode (Tab, then 3)")
 
 
 def note(scan, face: int) -> None:

@@ -8,8 +8,9 @@ from gpu_extras.presets import draw_circle_2d
 from . import border, opening, paint, point, size
 
 
-def _hover(keys):
-    return "isimp.hover", {"type": "MOUSEMOVE", "value": "ANY", "any": True}, {"properties": [("keys", keys)]}
+def _hover(keys, **more):
+    properties = [("keys", keys), *more.items()]
+    return "isimp.hover", {"type": "MOUSEMOVE", "value": "ANY", "any": True}, {"properties": properties}
 
 
 class _Tool(bpy.types.WorkSpaceTool):
@@ -46,8 +47,9 @@ class _Region(_Tool):
     bl_label = "Region"
     bl_description = (
         "Edit regions of the scan.\n"
-        "• Click: add a region\n• Ctrl-click: delete the region\n• Alt-click: select its faces\n"
-        "• Drag to another region: merge both\n• Alt-drag: move a border or a corner\n"
+        "• Click: add a region\n• Ctrl-click: delete the region\n"
+        "• Drag a lit border or corner: move it\n• Drag to another region: merge both\n"
+        "• Modes are in the bar above the view\n"
         "• Shift-click: choose another region; right-click: a menu for the chosen ones; Esc: choose none\n"
         "• Shift-drag: cut it along a line\n"
         "• Ctrl-wheel: grow or shrink it\n• L: lock or unlock it"
@@ -55,18 +57,31 @@ class _Region(_Tool):
     bl_icon = "ops.generic.select_lasso"
     bl_keymap = _with_rest(
         _hover(
-            "Click: add region · Ctrl: delete · Alt: select, drag: move border · Drag: merge · "
-            "Shift: choose more, drag: cut · Right: menu for the chosen · Ctrl-wheel: grow, shrink · L: lock"
+            "Click: add region · Ctrl: delete · Drag a lit border: move it · Drag to another: merge · "
+            "Shift: choose, drag: cut · Right: menu for the chosen · Ctrl-wheel: grow, shrink · L: lock",
+            borders=True,
         ),
         _press("isimp.point"),
         _press("isimp.point", ctrl=True),
-        _press("isimp.drag_border", alt=True),
         ("isimp.cut", {"type": "LEFTMOUSE", "value": "PRESS", "shift": True}, {"properties": [("collects", True)]}),
         ("isimp.chosen_menu", {"type": "RIGHTMOUSE", "value": "PRESS"}, None),
         ("isimp.choose_none", {"type": "ESC", "value": "PRESS"}, None),
         *_WHEEL,
         ("isimp.lock_here", {"type": "L", "value": "PRESS"}, None),
     )
+
+    @staticmethod
+    def draw_cursor(context, tool, at):
+        """Draws the brush at the mouse in the mode with strokes."""
+        if context.window_manager.isimp.hand == "finer":
+            _Paint.draw_cursor(context, tool, at)
+
+    @staticmethod
+    def draw_settings(context, layout, tool):
+        panel = context.window_manager.isimp
+        layout.prop(panel, "hand", expand=True)
+        if panel.hand == "finer":
+            layout.prop(panel, "brush")
 
 
 _MIRRORED = [("data_path", "window_manager.isimp.mirror"), ("value_1", "NONE"), ("value_2", "X")]
@@ -78,19 +93,16 @@ class _Paint(_Tool):
     bl_description = (
         "Paint regions by hand.\n"
         "• Drag: extend the region where the stroke begins\n• Ctrl: paint a new region\n"
-        "• Shift: smooth borders\n• Ctrl and Shift: erase from the region\n• Alt: finer here\n• F: radius\n• X: mirror"
+        "• Shift: smooth borders\n• Ctrl and Shift: erase from the region\n• F: radius\n• X: mirror\n"
+        "• All of these, and Finer Here, are in the bar above the view"
     )
     bl_icon = "brush.sculpt.draw_face_sets"
     bl_keymap = _with_rest(
-        _hover(
-            "Drag: extend this region · Ctrl: new · Shift: smooth · Ctrl-Shift: erase · Alt: finer · "
-            "F: radius · X: mirror"
-        ),
+        _hover("Drag: extend this region · Ctrl: new · Shift: smooth · Ctrl-Shift: erase · F: radius · X: mirror"),
         _press("isimp.paint"),
         _press("isimp.paint", ctrl=True),
         _press("isimp.paint", shift=True),
         _press("isimp.paint", ctrl=True, shift=True),
-        _press("isimp.paint", alt=True),
         ("isimp.brush", {"type": "F", "value": "PRESS"}, None),
         ("wm.context_toggle_enum", {"type": "X", "value": "PRESS"}, {"properties": _MIRRORED}),
     )

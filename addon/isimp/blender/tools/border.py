@@ -1,4 +1,4 @@
-"""Operator that drags a border between two regions, or a corner of several; a click selects the faces of a region."""
+"""Operator that drags a border between two regions, or a corner of several; a click there adds a region."""
 
 import bpy
 import numpy as np
@@ -13,11 +13,10 @@ from . import under
 from .point import ModalTool, do, miss
 
 _TAKEN = (1.0, 0.85, 0.2, 0.6)
-_NEAR = 12  # pixels from a corner within which a press drags the corner
 
 
 class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
-    """Alt-click: select the faces of the region. Alt-drag: move the corner or the border nearest to it. Esc: cancel"""
+    """Drag: move the corner or the border nearest to the press. Click: add a region. Esc: cancel"""
 
     bl_idname = "isimp.drag_border"
     bl_label = "Drag Border"
@@ -31,11 +30,11 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
             return miss()
         self._from, self._is_dragged = self.place(event), False
         self._pair, self._strokes = None, []  # arrays of the two regions at the border; faces for each growing region
-        pixel = self._ground.pixel(context.region, context.region_data, self._from, self._hit.place)
-        self._around = self.corner(_NEAR * pixel)
+        reach = self._ground.reach(self._region, self._view, self._from, self._hit)
+        self._around = self.corner(self._ground.corner(reach, self._hit))
         if self._around is not None:
-            return self.go(context, own("Drag: move the corner · Release here: select the region · Esc: cancel"))
-        return self.go(context, own("Drag: move the border · Release here: select the region · Esc: cancel"))
+            return self.go(context, own("Drag: move the corner · Release here: add a region · Esc: cancel"))
+        return self.go(context, own("Drag: move the border · Release here: add a region · Esc: cancel"))
 
     def modal(self, context, event):
         if self.is_dropped(event):
@@ -48,9 +47,9 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         elif event.type == "LEFTMOUSE" and event.value == "RELEASE":
             self.end(context)
             if not self._is_dragged:
-                do("isimp.select_region", face=self._hit.face)
+                do("isimp.add_proxy", face=self._hit.face)
             elif self._strokes:
-                do("isimp.paint_faces", painted=";".join(map(self.painted, self._strokes)))
+                do("isimp.move_border", painted=";".join(map(self.painted, self._strokes)))
             else:
                 self.report({"INFO"}, said("No border was moved: drag across one into a region that is not locked"))
             return {"FINISHED"}
@@ -123,16 +122,13 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         is_seen = toward * toward[np.argmin(np.linalg.norm(corners.mean(axis=1) - place, axis=1))] > 0
         return triangles[is_seen], corners[is_seen].mean(axis=1)
 
-    def corner(self, reach: float):
-        """Return (triangles, corner_drag.Around) of the corner nearest to the press; None if none is within reach."""
+    def corner(self, corner):
+        """Return (triangles, corner_drag.Around) of a corner, None of None. corner: a vertex."""
+        if corner is None:
+            return None
         ground, scan = self._ground, self._ground.scan
         faces, edges = ground.between()
         beside = ground.label[faces]
-        meet = corner_drag.corners(edges, beside)
-        away = np.linalg.norm(scan.vertices[meet] - np.array(self._hit.place), axis=1)
-        if not len(away) or away.min() > reach:
-            return None
-        corner = int(meet[np.argmin(away)])
         regions = np.unique(beside[(edges == corner).any(axis=1)])
         regions = regions[regions >= 0]
         own_edges = np.isin(beside, regions).all(axis=1)

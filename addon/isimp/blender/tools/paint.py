@@ -9,7 +9,7 @@ from ...language import own, said
 from ..scene import pointed, runtime
 from ..view import overlay
 from . import under
-from .point import ModalTool, do, miss
+from .point import ModalTool, choose, do, miss
 
 _CUT = (1.0, 0.85, 0.2, 1.0)
 _COLORS = {
@@ -19,14 +19,17 @@ _COLORS = {
     "erase": (0.3, 0.8, 1.0, 0.5),
     "finer": (1.0, 0.5, 0.3, 0.5),
 }
+_STROKES = {"erase": "isimp.erase_faces", "smooth": "isimp.smooth_faces"}
 _AXES = {"NONE": None, "X": 0, "Y": 1, "Z": 2}
 
 
 class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
-    """Extend the region where it begins. Ctrl: new region. Shift: smooth. Both: erase. Alt: finer. Esc: cancel"""
+    """Extend the region where it begins. Ctrl: new region. Shift: smooth. Both: erase. Esc: cancel"""
 
     bl_idname = "isimp.paint"
     bl_label = "Paint Region"
+
+    finer: BoolProperty(name="Finer Here", description="The stroke splits the regions under it", options={"SKIP_SAVE"})
 
     def invoke(self, context, event):
         if not self.begin(context, event):
@@ -41,7 +44,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         args = (ground.surface, ground.scan.triangle_face, ground.scan.edges[0], radius)
         self._strokes = [(side, Stroke(*args)) for side in sides]
         held = {(True, True): "erase", (True, False): "new", (False, True): "smooth"}
-        verb = "finer" if event.alt else held.get((bool(event.ctrl), bool(event.shift)), panel.stroke)
+        verb = "finer" if self.finer else held.get((bool(event.ctrl), bool(event.shift)), panel.stroke)
         self._color, self._lock = _COLORS[verb], panel.lock_painted
         for side, stroke in self._strokes:
             place, direction = self.seen(event, side)
@@ -93,8 +96,8 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         if strokes:
             pointed.note(bpy.context.view_layer.objects.active, wishes[0].faces[0])
             verb = wishes[0].verb
-            more = {verb: True} if verb in {"erase", "smooth"} else {"lock": self._lock}
-            do("isimp.paint_faces", painted=";".join(strokes), **more)
+            more = {} if verb in _STROKES else {"lock": self._lock}
+            do(_STROKES.get(verb, "isimp.paint_faces"), painted=";".join(strokes), **more)
         elif wishes:
             self.report({"INFO"}, said("Nothing to paint: all faces are in that region already, or locked"))
 
@@ -105,7 +108,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         if not found:
             self.report({"INFO"}, said("Nothing to split: the regions are locked, or of one face"))
             return
-        do("isimp.split", face=found[-1], chosen=",".join(map(str, found)))
+        do("isimp.finer", face=found[-1], chosen=",".join(map(str, found)))
 
     def changes(self, wish, faces) -> bool:
         """Return whether any face changes; one side of a mirrored stroke may change none."""
@@ -163,8 +166,7 @@ class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
         if wish is None:
             return
         if wish.verb == "split" and self.collects:
-            pointed.collect(bpy.context.view_layer.objects.active, wish.faces[0])
-            overlay.redraw()
+            choose(bpy.context, wish.faces[0])
             return
         if wish.verb == "split":
             do("isimp.split", face=wish.faces[0])

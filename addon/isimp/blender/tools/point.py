@@ -3,7 +3,7 @@
 from contextlib import suppress
 
 import bpy
-from bpy.props import StringProperty
+from bpy.props import BoolProperty, StringProperty
 
 from ... import messages
 from ...gestures import Pointing, is_far
@@ -14,27 +14,37 @@ from ..view import overlay
 from . import under
 
 _LIGHT = (1.0, 0.75, 0.4, 0.35)
-_VERBS = {"add": "isimp.add_proxy", "delete": "isimp.delete_proxy", "select": "isimp.select_region"}
+_VERBS = {"add": "isimp.add_proxy", "delete": "isimp.delete_proxy"}
+_HOLD = (1.0, 0.95, 0.3, 1.0)
 _JOIN = (1.0, 0.85, 0.2, 0.45)
 _EDGE = (1.0, 0.55, 0.05, 1.0)  # differs from the colours of borders and outline
 
 
-def show_hover(context, ground, hit, at, joined=None) -> None:
-    """Highlights and describes the region under the mouse. joined: the hit of the other region of a merge."""
+def show_hover(context, ground, hit, at, joined=None, held=None) -> None:
+    """Highlights and describes the region under the mouse.
+
+    joined: the hit of the other region of a merge. held: the border or corner that a drag would move; see Ground.held.
+    """
     current = runtime.get()
     before = current.hover
+    key = None if hit is None else (ground.state, hit.region, joined, held and held[0])
     if hit is None:
         current.hover = None
-    elif before is not None and before.key == (ground.state, hit.region, joined):
+    elif before is not None and before.key == key:
         before.at = at
     else:
-        hover = current.hover = under.Hover(ground.name, hit.region, at=at, key=(ground.state, hit.region, joined))
+        hover = current.hover = under.Hover(ground.name, hit.region, at=at, key=key)
         for region in [hit.region] if joined is None else [joined.region, hit.region]:
             triangles = ground.triangles_of(region)
             hover.fills.append((ground.points(triangles), _LIGHT if joined is None else _JOIN))
             hover.lines.append((ground.border(region), _EDGE, 4.0))
         told = ground.told(context.scene.unit_settings, hit.region)
         hover.text = told if joined is None else said("Release to merge both")
+        if held is not None:
+            is_corner = held[0][0] == "corner"
+            hover.lines.append((held[1], _HOLD, 7.0))
+            hover.ring = 10.0 if is_corner else 0.0
+            hover.text = said("Drag to move this corner") if is_corner else said("Drag to move this border")
     if before is not None or current.hover is not None:
         overlay.redraw()
 
@@ -164,6 +174,7 @@ class ISIMP_OT_hover(bpy.types.Operator):
     bl_options = {"INTERNAL"}
 
     keys: StringProperty(name="Keys", description="Text of the status bar", options={"SKIP_SAVE"})
+    borders: BoolProperty(name="Borders", description="Show borders that a drag moves", options={"SKIP_SAVE"})
 
     def invoke(self, context, event):
         if not in_viewport(context):
@@ -171,7 +182,10 @@ class ISIMP_OT_hover(bpy.types.Operator):
         ground = under.ground(context)
         at = (event.mouse_region_x, event.mouse_region_y)
         hit = ground.hit(ground.ray(context.region, context.region_data, at)) if ground is not None else None
-        show_hover(context, ground, hit, at)
+        held = None
+        if hit is not None and self.borders and context.window_manager.isimp.hand == "add":
+            held = ground.held(ground.reach(context.region, context.region_data, at, hit), hit)
+        show_hover(context, ground, hit, at, held=held)
         overlay.tell(context, self.keys)
         return {"PASS_THROUGH"}
 
@@ -235,19 +249,27 @@ class ISIMP_OT_choose_none(_Chosen, bpy.types.Operator):
 
 
 class ISIMP_OT_point(ModalTool, bpy.types.Operator):
-    """Click: add a region. Ctrl: delete the region. Alt: select its faces. Drag to another: merge both"""
+    """Click: add a region. Ctrl: delete it. Drag a border: move it. Drag to another region: merge both"""
 
     bl_idname = "isimp.point"
     bl_label = "Region"
 
     def invoke(self, context, event):
+        hand = "delete" if event.ctrl else context.window_manager.isimp.hand
+        if hand == "cut":
+            return bpy.ops.isimp.cut("INVOKE_DEFAULT")
+        if hand == "finer":
+            return bpy.ops.isimp.paint("INVOKE_DEFAULT", finer=True)
         if not self.begin(context, event):
             return {"CANCELLED"}
         hit = self._ground.hit(self.ray(event))
         if hit is None:
             return miss()
+        reach = self._ground.reach(self._region, self._view, self.place(event), hit)
+        if hand == "add" and self._ground.held(reach, hit) is not None:
+            return bpy.ops.isimp.drag_border("INVOKE_DEFAULT")
         self._gesture = Pointing()
-        self._gesture.press(hit, self.place(event), ctrl=event.ctrl, alt=event.alt)
+        self._gesture.press(hit, self.place(event), hand)
         return self.go(context, own("Drag to another region: merge both · Release: apply · Esc: cancel"))
 
     def modal(self, context, event):
@@ -261,7 +283,7 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
             show_hover(context, self._ground, hit, at, self._gesture.begin if self._gesture.merging else None)
         elif event.type == "LEFTMOUSE" and event.value == "RELEASE":
             wish = self._gesture.release()
-            self.end(context, redraws=wish is None or wish.verb == "select")
+            self.end(context, redraws=wish is None or wish.verb == "choose")
             if wish is not None:
                 self.fulfil(context, wish)
             return {"FINISHED"}
@@ -270,8 +292,19 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
     def fulfil(self, context, wish) -> None:
         if wish.verb == "merge":
             do("isimp.merge", face=wish.into, other=wish.faces[0])
+        elif wish.verb == "choose":
+            choose(context, wish.faces[0])
         else:
             do(_VERBS[wish.verb], face=wish.faces[0])
+
+
+def choose(context, face: int) -> None:
+    """Adds the region of a face to the chosen ones, or removes it; in Edit Mode its faces are selected too."""
+    if context.mode == "EDIT_MESH":
+        do("isimp.select_region", face=face, extend=True)
+        return
+    pointed.collect(context.view_layer.objects.active, face)
+    overlay.redraw()
 
 
 CLASSES = (

@@ -17,6 +17,9 @@ from ..scene import mesh_io, runtime, store, targets
 from ..texts import text
 
 _MOST_SHOWN = 200_000  # highlighted triangles of a region
+_REACH = 8.0  # pixels from a border within which a press drags it
+_INNER = 6.0  # widths of that zone that a small region has at least
+_CORNER = 1.5  # reach of corners in reaches of borders
 
 
 @dataclass
@@ -51,6 +54,7 @@ class Ground:
         self._between = None if outcome is None else outcome.border
         self._repair = None if outcome is None else outcome.repair
         self._error = store.numbers(obj).get("error", 0.0)  #: sum over all regions
+        self._known_borders: dict = {}  # by region; see _around
 
     @cached_property
     def _triangle_label(self) -> np.ndarray:
@@ -122,6 +126,55 @@ class Ground:
         """Return (2 B, 3) float32 the border edges of a region."""
         pairs, edges = self.between()
         return self.scan.vertices[edges[(self.label[pairs] == region).any(axis=1)].ravel()].astype(np.float32)
+
+    def reach(self, region, view, at, hit) -> float:
+        """Return the length, in the scan's space, within which a press drags a border; smaller in small regions."""
+        pixel = self.pixel(region, view, at, hit.place)
+        return min(_REACH * pixel, self._around(hit.region)[3] / _INNER)
+
+    def held(self, reach: float, hit):
+        """Return (key, (2 L, 3) float32 lines) of the corner or the border that a drag from a hit moves, or None."""
+        if hit.region < 0:
+            return None
+        edges, ends, other, _ = self._around(hit.region)
+        if not len(edges):
+            return None
+        place = np.array(hit.place)
+        along = ends[:, 1] - ends[:, 0]
+        share = np.einsum("ij,ij->i", place - ends[:, 0], along) / np.maximum((along**2).sum(axis=1), 1e-300)
+        away = np.linalg.norm(ends[:, 0] + share.clip(0, 1)[:, None] * along - place, axis=1)
+        corner = self.corner(reach, hit)
+        if corner is not None:
+            near = np.linalg.norm(ends.mean(axis=1) - self.scan.vertices[corner], axis=1) <= 3 * reach
+            return ("corner", corner), ends[near].reshape(-1, 3).astype(np.float32)
+        if away.min() > reach:
+            return None
+        beside = int(other[np.argmin(away)])
+        return ("border", beside), ends[other == beside].reshape(-1, 3).astype(np.float32)
+
+    def corner(self, reach: float, hit):
+        """Return the vertex of the corner of a region that a drag from a hit moves, or None."""
+        edges, _, other, _ = self._around(hit.region) if hit.region >= 0 else (np.empty((0, 2), int), 0, 0, 0)
+        if not len(edges):
+            return None
+        met = np.unique(np.stack([edges.ravel(), np.repeat(other, 2)], axis=1), axis=0)
+        vertices, count = np.unique(met[:, 0], return_counts=True)
+        corners = vertices[count > 1]
+        away = np.linalg.norm(self.scan.vertices[corners] - np.array(hit.place), axis=1)
+        return int(corners[np.argmin(away)]) if len(away) and away.min() <= _CORNER * reach else None
+
+    def _around(self, region: int):
+        """Return (edges, their ends, the regions beyond, the width of the region), of borders to other regions."""
+        if region not in self._known_borders:
+            faces, edges = self.between()
+            beside = self.label[faces]
+            mine = (beside == region).any(axis=1) & (beside >= 0).all(axis=1)
+            edges, beside = edges[mine], beside[mine]
+            triangles = self.scan.triangles[self.triangles_of(region)]
+            width = pick.area(self.scan.vertices, triangles) ** 0.5
+            ends = self.scan.vertices[edges].astype(np.float64)
+            self._known_borders[region] = edges, ends, beside.sum(axis=1) - region, width
+        return self._known_borders[region]
 
     def told(self, unit, region: int) -> str:
         """Return the description of a region in one line. unit: the scene's unit settings."""

@@ -1,5 +1,6 @@
 """Gestures that change a region as a whole, with a real mouse: split, cut, grow and shrink; undo and redo of each."""
 
+import bpy
 import numpy as np
 from scenario_main import regions, same, scan
 from scenario_tools import begin, drag, labels, last, place, state, steps, tool, undone_and_redone
@@ -53,22 +54,35 @@ def chosen(hand):
 
 
 def border(hand):
-    """An alt-drag moves the border between two regions, as one step to undo; an alt-click selects."""
-    x = next(x for x in np.linspace(0, -0.98, 50) if region_at(x, 0.0) != region_at(0.0, 0.0))
-    before, outer = size_of(0, 0), region_at(x, 0.0)
-    yield from drag(hand, (x + 0.15, 0.0), (x - 0.05, 0.0), alt=True, shot="gestures-1-border")
+    """A border lights up under the mouse; a drag moves it, as one step to undo; a click there adds a region."""
+    from isimp.blender.scene import runtime
+
+    x = next(x for x in np.linspace(0, -0.98, 200) if region_at(x, 0.0) != region_at(0.0, 0.0))
+    before, outer, count = size_of(0, 0), region_at(x, 0.0), regions()
+    yield from hand.move(*place(hand, x + 0.3, 0.0))
+    yield 0.3
+    same("not in the middle", runtime.get().hover.text.startswith("Region"), True)
+    yield from hand.move(*place(hand, x + 0.02, 0.0))
+    yield 0.3
+    same("it lights up", (runtime.get().hover.text, len(runtime.get().hover.lines)), ("Drag to move this border", 2))
+    yield from hand.shot("gestures-1-lit")
+    yield from drag(hand, (x + 0.02, 0.0), (x - 0.15, 0.0), shot="gestures-1-border")
     same("the border is moved", (last(), size_of(0, 0) > before), ("PaintFaces", True))
-    assert region_at(x - 0.02, 0.0) != outer
+    same("the undo step", bpy.context.window_manager.operators[-1].bl_label, "Move Border")
+    assert region_at(x - 0.05, 0.0) != outer
     yield from undone_and_redone(hand, "a border", state)
     yield from hand.undo()
-    yield from drag(hand, (x + 0.15, 0.0), (x + 0.4, 0.0), alt=True)
+    yield from pressed(hand, x + 0.02, 0.0)
+    same("a click adds", (last(), regions()), ("AddProxy", count + 1))
+    yield from hand.undo()
+    yield from drag(hand, (x + 0.02, 0.0), (x + 0.25, 0.0))
     same("and back", (last(), size_of(0, 0) < before), ("PaintFaces", True))
     yield from hand.undo()
     same("undone", size_of(0, 0), before)
 
 
 def corner(hand):
-    """An alt-drag that begins at a corner of three regions moves the corner, as one step to undo."""
+    """A drag that begins at a corner of three regions moves the corner, as one step to undo."""
     line = np.arange(-47, 48) / 50
     label = np.array([[region_at(x, z) for z in line] for x in line])
     met = np.sort(np.stack([label[:-1, :-1], label[1:, :-1], label[:-1, 1:], label[1:, 1:]]), axis=0)
@@ -77,15 +91,51 @@ def corner(hand):
     inwards = -0.25 * at / np.linalg.norm(at)
     behind = at + 0.6 * inwards
     before, count = region_at(*behind), len(steps())
-    yield from drag(hand, at, at + inwards, alt=True, shot="gestures-1-corner")
+    yield from drag(hand, at, at + inwards, shot="gestures-1-corner")
     same("the corner is moved", (last(), region_at(*behind) != before), ("PaintFaces", True))
     yield from hand.undo()  # a step for each region that grows, and one undo for all
     same("undone", (region_at(*behind), len(steps())), (before, count))
 
 
+def without_keys(hand):
+    """Each mode of the bar replaces a key."""
+    from isimp.blender.scene import pointed
+
+    panel, before = bpy.context.window_manager.isimp, regions()
+    other = next((x, z) for x in (0.4, 0.7, 0.9) for z in (0.5, 0.9) if region_at(x, z) != region_at(0, 0))
+    for hand_mode, to, change, kind in (
+        ("delete", None, -1, "DeleteProxy"),
+        ("cut", (0.3, 0.1), 1, "CutRegion"),
+        ("finer", (0.1, 0.0), 1, "SplitRegion"),
+    ):
+        panel.hand = hand_mode
+        if to is None:
+            yield from pressed(hand, 0.0, 0.0)
+        else:
+            yield from drag(hand, (-0.3, -0.1) if hand_mode == "cut" else (0.0, 0.0), to)
+        same(hand_mode, (regions() - before, last()), (change, kind))
+        yield from hand.undo()
+    yield from hand.key("ESC")  # an edit chooses its region too
+    panel.hand = "choose"
+    yield from pressed(hand, 0.0, 0.0)
+    yield from pressed(hand, *other)
+    same("chosen", (len(pointed.faces(scan())), bpy.context.mode, last()), (2, "OBJECT", "Partition"))
+    yield from hand.shot("gestures-1-modes")
+    yield from hand.key("ESC")
+    panel.hand = "merge"
+    x = next(x for x in np.linspace(0, -0.98, 200) if region_at(x, 0.0) != region_at(0.0, 0.0))
+    yield from drag(hand, (x + 0.02, 0.0), (x - 0.05, 0.0))
+    same("merged from a border", (regions() - before, last()), (-1, "MergeRegions"))
+    yield from hand.undo()
+    yield from hand.into_view()
+    yield from hand.key("ESC")
+    panel.hand = "add"
+
+
 def split_and_cut(hand):
     yield from tool(hand, "isimp.region_tool.object")
     before = regions()
+    yield from without_keys(hand)
     yield from chosen(hand)
     yield from border(hand)
     yield from corner(hand)

@@ -64,7 +64,7 @@ def chosen(hand):
     before = regions()
     yield from press(hand, "split")
     same("no region is chosen", regions(), before)
-    yield from hand.click(*place(hand, 0.0, 0.0), alt=True)
+    yield from hand.click(*place(hand, 0.0, 0.0), shift=True)
     yield from hand.settle()
     scan().data.polygons.foreach_set("select", np.ones(len(scan().data.polygons), bool))
     face = pointed.face(scan())

@@ -34,8 +34,9 @@ def strokes(hand):
     yield from drag(hand, (-0.6, -0.45), (0.2, -0.62), shift=True, shot="paint-2-smooth")
     same("smoothed", (last(), state() != before, border() <= ragged), ("SmoothFaces", True, True))
     yield from undone_and_redone(hand, "smoothed", state)
-    before = regions()
-    yield from drag(hand, (-0.6, 0.6), (0.3, 0.6), alt=True, shot="paint-3-finer")
+    before, settings().stroke = regions(), "finer"
+    yield from drag(hand, (-0.6, 0.6), (0.3, 0.6), shot="paint-3-finer")
+    settings().stroke = "paint"
     same("finer", (regions() > before, last()), (True, "SplitRegion"))
     split = len(steps())
     yield from hand.undo()

@@ -113,12 +113,6 @@ def drawn():
     return runtime.get().drawings[key].sketch
 
 
-def selected():
-    flags = np.empty(len(scan().data.polygons), bool)
-    scan().data.polygons.foreach_get("select", flags)
-    return int(flags.sum())
-
-
 def hovered(hand):
     from isimp.blender.scene import runtime
 
@@ -159,16 +153,6 @@ def clicked(hand):
     yield from hand.settle()
     same("ctrl-click deletes", (regions(), last()), (before, "DeleteProxy"))
     yield from undone_and_redone(hand, "deleted", state)
-
-    none = selected()
-    yield from hand.click(*place(hand, -0.3, -0.3), alt=True)
-    yield from hand.settle()
-    picked = selected()
-    assert 20 < picked < len(scan().data.polygons) / 2, picked
-    yield from hand.undo()
-    same("not selected", selected(), none)
-    yield from hand.redo()
-    same("selected again", (selected(), regions()), (picked, before))
 
 
 def colors(obj):
