@@ -38,6 +38,7 @@ PYTHONS = {  # Pythons of the Blenders of each zip
     "extension": ["311", "313", "314"],  # 4.2 to 5.0; 5.1 and 5.2, Debian's 4.3; Debian's 5.2
     "legacy": ["310", "311"],  # 3.4 to 4.0; 4.1, Debian's 3.4
 }
+LEGACY_ONLY = "blender/operators/install.py"  # an extension may not start programs
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # the date of every file, so that the same input gives the same zip
 
 
@@ -156,6 +157,8 @@ def pack_extension(target: Path, wheel: Path, website: str | None) -> None:
     site = f'website = "{website}"\n' if website else ""
     with zipfile.ZipFile(target, "w") as archive:
         for name, data in addon_files().items():
+            if name == LEGACY_ONLY:
+                continue
             if name == "blender_manifest.toml":
                 named = f'{site}platforms = ["{platform_of(wheel)}"]\nwheels = ["./wheels/{wheel.name}"]\n'.encode()
                 head, tables, rest = data.partition(b"\n[")  # a table ends the part that these belong to

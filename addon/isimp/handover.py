@@ -59,11 +59,28 @@ def planarity(vertices: np.ndarray, loops: np.ndarray, start: np.ndarray) -> np.
     return found
 
 
-def require(path: Path) -> None:
-    """Raises ValueError with a remedy if the package for files of this kind is missing."""
-    if package := engine.exporting.missing(path):
-        text = own('For {kind} Blender needs the package {package}. In a terminal: "{python}" -m pip install {package}')
-        raise ValueError(said(text, kind=engine.exporting.kind_of(path), package=package, python=sys.executable))
+def missing(path: Path, modules: Path) -> str:
+    """Return the package that files of this kind need, and the command that installs it; empty if none is missing.
+
+    modules: Blender's folder of packages.
+    """
+    package = engine.exporting.missing(path)
+    if not package:
+        return ""
+    command = " ".join(f'"{part}"' if " " in part or part[:1] in "/\\" else part for part in pip(modules, package))
+    text = own("For {kind} Blender needs the package {package}. In a terminal: {command}")
+    return said(text, kind=engine.exporting.kind_of(path), package=package, command=command)
+
+
+def pip(modules: Path, package: str) -> list[str]:
+    """Return the command that installs a package into a folder, by the Python that runs in this program.
+
+    `sys.executable` may be another Python, or the program itself.
+    """
+    name = f"python{sys.version_info[0]}.{sys.version_info[1]}"
+    places = [Path(sys.prefix, "bin", name), Path(sys.prefix, "bin", "python.exe"), Path(sys.prefix, "python.exe")]
+    python = next((place for place in places if place.is_file()), Path(sys.executable))
+    return [str(python), "-m", "pip", "install", "--target", str(modules), package]
 
 
 def export(path: Path, model: Model, crs: int | None) -> None:

@@ -461,6 +461,11 @@ def expected(
     return f"{told}, {why}" if why else told
 
 
+def magenta(regions: int) -> str:
+    """Return the legend of defective polygons over the scan; empty without any."""
+    return said("magenta: defects in {regions}", regions=count(regions, "region")) if regions else ""
+
+
 def summary(regions: int, polygons: int | None, away: str) -> str:
     """Return the text in the corner of the viewport."""
     if polygons is None:

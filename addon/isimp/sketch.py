@@ -40,6 +40,8 @@ class Sketch:
     numbers: dict = field(default_factory=dict)
     #: (2 E, 3) the edges of defective polygons
     problems: np.ndarray = field(default_factory=_points)
+    #: a face of each region with a defective polygon
+    problem_faces: tuple = ()
     #: (3 L, 3) the triangles of locked regions
     locked: np.ndarray = field(default_factory=_points)
     #: why there are no polygons; empty if there are
@@ -164,6 +166,7 @@ def draw(
         np.repeat(_direction_colors(session, scan, made)[np.asarray(polygons.polygon_region)[of]], 3, axis=0),
         made.numbers,
         vertices[edges_of(defective, loops, start).ravel()],
+        faces_of(made.face_region, np.asarray(polygons.polygon_region)[defective]),
         locked,
         origin=origin,
     )
@@ -186,6 +189,12 @@ def triangles_of(scan: Scan, face_region: np.ndarray, regions: np.ndarray, origi
         return _points()
     chosen = np.isin(face_region[scan.triangle_face], regions)
     return _relative(scan.vertices[scan.triangles[chosen].ravel()], origin)
+
+
+def faces_of(face_region: np.ndarray, regions: np.ndarray) -> tuple:
+    """Return the first face of each of some regions."""
+    found, first = np.unique(face_region, return_index=True)
+    return tuple(first[np.isin(found, regions)].tolist())
 
 
 def edges_of(chosen: list, loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:

@@ -255,7 +255,9 @@ class Monkey:
             ends = (prop.default, low, high)
             one = lambda: pick.choice((*ends, *(draw(low, max(low, high)) for _ in range(4))))  # noqa: E731
             if getattr(prop, "is_array", False):
-                return [pick.uniform(-1, 1) for _ in range(prop.array_length)]
+                return [
+                    draw(low, high) if prop.type == "INT" else pick.uniform(-1, 1) for _ in range(prop.array_length)
+                ]
             return (int if prop.type == "INT" else float)(one())
         if prop.type == "STRING":
             return pick.choice(("", "Density", "UV", "none"))

@@ -93,7 +93,7 @@ def test_the_zip_for_older_blenders_holds_the_engine(tmp_path, monkeypatch):
         archive.extractall(tmp_path / "addons")
     assert all(name.startswith("isimp/") for name in names)
     some = {"isimp/__init__.py", "isimp/blender/panel/main.py", "isimp/isimp_engine/_core.py", "isimp/LICENSE"}
-    assert some <= set(names)
+    assert some | {f"isimp/{build_addon.LEGACY_ONLY}"} <= set(names)
     assert not any("pycache" in name for name in names)
     inside = importlib.util.spec_from_file_location(
         "unpacked", tmp_path / "addons" / "isimp" / "isimp_engine" / "__init__.py"
@@ -118,6 +118,7 @@ def test_each_platform_has_an_extension_with_its_wheel(tmp_path):
         manifest, names = extension_manifest(tmp_path / name)
         assert manifest["wheels"] == [f"./wheels/{wheel.name}"]
         assert {entry for entry in names if "wheels/" in entry} == {f"isimp/wheels/{wheel.name}"}
+        assert f"isimp/{build_addon.LEGACY_ONLY}" not in names
         assert all(entry.startswith("isimp/") for entry in names), "an older Blender unpacks it into one folder"
         assert manifest["platforms"] == [platform]
         assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]

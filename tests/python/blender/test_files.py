@@ -3,6 +3,10 @@
 import csv
 import json
 import re
+import sys
+import types
+import zipfile
+from importlib import util
 
 import bpy
 import numpy as np
@@ -10,6 +14,7 @@ import pytest
 import scans
 
 from isimp.blender import menus
+from isimp.blender.operators import files
 from isimp.blender.scene import places, store, targets
 from isimp.engine import engine
 
@@ -122,6 +127,27 @@ def test_a_moved_and_mirrored_result_is_written_as_it_is_seen(file, tmp_path):
     assert next(iter(city["CityObjects"].values()))["geometry"][0]["type"] == "Solid", "it faces outwards"
 
 
+def test_a_script_gets_the_scan_s_epsg_and_the_chosen_format(file, tmp_path):
+    scan = meshed(file)
+    scan["isimp_epsg"] = 25832
+    for more, wanted in (({}, True), ({"epsg": 0}, False)):
+        assert OPS.export_building(filepath=str(tmp_path / "tower"), kind=".ifc", **more) == {"FINISHED"}
+        assert ("EPSG:25832" in (tmp_path / "tower.ifc").read_text()) == wanted
+    assert {kind for kind, _, _ in files._BUILDINGS} == set(engine.exporting.BUILDING_KINDS)
+    assert {kind for kind, _, _ in files._LEVELS} == set(engine.exporting.LODS)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "wanted"),
+    [("a.ifc", ".city.json", "a.city.json"), ("a.city.json", ".dxf", "a.dxf"), ("a.v2", ".ifc", "a.v2.ifc")],
+)
+def test_the_menu_of_formats_gives_the_name_its_ending(name, kind, wanted):
+    dialog = types.SimpleNamespace(filepath=f"//{name}", kind=kind)
+    assert files._Formats.check(dialog, None)
+    assert dialog.filepath == f"//{wanted}"
+    assert not files._Formats.check(dialog, None)
+
+
 def test_other_names_are_refused(file, tmp_path):
     meshed(file)
     with pytest.raises(RuntimeError, match="must end in"):
@@ -211,14 +237,39 @@ def test_a_round_part_is_a_true_surface_in_step_and_a_row_of_the_report(tmp_path
     assert float(row["radius"]) == pytest.approx(2, rel=0.01)
 
 
-def test_step_names_the_missing_package_before_the_work(file, tmp_path, monkeypatch):
+def test_step_without_its_package_is_grey_with_the_command_that_installs_it(file, tmp_path, monkeypatch):
     meshed(file)
-    with pytest.raises(RuntimeError, match=r"must end in \.step or \.stp"):
-        OPS.export_step(filepath=str(tmp_path / "tower.dxf"))
+    if OPS.export_step.poll():
+        with pytest.raises(RuntimeError, match=r"must end in \.step or \.stp"):
+            OPS.export_step(filepath=str(tmp_path / "tower.dxf"))
     monkeypatch.setattr(engine.exporting.formats.importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(RuntimeError, match=r"-m pip install cadquery-ocp-novtk"):
+    assert not OPS.export_step.poll()
+    with pytest.raises(RuntimeError, match=r"-m pip install --target \S+ cadquery-ocp-novtk"):
         OPS.export_step(filepath=str(tmp_path / "tower.step"))
+    assert OPS.install_step.poll()
     assert [path.name for path in tmp_path.iterdir()] == [file.name]
+
+
+def test_a_button_installs_the_package_with_blender_s_own_python(tmp_path, monkeypatch, capfd):
+    """A package of the same name, from a folder in place of the network."""
+    name = "cadquery_ocp_novtk-1.0"
+    with zipfile.ZipFile(tmp_path / f"{name}-py3-none-any.whl", "w") as wheel:
+        wheel.writestr("OCP_stand_in/__init__.py", "")
+        info = "Metadata-Version: 2.1\nName: cadquery-ocp-novtk\nVersion: 1.0\n"
+        wheel.writestr(f"{name}.dist-info/METADATA", info)
+        wheel.writestr(f"{name}.dist-info/WHEEL", "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n")
+        wheel.writestr(f"{name}.dist-info/RECORD", "")
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    monkeypatch.setenv("PIP_FIND_LINKS", str(tmp_path))
+    monkeypatch.setattr(engine.exporting, "missing", lambda path: "cadquery-ocp-novtk")
+    monkeypatch.setattr(places, "modules", lambda: tmp_path / "modules")
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    assert OPS.install_step() == {"FINISHED"}
+    assert (tmp_path / "modules" / "OCP_stand_in").is_dir()
+    assert util.find_spec("OCP_stand_in")
+    monkeypatch.setenv("PIP_FIND_LINKS", str(tmp_path / "modules"))
+    with pytest.raises(RuntimeError, match="Nothing was installed: ERROR"):
+        OPS.install_step()
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # by Blender's own exporter
@@ -245,7 +296,7 @@ def test_levels_of_detail_are_written_each_to_its_file(file, tmp_path, kind):
 
 def test_levels_of_detail_of_another_kind_are_refused(file, tmp_path):
     meshed(file)
-    with pytest.raises(RuntimeError, match=r"must end in \.obj, \.glb"):
+    with pytest.raises(RuntimeError, match=r"must end in \.glb, \.obj"):
         OPS.export_lods(filepath=str(tmp_path / "tower.txt"))
     assert [path.name for path in tmp_path.iterdir()] == [file.name]
 

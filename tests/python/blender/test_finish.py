@@ -8,6 +8,8 @@ import scans
 from isimp import recipe as rcp
 from isimp.blender.controls import settings
 from isimp.blender.scene import store, targets
+from isimp.blender.texturing import texture
+from test_texture import textured_cube
 
 pytestmark = pytest.mark.usefixtures("scene")
 OPS = bpy.ops.isimp
@@ -52,6 +54,32 @@ def test_levels_of_detail_are_kept_under_names_of_their_own():
     assert [len(obj.data.polygons) for obj in kept] == sizes, "Mesh leaves them alone"
 
 
+def test_all_levels_of_detail_are_made_at_once():
+    scan = parted(60)
+    assert OPS.make_lods(counts=(60, 6, 20)) == {"FINISHED"}
+    levels = [bpy.data.objects[f"Scan_LOD{number}"] for number in range(3)]
+    sizes = [len(level.data.polygons) for level in levels]
+    assert sizes == sorted(sizes, reverse=True)
+    assert sizes[2] == 6
+    assert [level.hide_get() for level in levels] == [False, True, True]
+    assert bpy.context.object == levels[0] == targets.result_of(bpy.context.scene, scan)
+    (part,) = levels[0].children
+    assert part.name == "UCX_Scan_LOD0_00"
+    assert OPS.make_lods(counts=(30, 6, 0), colliders=False) == {"FINISHED"}
+    assert sorted(obj.name for obj in bpy.data.objects if "LOD" in obj.name) == ["Scan_LOD0", "Scan_LOD1"]
+    with pytest.raises(RuntimeError, match="at least one number"):
+        OPS.make_lods(counts=(0, 0, 0))
+
+
+def test_the_image_of_each_level_is_half_as_wide():
+    scan = textured_cube()
+    for image in bpy.data.images:
+        image.scale(256, 256)
+    OPS.make_lods(counts=(12, 6, 0))
+    widths = [texture.image_width(bpy.data.objects[f"{scan.name}_LOD{level}"]) for level in range(2)]
+    assert widths == [256, 128]
+
+
 def test_slivers_are_merged_by_steps_of_the_recipe():
     scan = parted()
     OPS.paint_faces(painted="-1:0")
@@ -88,6 +116,15 @@ def test_colliders_are_objects_that_follow_the_result(names, first):
     assert bpy.context.view_layer.objects.active == result
     assert OPS.colliders(names=names, enclose=True, parts=1) == {"FINISHED"}
     assert len(place.objects) == 1, "a second press keeps the first collection"
+
+
+def test_a_number_of_colliders_with_a_thickness_is_told_to_do_nothing(capfd):
+    parted()
+    OPS.mesh()
+    OPS.colliders(thickness=0.1, parts=2)
+    assert "At Most does not apply with Wall Thickness" in capfd.readouterr().out
+    OPS.colliders(parts=2)
+    assert "At Most" not in capfd.readouterr().out
 
 
 def test_colliders_of_an_open_result_are_refused_with_the_reason():

@@ -124,6 +124,7 @@ CHANGES = [
     ("merge_slivers", slivered, {"share": 10.0}, {"share": 50.0}),
     ("merge_flat", rounded, {"angle": 0.001}, {"angle": 1.0}),
     ("colliders", meshed, {"names": "unreal"}, {"names": "godot"}),
+    ("make_lods", rounded, {"counts": (30, 12, 0)}, {"counts": (30, 12, 6)}),
     ("make_editable", rounded, {"chord_tolerance": 0.35}, {"chord_tolerance": 0.05}),
     ("mesh", rounded, {"chord_tolerance": 0.35}, {"chord_tolerance": 0.05}),
     ("texture", textured, {"size": 64}, {"size": 128}),

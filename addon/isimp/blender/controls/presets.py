@@ -87,8 +87,9 @@ class ISIMP_MT_presets(bpy.types.Menu):
             self.draw_preset(context)
         self.layout.separator()
         self.layout.operator("isimp.preset_add", icon="ADD")
-        if self.bl_label != _TITLE:
-            text = said("Remove {preset}", preset=self.bl_label)
+        chosen = ISIMP_MT_presets.bl_label
+        if chosen != _TITLE:
+            text = said("Remove {preset}", preset=chosen)
             self.layout.operator("isimp.preset_add", text=text, icon="REMOVE").remove_active = True
 
 

@@ -8,7 +8,15 @@ import math
 import struct
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    IntVectorProperty,
+    PointerProperty,
+    StringProperty,
+)
 
 from ... import recipe as rcp
 from ..scene import runtime, targets, weights
@@ -200,6 +208,16 @@ class _Shown:
     )
     lock_painted: BoolProperty(
         name="Lock", description="Lock newly painted regions: only painting changes them", default=True
+    )
+    lods: IntVectorProperty(
+        name="Polygons",
+        description="Polygons of each level of detail; 0: no such level",
+        size=3,
+        min=0,
+        default=(300, 100, 33),
+    )
+    lod_colliders: BoolProperty(
+        name="Colliders", description="Convex parts of the coarsest level, for collisions", default=True
     )
     all_steps: BoolProperty(name="All Steps", description="List all steps, not only the latest")
     notes: BoolProperty(name="Notes", description="Show what was repaired, closed, ignored and let go")

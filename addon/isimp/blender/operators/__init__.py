@@ -7,6 +7,7 @@ from . import (
     files,
     finish,
     imports,
+    lods,
     mesh,
     openings,
     partition,
@@ -22,6 +23,11 @@ from . import (
     workspace,
 )
 
+try:
+    from . import install
+except ImportError:  # in an extension, which may not start programs
+    install = None
+
 _MODULES = (
     partition,
     openings,
@@ -32,6 +38,7 @@ _MODULES = (
     planes,
     mesh,
     finish,
+    lods,
     imports,
     files,
     texture,
@@ -43,4 +50,4 @@ _MODULES = (
     compare,
     workspace,
 )
-CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)
+CLASSES = tuple(cls for module in (*_MODULES, install) if module for cls in module.CLASSES)

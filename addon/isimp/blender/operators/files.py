@@ -28,33 +28,68 @@ class _Model:
         return targets.allows_with_result(cls, context)
 
 
-class ISIMP_OT_export_building(_Model, bpy.types.Operator):
+_BUILDINGS = (
+    (".ifc", "IFC (.ifc)", "For building information models: walls, roofs and slabs with their classes"),
+    (".dxf", "DXF (.dxf)", "For CAD: a mesh for each class"),
+    (".city.json", "CityJSON (.city.json)", "For city models: one building with its surfaces"),
+)
+_LEVELS = (
+    (".glb", "glTF (.glb)", "For games and the web, with materials and images"),
+    (".obj", "Wavefront (.obj)", "With materials"),
+    *_BUILDINGS,
+)
+
+
+class _Formats:
+    """Mixin of exports with a menu of formats in the file dialog. An ending of the name wins over the menu."""
+
+    def dialog(self, context, name: str):
+        self.filepath = f"{name}{self.kind}"
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def check(self, context):
+        """Gives the name in the dialog the ending of the chosen format. Returns whether that changed it."""
+        named, known = self.filepath, engine.exporting.formats.format_of(self.filepath)
+        stem = named[: -len(known.suffix)] if known is not None else named
+        self.filepath = f"{stem}{self.kind}"
+        return self.filepath != named
+
+    def path(self) -> Path:
+        """Return the file to write. Raises ValueError for an ending of another format."""
+        path, known = Path(bpy.path.abspath(self.filepath)), engine.exporting.formats.format_of(self.filepath)
+        kinds = [kind for kind, _, _ in self.kinds]
+        if known is None and not path.suffix:
+            return path.with_name(f"{path.name}{self.kind}")
+        if known is None or known.suffix not in kinds:
+            raise ValueError(said("The name must end in {kinds}.", kinds=", ".join(kinds)))
+        return path
+
+
+class ISIMP_OT_export_building(_Model, _Formats, bpy.types.Operator):
     """Export the result as a building, with walls, roofs and ground: IFC, DXF or CityJSON. One unit is one metre"""
 
     bl_idname = "isimp.export_building"
     bl_label = "Export Building"
 
+    kinds = _BUILDINGS
     filepath: StringProperty(subtype="FILE_PATH")
     filter_glob: StringProperty(default="*.ifc;*.dxf;*.json", options={"HIDDEN"})
-    epsg: IntProperty(name="EPSG", description="Number of the coordinates' reference system; 0: not known", min=0)
+    kind: EnumProperty(name="Format", description="Format of the file", items=_BUILDINGS)
+    epsg: IntProperty(name="EPSG", description="Number of the coordinates' reference system; 0: none", min=0)
 
     def invoke(self, context, event):
         scan, _, _ = targets.find_result(context)
         self.epsg = places.epsg(scan)
-        self.filepath = f"{scan.name}.city.json"
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+        return self.dialog(context, scan.name)
 
     def execute(self, context):
         scan, result, _ = targets.find_result(context)
-        path = Path(bpy.path.abspath(self.filepath))
-        if engine.exporting.kind_of(path) not in engine.exporting.BUILDING_KINDS:
-            self.report({"ERROR"}, said("The name must end in .city.json, .dxf or .ifc."))
-            return {"CANCELLED"}
+        epsg = self.epsg if self.properties.is_property_set("epsg") else places.epsg(scan)
         shown = context.view_layer.objects.active if targets.scan_of(context.view_layer.objects.active) else result
         try:
-            model = places.model_of(context, scan, shown)
-            handover.export(path, model, self.epsg or None)
+            path, model = self.path(), places.model_of(context, scan, shown)
+            handover.export(path, model, epsg or None)
         except (ValueError, OSError) as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
@@ -91,6 +126,15 @@ class ISIMP_OT_export_step(_Model, bpy.types.Operator):
     filter_glob: StringProperty(default="*.step;*.stp", options={"HIDDEN"})
     unit: EnumProperty(name="Unit", description="Unit of the scene in the file", items=_UNITS)
 
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        problem = handover.missing(Path("solid.step"), places.modules())
+        if problem:
+            cls.poll_message_set(problem)
+        return not problem
+
     def invoke(self, context, event):
         scan, _, _ = targets.find_result(context)
         self.filepath = f"{scan.name}.step"
@@ -108,7 +152,6 @@ class ISIMP_OT_export_step(_Model, bpy.types.Operator):
             return recipe.without_mesh().then(replace(_last_mesh(recipe) or rcp.Mesh(), planar=True))
 
         try:
-            handover.require(path)  # checks for the package before the computation
             mesh, outcome = _replayed(context, scan, planar)
             told = handover.export_step(path, mesh, outcome, places.to_world(scan), self.unit)
         except (ValueError, OSError, mesh_io.Unusable) as problem:
@@ -121,14 +164,16 @@ class ISIMP_OT_export_step(_Model, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class ISIMP_OT_export_lods(bpy.types.Operator):
-    """Export the levels of Keep as LOD and the result, each to a file of its own: NAME_LOD0, NAME_LOD1"""
+class ISIMP_OT_export_lods(_Formats, bpy.types.Operator):
+    """Export all levels of detail, each to a file of its own: NAME_LOD0, NAME_LOD1; GLB and OBJ with colliders"""
 
     bl_idname = "isimp.export_lods"
     bl_label = "Export LODs"
 
     filepath: StringProperty(subtype="FILE_PATH")
+    kinds = _LEVELS
     filter_glob: StringProperty(default="*.glb;*.obj;*.ifc;*.dxf;*.json", options={"HIDDEN"})
+    kind: EnumProperty(name="Format", description="Format of the file", items=_LEVELS)
 
     @classmethod
     def poll(cls, context):
@@ -136,20 +181,15 @@ class ISIMP_OT_export_lods(bpy.types.Operator):
 
     def invoke(self, context, event):
         scan, _ = targets.find(context)
-        self.filepath = f"{scan.name}.glb"
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+        return self.dialog(context, scan.name)
 
     def execute(self, context):
         scan, _ = targets.find(context)
-        path = Path(bpy.path.abspath(self.filepath))
-        kind = engine.exporting.kind_of(path) or path.suffix.lower()
-        if kind not in engine.exporting.LODS:
-            self.report({"ERROR"}, said("The name must end in {kinds}.", kinds=", ".join(engine.exporting.LODS)))
-            return {"CANCELLED"}
         levels = _levels(context, scan)
-        stem = path.name[: len(path.name) - len(kind)]
         try:
+            path = self.path()
+            kind = engine.exporting.formats.format_of(path).suffix
+            stem = path.name[: len(path.name) - len(kind)]
             for number, obj in enumerate(levels):
                 with _alone(context, obj):
                     _export_level(context, scan, obj, path.with_name(f"{stem}_LOD{number}{kind}"), kind)
@@ -180,12 +220,14 @@ def _alone(context, obj):
             other.select_set(False)
         obj.hide_viewport = False
         obj.hide_set(False)
-        obj.select_set(True)
+        for part in (obj, *obj.children):  # its colliders belong to it
+            part.select_set(True)
         layer.objects.active = obj
         layer.update()
         yield
     finally:
-        obj.select_set(False)
+        for part in (obj, *obj.children):
+            part.select_set(False)
         obj.hide_set(hidden[0])
         obj.hide_viewport = hidden[1]
         for other in chosen:

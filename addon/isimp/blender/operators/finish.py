@@ -71,6 +71,9 @@ class ISIMP_OT_keep_lod(bpy.types.Operator):
         return {"FINISHED"}
 
 
+_NO_LIMIT = own("At Most does not apply with Wall Thickness: each wall is a part of its own")
+
+
 class ISIMP_OT_colliders(bpy.types.Operator):
     """Cut the result into convex parts for collisions, as objects in a new collection. An open one needs a thickness"""
 
@@ -111,28 +114,48 @@ class ISIMP_OT_colliders(bpy.types.Operator):
     def poll(cls, context):
         return targets.allows_with_result(cls, context)
 
+    def draw(self, context):
+        self.layout.use_property_split = True
+        for name in ("names", "enclose", "thickness"):
+            self.layout.prop(self, name)
+        most = self.layout.column()
+        most.active = not self.thickness
+        most.prop(self, "parts")
+        if self.thickness:
+            most.label(text=said(_NO_LIMIT), icon="INFO")
+
     def execute(self, context):
         _, result, _ = targets.find_result(context)
-        points = mesh_io.points(result.data).reshape(-1, 3).astype(np.float64)
-        loops, start = mesh_io.polygons(result.data)
-        solid = points, np.split(loops, start[1:])
+        if self.thickness and self.parts:
+            self.report({"WARNING"}, said(_NO_LIMIT))
         try:
-            thickness = self.thickness or False
-            most = None if thickness else self.parts or None
-            parts = engine.convex_parts(solid, enclose=self.enclose, parts=most, thickness=thickness)
+            parts, name = add_colliders(context, result, result, self.names, self.enclose, self.parts, self.thickness)
         except ValueError as problem:
             self.report({"ERROR"}, said("No colliders: {reason}", reason=problem))
             return {"CANCELLED"}
-        place = bpy.data.collections.new(said("{name} colliders", name=result.name))
-        (result.users_collection or (context.scene.collection,))[0].children.link(place)
-        name = engine.convex.NAMES[self.names]
-        for number, part in enumerate(parts):
-            place.objects.link(_collider(name(result.name, number), part, result))
         triangles = messages.count(sum(len(part.triangles) for part in parts), "triangle")
         text = own("{parts}, {triangles}, in the collection '{name}'")
         found = messages.count(len(parts), "convex part")
-        self.report({"INFO"}, said(text, parts=found, triangles=triangles, name=place.name))
+        self.report({"INFO"}, said(text, parts=found, triangles=triangles, name=name))
         return {"FINISHED"}
+
+
+def add_colliders(context, source, target, names: str, enclose=False, most=0, thickness=0.0) -> tuple:
+    """Adds convex parts of a result as children of a level, in a new collection. Raises ValueError.
+
+    Return (parts, the name of the collection). source: the result that is cut. target: the level they are named after.
+    """
+    points = mesh_io.points(source.data).reshape(-1, 3).astype(np.float64)
+    loops, start = mesh_io.polygons(source.data)
+    limit = None if thickness else most or None
+    solid = points, np.split(loops, start[1:])
+    parts = engine.convex_parts(solid, enclose=enclose, parts=limit, thickness=thickness or False)
+    place = bpy.data.collections.new(said("{name} colliders", name=target.name))
+    (target.users_collection or (context.scene.collection,))[0].children.link(place)
+    name = engine.convex.NAMES[names]
+    for number, part in enumerate(parts):
+        place.objects.link(_collider(name(target.name, number), part, target))
+    return parts, place.name
 
 
 def _collider(name: str, part, result):

@@ -4,7 +4,7 @@ import numpy as np
 from ... import handover, messages
 from ...language import own, said
 from ...outcome import EXACT
-from ..scene import mesh_io, selection, store, targets
+from ..scene import mesh_io, pointed, selection, store, targets
 from ..texts import text
 from ..view import display, overlay
 from ..work import scene_outcome
@@ -67,6 +67,25 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class ISIMP_OT_choose_problems(bpy.types.Operator):
+    """Choose the regions whose polygons would have defects, drawn in magenta over the scan"""
+
+    bl_idname = "isimp.choose_problems"
+    bl_label = "Choose Regions in Magenta"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        scan, problem = targets.find(context)
+        return not problem and bool(overlay.problem_faces(context, scan))
+
+    def execute(self, context):
+        scan, _ = targets.find(context)
+        pointed.choose(scan, overlay.problem_faces(context, scan))
+        overlay.redraw()
+        return {"FINISHED"}
+
+
 class ISIMP_OT_report(bpy.types.Operator):
     """The whole report. A click selects the polygons of divided regions, or shows the report in the Info editor"""
 
@@ -109,4 +128,4 @@ def _chosen(mesh, kind: str) -> np.ndarray:
     return np.bincount(np.maximum(region, 0))[np.maximum(region, 0)] > 1
 
 
-CLASSES = (ISIMP_OT_show_problems, ISIMP_OT_report)
+CLASSES = (ISIMP_OT_show_problems, ISIMP_OT_choose_problems, ISIMP_OT_report)

@@ -113,7 +113,7 @@ def _draw_mesh(context, layout, scan, numbers, panel) -> None:
         row.operator("isimp.swap", text="Swap", icon="ARROW_LEFTRIGHT")
         row.operator("isimp.compare", text="Compare", icon="IMAGE_ALPHA")
         row = place.row(align=True)
-        row.operator("isimp.export_lods", text="LODs...", icon="MOD_DECIM")
+        row.popover("ISIMP_PT_lods", text="LODs...", icon="MOD_DECIM")
         row.menu("ISIMP_MT_export", text="Export...")
         row.menu("ISIMP_MT_colour", text="", icon="COLOR")
 
@@ -160,8 +160,11 @@ def _draw_report(context, layout, scan, numbers) -> None:
     _draw_counts(context, layout, scan, numbers)
     _draw_not_flat(context, layout, numbers)
     defects = text.problems(numbers)
+    magenta = messages.magenta(len(overlay.problem_faces(context, scan)))
     if defects:
         layout.operator("isimp.show_problems", text=defects, icon="ERROR").kind = "DEFECTIVE"
+    elif magenta:
+        layout.operator("isimp.choose_problems", text=magenta, icon="ERROR")
     _draw_notes(context, layout, scan, numbers)
 
 

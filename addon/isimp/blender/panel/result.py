@@ -6,10 +6,11 @@ import bpy
 
 from ... import recipe as rcp
 from ..controls import settings
+from ..operators import install
 from ..scene import store, targets
 from ..texturing import texture
 from ..view import display
-from .common import SubPanel, ready
+from .common import Popover, SubPanel, ready
 
 
 class ISIMP_MT_colour(bpy.types.Menu):
@@ -80,6 +81,22 @@ class ISIMP_MT_texture(bpy.types.Menu):
             turned("Keep Materials Apart", "materials")
 
 
+class ISIMP_PT_lods(Popover, bpy.types.Panel):
+    """Make all levels of detail of the scan, and write them to files"""
+
+    bl_label = "LODs"
+
+    def draw(self, context):
+        layout, panel = self.prepare(context), context.window_manager.isimp
+        layout.prop(panel, "lods")
+        layout.prop(panel, "lod_colliders")
+        button = layout.operator("isimp.make_lods", icon="MOD_DECIM")
+        settings.give(rcp.Mesh, panel.mesh, button)
+        button.keep_texture, button.regularise = panel.keep_texture, panel.regularise_first
+        button.counts, button.colliders = panel.lods, panel.lod_colliders
+        layout.operator("isimp.export_lods", icon="EXPORT")
+
+
 class ISIMP_MT_export(bpy.types.Menu):
     """Files of the result: buildings, solids, levels of detail, a report"""
 
@@ -89,8 +106,10 @@ class ISIMP_MT_export(bpy.types.Menu):
         layout = self.layout
         layout.operator("isimp.export_building", icon="HOME")
         layout.operator("isimp.export_step", icon="MESH_CYLINDER")
+        if install is not None and install.ISIMP_OT_install_step.poll(context):
+            layout.operator("isimp.install_step", icon="IMPORT")
         layout.operator("isimp.export_lods", icon="MOD_DECIM")
         layout.operator("isimp.write_report", icon="TEXT")
 
 
-CLASSES = (ISIMP_MT_colour, ISIMP_PT_texture, ISIMP_MT_texture, ISIMP_MT_export)
+CLASSES = (ISIMP_MT_colour, ISIMP_PT_texture, ISIMP_MT_texture, ISIMP_PT_lods, ISIMP_MT_export)

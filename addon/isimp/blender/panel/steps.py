@@ -6,7 +6,7 @@ from ... import messages
 from ...language import said
 from ..controls import settings
 from ..scene import store, targets
-from .common import Popover, draw_lines
+from .common import Popover, draw_lines, ready
 
 _ROWS = 16  # the last steps, unless "All Steps" is on
 
@@ -15,6 +15,10 @@ class ISIMP_PT_steps(Popover, bpy.types.Panel):
     """The steps of the recipe, each with its settings"""
 
     bl_label = "Steps"
+
+    @classmethod
+    def poll(cls, context):
+        return ready(context)
 
     def draw(self, context):
         layout, panel = self.prepare(context), context.window_manager.isimp

@@ -86,6 +86,13 @@ def points(mesh) -> np.ndarray:
     return vertices
 
 
+def edge_lines(mesh) -> np.ndarray:
+    """Return (2 E, 3) float32 the ends of all edges."""
+    ends = np.empty(2 * len(mesh.edges), np.int32)
+    mesh.edges.foreach_get("vertices", ends)
+    return points(mesh).reshape(-1, 3)[ends]
+
+
 def polygons(mesh) -> tuple[np.ndarray, np.ndarray]:
     """Return (L,) int32 the vertex of each corner, and (Q,) int32 the first corner of each polygon."""
     loops, start = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.polygons), np.int32)

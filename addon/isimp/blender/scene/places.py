@@ -1,5 +1,8 @@
 """Stores a scan's place on the map as custom properties: the offset that an exact import subtracted."""
 
+from pathlib import Path
+
+import bpy
 import numpy as np
 
 from ... import handover
@@ -28,6 +31,11 @@ def origin(obj) -> np.ndarray:
 def epsg(obj) -> int:
     found = obj.get(EPSG, 0)
     return found if isinstance(found, int) and found > 0 else 0
+
+
+def modules() -> Path:
+    """Return the folder of Blender's user for Python packages, which Blender searches when it starts."""
+    return Path(bpy.utils.user_resource("SCRIPTS", path="modules", create=True))
 
 
 def to_world(scan) -> np.ndarray:

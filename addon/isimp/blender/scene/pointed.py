@@ -17,6 +17,11 @@ def note(scan, face: int) -> None:
     runtime.get().pointed = (scan.name, (face,)) if face >= 0 else None
 
 
+def choose(scan, faces: tuple) -> None:
+    """Chooses the regions of faces in place of others."""
+    runtime.get().pointed = (scan.name, faces) if faces else None
+
+
 def collect(scan, face: int) -> None:
     """Adds the region of a face to the chosen regions, or removes it."""
     regions = mesh_io.read_regions(scan)

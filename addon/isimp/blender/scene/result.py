@@ -94,8 +94,6 @@ def _new(scan, context):
     result = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     for collection in scan.users_collection or (context.scene.collection,):
         collection.objects.link(result)
-    result.show_wire = True
-    result.show_all_edges = True
     return result
 
 

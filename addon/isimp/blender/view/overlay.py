@@ -23,6 +23,8 @@ _KEPT = 8  # cached sketches
 _OLD = 0.4  # strength of the former polygons until the new ones are ready
 _MARK = (1.0, 0.55, 0.05, 0.8)
 _TICK = 0.1
+_MOST_EDGES = 20_000  # edges of a result that are drawn
+_THIN = (0.0, 0.0, 0.0, 0.5)
 _LATE, _UNDER = 0.0003, 0.0015  # like ON, for delayed colours and previews, which lie under the lines
 
 
@@ -223,6 +225,7 @@ def _draw():
         return
     if current.status and not _tool_is_ours(context) and not bpy.app.timers.is_registered(_leave):
         bpy.app.timers.register(_leave, first_interval=0.0)  # draw handlers must not change data
+    _draw_result(context)
     scan = scan_shown(context)
     if scan is None:
         return
@@ -241,6 +244,16 @@ def _draw():
             sketches.draw_hover(hover)
         if lines_too and shown is None and _is_chosen_shown(context, scan):
             sketches.lines(pointed.outline(scan), _MARK, 2.5)
+
+
+def _draw_result(context) -> None:
+    """Draws the edges of the active result, thin and dark. Blender's wires of selected objects would be orange."""
+    made = context.view_layer.objects.active
+    if targets.scan_of(made) is None or made.mode != "OBJECT" or not made.visible_get() or made.show_wire:
+        return
+    if context.space_data.overlay.show_overlays and 0 < len(made.data.edges) <= _MOST_EDGES and not made.modifiers:
+        with Over(context.region_data, made):
+            sketches.lines(mesh_io.edge_lines(made.data), _THIN, 1.0)
 
 
 def _is_chosen_shown(context, scan) -> bool:
@@ -275,6 +288,12 @@ def reported(context, scan) -> tuple:
     return (former if name == scan.name else {}), False
 
 
+def problem_faces(context, scan) -> tuple:
+    """Return a face of each region whose polygons are drawn as defective over the scan."""
+    drawing = runtime.get().drawings.get(_key(context, scan)) if previewed(context, scan) else None
+    return () if drawing is None else drawing.sketch.problem_faces
+
+
 def previewed(context, scan) -> dict:
     """Return the numbers of the polygons drawn over a scan if they belong to its present regions; else {}."""
     if scan_shown(context) is None:
@@ -304,7 +323,9 @@ def _draw_summary(context) -> None:
         return
     unit = context.scene.unit_settings
     away = text.amount(numbers, "away_mean", unit.system, unit.scale_length) if "away_mean" in numbers else ""
-    viewport_text.draw_corner(context, messages.summary(numbers["regions"], numbers.get("polygons"), away))
+    told = messages.summary(numbers["regions"], numbers.get("polygons"), away)
+    legend = messages.magenta(len(problem_faces(context, scan)))
+    viewport_text.draw_corner(context, f"{told} · {legend}" if legend else told)
 
 
 def _draw_text():

@@ -1,0 +1,126 @@
+"""Operator that makes all levels of detail of a scan, from coarse to fine, with their images and colliders."""
+
+import dataclasses
+import re
+
+import bpy
+from bpy.props import BoolProperty, IntVectorProperty
+
+from ... import recipe as rcp
+from ...language import own, said
+from ..controls import settings, up_direction
+from ..scene import mesh_io, result, targets
+from ..texturing import materials, texture
+from ..work import scene_outcome
+from ..work.target import Target
+from .finish import add_colliders
+from .mesh import Meshing
+
+_DIGEST = "isimp_level"  # on a level: its digest after Mesh
+_SMALLEST = 64  # pixels of an image
+
+
+class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
+    """Make all levels of detail as NAME_LOD0, NAME_LOD1 ..., each with images of half the size, and colliders"""
+
+    bl_idname = "isimp.make_lods"
+    bl_label = "Make LODs"
+    adjusted = ("counts", "colliders")
+
+    counts: IntVectorProperty(
+        name="Polygons",
+        description="Number of regions of each level, or of triangles if the panel counts these; 0: no such level",
+        size=3,
+        default=(300, 100, 33),
+        min=0,
+    )
+    colliders: BoolProperty(
+        name="Colliders",
+        description="Convex parts of the coarsest level, named for Unreal after the finest one",
+        default=True,
+    )
+
+    @classmethod
+    def problem(cls, context, scan):
+        return ""
+
+    def _gather(self, context, first):
+        super()._gather(context, first)
+        wanted = sorted({count for count in self.counts if count}, reverse=True)
+        self._levels = list(enumerate(wanted))  # the coarsest is made first, so that the finest is seen at the end
+        self._made, self._size = [], 0
+        if first.scan is not None and wanted:
+            self._remove_former(first.scan)
+            self._size = self._finest_image(context, first.scan)
+        return first
+
+    def _remove_former(self, scan) -> None:
+        """Frees the names of levels made before. Those edited by hand keep their polygons under other names."""
+        for obj in [obj for obj in bpy.data.objects if obj.isimp.scan_key and targets.scan_of(obj) == scan]:
+            if not re.fullmatch(rf"{re.escape(scan.name)}_LOD\d+", obj.name):
+                continue
+            if obj.get(_DIGEST) != result.digest(obj):
+                obj.name = f"{obj.name}.old"
+                continue
+            for part in obj.children:
+                bpy.data.objects.remove(part)
+            bpy.data.objects.remove(obj)
+
+    def _finest_image(self, context, scan) -> int:
+        """Return the width of the finest level's image; 0 without a texture."""
+        if not (self.keep_texture and texture.is_textured(scan)):
+            return 0
+        step = texture.last_step(targets.result_of(context.scene, scan))
+        images = [bpy.data.images.get(materials.image_name(slot.material)) for slot in scan.material_slots]
+        widest = max((image.size[0] for image in images if image is not None), default=0)
+        return step.size if step is not None and step.size else widest
+
+    def wanted(self, context, target):
+        if not self._levels:
+            raise mesh_io.Unusable(said("Each level has 0 polygons: write at least one number."))
+        level, count = self._levels[-1]
+        step = settings.to_step(rcp.Partition, settings.group(context, rcp.Partition))
+        by = "triangles" if step.count_by == "triangles" else "proxies"
+        step = dataclasses.replace(step, count_by=by, **{by: count})
+        recipe = (rcp.Recipe() if targets.needs_regions(target.scan) else target.recipe).then(step)
+        if self.regularise:
+            recipe = recipe.regularised(up_direction.first(context, target.scan))
+        recipe = recipe.then(settings.to_step(rcp.Mesh, self))
+        if self._size:
+            recipe = recipe.then(rcp.Texture(size=max(_SMALLEST, self._size >> level)))
+        return recipe
+
+    def show(self, context, scan, work, outcome):
+        kept = super().show(context, scan, work, outcome)
+        level, _ = self._levels.pop()
+        made = context.view_layer.objects.active
+        made.name = made.data.name = f"{scan.name}_LOD{level}"
+        self._made.append(made.name)
+        made[_DIGEST] = made.isimp.made
+        if level:  # the finest one stays the result
+            made.isimp.made = targets.KEPT
+        return kept
+
+    def _next_target(self, context):
+        made = [bpy.data.objects.get(name) for name in self._made]
+        scan = targets.scan_of(made[-1]) if made and made[-1] is not None else None
+        if not self._levels or scan is None:
+            return None
+        scene_outcome.bring_to_front(context, scan, made[-1])
+        return Target(context)
+
+    def _conclude(self, context, state):
+        made = [bpy.data.objects[name] for name in self._made if name in bpy.data.objects]
+        if self.colliders and made and not self._levels:
+            try:
+                add_colliders(context, made[0], made[-1], "unreal")
+            except ValueError as problem:
+                self.report({"WARNING"}, said("No colliders: {reason}", reason=problem))
+        self._done = []
+        if made and not self._levels:
+            counts = ", ".join(f"{len(obj.data.polygons):,}" for obj in reversed(made))
+            self.report({"INFO"}, said(own("Levels of {counts} polygons"), counts=counts))
+        return super()._conclude(context, state)
+
+
+CLASSES = (ISIMP_OT_make_lods,)
