@@ -90,6 +90,12 @@ def turned():
     bpy.ops.isimp.partition(proxies=14, curved=True)
 
 
+def furnished():
+    scan = scans.cube(cells=6)
+    scan.data.vertices.foreach_set("co", (np.array([3.0, 2.0, 1.0]) * scans.coordinates(scan.data)).ravel())
+    bpy.ops.isimp.partition(proxies=12)
+
+
 CUT = {"face": 0, "direction": (1, 0, 0)}
 #: operator, the state before, its settings at first and then
 CHANGES = [
@@ -124,6 +130,7 @@ CHANGES = [
     ("merge_slivers", slivered, {"share": 10.0}, {"share": 50.0}),
     ("merge_flat", rounded, {"angle": 0.001}, {"angle": 1.0}),
     ("colliders", meshed, {"names": "unreal"}, {"names": "godot"}),
+    ("leave_out_furniture", furnished, {"smallest": 1.0}, {"smallest": 50.0}),
     ("make_lods", rounded, {"counts": (30, 12, 0)}, {"counts": (30, 12, 6)}),
     ("make_editable", rounded, {"chord_tolerance": 0.35}, {"chord_tolerance": 0.05}),
     ("mesh", rounded, {"chord_tolerance": 0.35}, {"chord_tolerance": 0.05}),

@@ -10,7 +10,8 @@ from ...engine import engine
 from ...language import said
 from ...session import StepFailed
 from .. import reading
-from ..scene import mesh_io, runtime, selection, store, targets
+from ..scene import mesh_io, pointed, runtime, selection, store, targets
+from ..view import overlay
 from ..work.selecting import SelectOperator
 
 
@@ -75,13 +76,15 @@ class ISIMP_OT_select_by(SelectOperator, bpy.types.Operator):
         if self.extend:
             faces[selection.selected_faces(scan)] = True
         self._count = int(chosen.sum())
+        found, first = np.unique(regions, return_index=True)
+        self._first = tuple(first[np.append(chosen, False)[found]].tolist())
         return scan, faces
 
     def conclude(self, context, scan):
         context.view_layer.objects.active = scan
-        if scan.mode != "EDIT" and scan.visible_get():
-            bpy.ops.object.mode_set(mode="EDIT")
-            context.tool_settings.mesh_select_mode = (False, False, True)
+        if scan.mode != "EDIT":  # where selected faces are not visible
+            pointed.choose(scan, self._first)
+            overlay.redraw()
         self.report({"INFO"}, said("{regions} selected", regions=messages.count(self._count, "region")))
 
     def chosen(self, scan, arrays, regions) -> np.ndarray:

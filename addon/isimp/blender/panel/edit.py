@@ -21,6 +21,7 @@ class ISIMP_PT_clean_up(SubPanel, bpy.types.Panel):
         column.operator("isimp.even_borders", text="Even Borders", icon="MOD_SMOOTH")
         settings.give(rcp.Regularise, panel.regularise, column.operator("isimp.regularise", icon="SNAP_ON"))
         column.operator("isimp.merge_slivers", icon="AUTOMERGE_ON")
+        column.operator("isimp.show_furniture", icon="GHOST_DISABLED")
 
 
 class ISIMP_PT_regions(SubPanel, bpy.types.Panel):

@@ -112,6 +112,8 @@ def _draw_mesh(context, layout, scan, numbers, panel) -> None:
         row = place.row(align=True)
         row.operator("isimp.swap", text="Swap", icon="ARROW_LEFTRIGHT")
         row.operator("isimp.compare", text="Compare", icon="IMAGE_ALPHA")
+        if panel.kind == "room":
+            place.operator("isimp.show_furniture", icon="GHOST_DISABLED")
         row = place.row(align=True)
         row.popover("ISIMP_PT_lods", text="LODs...", icon="MOD_DECIM")
         row.menu("ISIMP_MT_export", text="Export...")

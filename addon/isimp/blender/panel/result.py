@@ -6,7 +6,6 @@ import bpy
 
 from ... import recipe as rcp
 from ..controls import settings
-from ..operators import install
 from ..scene import store, targets
 from ..texturing import texture
 from ..view import display
@@ -106,7 +105,7 @@ class ISIMP_MT_export(bpy.types.Menu):
         layout = self.layout
         layout.operator("isimp.export_building", icon="HOME")
         layout.operator("isimp.export_step", icon="MESH_CYLINDER")
-        if install is not None and install.ISIMP_OT_install_step.poll(context):
+        if "install_step" in dir(bpy.ops.isimp) and bpy.ops.isimp.install_step.poll():
             layout.operator("isimp.install_step", icon="IMPORT")
         layout.operator("isimp.export_lods", icon="MOD_DECIM")
         layout.operator("isimp.write_report", icon="TEXT")
