@@ -11,6 +11,7 @@ from . import exporting as exporting
 from . import guided as guided
 from . import guides as guides
 from . import openings as openings
+from . import parts as parts
 from . import regions as regions
 from . import replay as replay
 from . import within as within

@@ -77,7 +77,9 @@ class Replay:
 
         if step is None:
             repair = Repair.by(settings.clean, settings.kept_places)
-            wanted = Split(settings.partition, repair, not settings.keep_openings, guides)
+            whole = None if settings.recipe is None else settings.recipe.whole()[1]
+            more = () if whole is None else whole.more
+            wanted = Split(settings.partition, repair, not settings.keep_openings, guides, more=more)
         else:
             known = settings.partition
             wanted = split_of(step, guides, settings.clean, threads=known.threads, backend=known.backend)

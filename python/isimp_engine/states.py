@@ -5,12 +5,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from . import recipe as rcp
 from . import recipes
 from ._core import CleanOptions, InvalidInput, Job, Partition, PartitionOptions, partition
 from .guided import Guides, partition_guided
 from .jobs import Steps
 from .openings import NOTHING, Lengths, lengths_for
+from .parts import weights_of
 from .repairs import Meshes, Repair, Repaired
 from .settings import OptionError
 from .source import Source
@@ -37,6 +40,16 @@ class Split:
     close_openings: bool  #: whether the openings that regions can't show are closed before, if nothing else forbids it
     guides: GuidesOf  #: makes weights, barriers and cuts
     faces: tuple[int, ...] = ()  #: the scan's faces to split; the others stay in their regions. Empty: all
+    more: tuple[tuple[float, ...], ...] = ()  #: parts with smaller regions, in the scan's space
+
+    def guided(self, repaired: Repaired, job: Job) -> Guides:
+        """The guides, with the weights of the parts."""
+        guides, mesh = self.guides(repaired, job), repaired.mesh
+        if not self.more:
+            return guides
+        places = tuple((*np.subtract(part[:3], mesh.origin).tolist(), part[3]) for part in self.more)
+        weights = weights_of(np.asarray(mesh.vertices), np.asarray(mesh.triangles), places)
+        return replace(guides, weights=weights if guides.weights is None else weights * guides.weights)
 
     def closes(self, source: Source) -> bool:
         """Not with a bound, which is a promise for each vertex of the scan, and not if the caller closes openings."""
@@ -55,7 +68,7 @@ def split_of(step: rcp.Partition, guides: GuidesOf, clean: CleanOptions, **more:
     """
     repair = Repair.by(CleanOptions(**clean.as_dict() | rcp.engine_options(step, rcp.CLEAN)), step.keep_openings)
     options = PartitionOptions(**recipes.partition_options(step) | more)
-    return Split(options, repair, step.close_openings, guides, step.faces)
+    return Split(options, repair, step.close_openings, guides, step.faces, step.more)
 
 
 def partitioned(wanted: Split, source: Source, meshes: Meshes, steps: Steps, before: State | None = None) -> State:
@@ -69,7 +82,7 @@ def partitioned(wanted: Split, source: Source, meshes: Meshes, steps: Steps, bef
         repaired = before.repaired if before is not None else meshes.repaired(source, wanted.repair.opened, steps)
         with steps("partition") as job:
             chosen = repaired.faces.triangles_at(wanted.faces) if wanted.faces else None
-            guides = wanted.guides(repaired, job)
+            guides = wanted.guided(repaired, job)
             guides = replace(guides, faces=chosen, before=None if before is None else before.partition)
             part = partition_guided(repaired.mesh, options, job, guides)
         return State(repaired, part, Made(options, guides))
@@ -82,7 +95,7 @@ def partitioned(wanted: Split, source: Source, meshes: Meshes, steps: Steps, bef
             if lengths:
                 repaired = meshes.repaired(source, replace(wanted.repair, lengths=lengths), steps)
         with steps("partition") as job, refused():
-            guides = wanted.guides(repaired, job)
+            guides = wanted.guided(repaired, job)
             part = partition_guided(repaired.mesh, options, job, guides)
         if lengths.hold_for(part.region_count):
             return State(repaired, part, Made(options, guides))

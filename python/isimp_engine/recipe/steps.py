@@ -54,7 +54,8 @@ class Partition(PartitionFields, CleanFields):
     angle: float = 180.0  #: nor one with a larger angle between its faces, in degrees,
     borders: str = ""  #: nor one between different values of this attribute of faces; none if empty
     faces: tuple[int, ...] = ()  #: split only these; empty: all
-    late = unlabelled(PARTITION) | {"keep_openings", "curved"}
+    more: tuple[tuple[float, ...], ...] = ()  #: x, y, z, size of parts with smaller regions; see `isimp_engine.parts`
+    late = unlabelled(PARTITION) | {"keep_openings", "curved", "more"}
     is_stroke = True
 
     def __post_init__(self) -> None:
@@ -70,6 +71,9 @@ class Partition(PartitionFields, CleanFields):
         places = tuple(numbers(place, said("a place of keep_openings")) for place in self.keep_openings)
         check(any(len(place) != 3 for place in places), said("each place of keep_openings must have 3 numbers"))
         object.__setattr__(self, "keep_openings", places)
+        parts = tuple(numbers(part, said("a part of more")) for part in self.more)
+        check(any(len(part) != 4 for part in parts), said("each part of more must have 4 numbers: a place and a size"))
+        object.__setattr__(self, "more", parts)
 
     def keeping(self, place: Iterable[float], keep: bool) -> Partition:
         """The step with one more opening kept open, or without the kept place that is nearest to this one."""
@@ -80,6 +84,12 @@ class Partition(PartitionFields, CleanFields):
             nearest = min(range(len(places)), key=lambda index: math.dist(places[index], place))
             places = places[:nearest] + places[nearest + 1 :]
         return dataclasses.replace(self, keep_openings=places)
+
+    def without_nearest(self, place: Iterable[float]) -> tuple[tuple[float, ...], ...]:
+        """The parts of `more` without the one that is nearest to a place."""
+        here = numbers(place, "place")
+        nearest = min(self.more, key=lambda part: math.dist(part[:3], here), default=None)
+        return tuple(part for part in self.more if part is not nearest)
 
     def _settle_count(self) -> None:
         given = [name for name in COUNTS if getattr(self, name) is not None]

@@ -1,4 +1,4 @@
-"""Furniture of a room, told from walls, floor and ceiling."""
+"""Furniture of a room, and its walls, floor and ceiling."""
 
 import numpy as np
 import pytest

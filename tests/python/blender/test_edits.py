@@ -203,3 +203,19 @@ def test_regions_are_chosen_one_by_one(parted):
     assert (pointed.faces(parted), pointed.face(parted)) == ((0, 290), 290)
     pointed.note(parted, -1)
     assert (pointed.faces(parted), pointed.region(parted)) == ((), -1)
+
+
+def test_a_part_has_more_regions_until_it_is_removed():
+    scan = scans.dimple(scans.cube(cells=12))
+    bpy.ops.isimp.partition(proxies=40)
+    label = scans.regions(scan)
+    at = scans.coordinates(scan.data)[list(scan.data.polygons[0].vertices)].mean(axis=0)
+    assert bpy.ops.isimp.more_here(place=at) == {"FINISHED"}
+    (part,) = store.load(scan).steps[0].more
+    assert part == (*(pytest.approx(x) for x in at), 1.0)
+    assert store.numbers(scan)["regions"] == 40
+    assert (scans.regions(scan) != label).any()
+    bpy.ops.isimp.partition(proxies=30)
+    assert len(store.load(scan).steps[0].more) == 1, "it belongs to the scan"
+    bpy.ops.isimp.more_here(place=(9, 9, 9), size=0)
+    assert store.load(scan).steps[0].more == ()

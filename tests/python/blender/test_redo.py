@@ -130,6 +130,7 @@ CHANGES = [
     ("merge_slivers", slivered, {"share": 10.0}, {"share": 50.0}),
     ("merge_flat", rounded, {"angle": 0.001}, {"angle": 1.0}),
     ("colliders", meshed, {"names": "unreal"}, {"names": "godot"}),
+    ("more_here", rounded, {"place": (1, 1, 1), "size": 1.0}, {"place": (1, 1, 1), "size": 4.0}),
     ("leave_out_furniture", furnished, {"smallest": 1.0}, {"smallest": 50.0}),
     ("make_lods", rounded, {"counts": (30, 12, 0)}, {"counts": (30, 12, 6)}),
     ("make_editable", rounded, {"chord_tolerance": 0.35}, {"chord_tolerance": 0.05}),

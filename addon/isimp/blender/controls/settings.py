@@ -180,6 +180,7 @@ class _Shown:
             ("cut", "Cut", "Drag a line over a region: cut it. Click: split it where its halves differ most"),
             ("choose", "Choose", "Click: choose one more region, or no longer (Shift). Buttons act on chosen regions"),
             ("finer", "Finer Here", "Stroke: split each region under it where its halves differ most"),
+            ("more", "More Here", "Click a head, a hand or a tool: more regions up to its neck. Drag: a larger part"),
         ),
         default="add",
     )

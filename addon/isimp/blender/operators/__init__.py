@@ -9,6 +9,7 @@ from . import (
     imports,
     lods,
     mesh,
+    more,
     openings,
     partition,
     planes,
@@ -31,6 +32,7 @@ except ImportError:  # in an extension, which may not start programs
 _MODULES = (
     partition,
     openings,
+    more,
     proxies,
     edits,
     clean_up,

@@ -49,7 +49,7 @@ class _Formats:
         return {"RUNNING_MODAL"}
 
     def check(self, context):
-        """Gives the name in the dialog the ending of the chosen format. Returns whether that changed it."""
+        """Changes the ending of the name in the dialog to the chosen format. Returns whether it was another."""
         named, known = self.filepath, engine.exporting.formats.format_of(self.filepath)
         stem = named[: -len(known.suffix)] if known is not None else named
         self.filepath = f"{stem}{self.kind}"

@@ -55,7 +55,7 @@ class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
         return first
 
     def _remove_former(self, scan) -> None:
-        """Frees the names of levels made before. Those edited by hand keep their polygons under other names."""
+        """Frees the names of levels made before. Edited levels get other names."""
         for obj in [obj for obj in bpy.data.objects if obj.isimp.scan_key and targets.scan_of(obj) == scan]:
             if not re.fullmatch(rf"{re.escape(scan.name)}_LOD\d+", obj.name):
                 continue
@@ -82,7 +82,10 @@ class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
         step = settings.to_step(rcp.Partition, settings.group(context, rcp.Partition))
         by = "triangles" if step.count_by == "triangles" else "proxies"
         step = dataclasses.replace(step, count_by=by, **{by: count})
-        recipe = (rcp.Recipe() if targets.needs_regions(target.scan) else target.recipe).then(step)
+        before = rcp.Recipe() if targets.needs_regions(target.scan) else target.recipe
+        if (last := before.whole()[1]) is not None:
+            step = dataclasses.replace(step, keep_openings=last.keep_openings, more=last.more)
+        recipe = before.then(step)
         if self.regularise:
             recipe = recipe.regularised(up_direction.first(context, target.scan))
         recipe = recipe.then(settings.to_step(rcp.Mesh, self))

@@ -68,8 +68,8 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         before = rcp.Recipe() if targets.needs_regions(target.scan) else store.load(target.scan)
         regularises = context.window_manager.isimp.regularise_first
         self._dropped = 0 if self.part else messages.hand_edits(before, regularises)
-        if (last := before.whole()[1]) is not None and not self.part:  # openings kept by the user stay open
-            step = dataclasses.replace(step, keep_openings=last.keep_openings)
+        if (last := before.whole()[1]) is not None and not self.part:  # choices for the scan are kept
+            step = dataclasses.replace(step, keep_openings=last.keep_openings, more=last.more)
         return before.then(step)  # keeps the steps that locked regions depend on
 
     def invoke(self, context, event):

@@ -43,6 +43,14 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         locks[1].unlock = True
         column.operator("isimp.leave_out", text="Leave Out", icon="GHOST_DISABLED")
         column.menu("ISIMP_MT_select", text="Select")
+        last = (store.load(scan) or rcp.Recipe()).whole()[1]
+        if last is not None and last.more:
+            row = layout.row(align=True)
+            row.label(
+                text=said("More regions in {parts}", parts=messages.count(len(last.more), "part")), icon="ZOOM_IN"
+            )
+            button = row.operator("isimp.more_here", text="", icon="X")
+            button.place, button.size = last.more[-1][:3], 0.0
         locked = store.numbers(scan).get("locked", 0)
         if locked:
             layout.label(text=messages.locked({"locked": locked}), icon="LOCKED")

@@ -5,7 +5,7 @@ from itertools import combinations
 import bpy
 from gpu_extras.presets import draw_circle_2d
 
-from . import border, furniture, opening, paint, point, size
+from . import border, furniture, opening, paint, part, point, size
 
 
 def _hover(keys, **more):
@@ -175,7 +175,15 @@ def _for_mode(tool, mode):
 _TOOLS = [
     [_for_mode(tool, mode) for tool in (_Region, _Paint, _Cut, _Grow, _Openings)] for mode in ("OBJECT", "EDIT_MESH")
 ]
-CLASSES = (*border.CLASSES, *furniture.CLASSES, *opening.CLASSES, *point.CLASSES, *paint.CLASSES, *size.CLASSES)
+CLASSES = (
+    *border.CLASSES,
+    *furniture.CLASSES,
+    *opening.CLASSES,
+    *point.CLASSES,
+    *paint.CLASSES,
+    *part.CLASSES,
+    *size.CLASSES,
+)
 
 
 def register() -> None:

@@ -12,7 +12,7 @@ from . import under
 from .point import ModalTool, do
 
 _RED = (1.0, 0.15, 0.1, 0.55)
-_FACTOR = 1.25  # of the size, for a notch of the wheel
+_FACTOR = 1.25  # a notch of the wheel
 _LEAST, _MOST, _FIRST = 0.05, 50.0, 1.0  # percent of the area
 
 

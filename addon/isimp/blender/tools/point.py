@@ -258,6 +258,8 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
         hand = "delete" if event.ctrl else context.window_manager.isimp.hand
         if hand == "cut":
             return bpy.ops.isimp.cut("INVOKE_DEFAULT")
+        if hand == "more":
+            return bpy.ops.isimp.find_part("INVOKE_DEFAULT")
         if hand == "finer":
             return bpy.ops.isimp.paint("INVOKE_DEFAULT", finer=True)
         if not self.begin(context, event):

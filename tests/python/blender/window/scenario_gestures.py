@@ -115,7 +115,13 @@ def without_keys(hand):
             yield from drag(hand, (-0.3, -0.1) if hand_mode == "cut" else (0.0, 0.0), to)
         same(hand_mode, (regions() - before, last()), (change, kind))
         yield from hand.undo()
-    yield from hand.key("ESC")  # an edit chooses its region too
+    panel.hand = "more"
+    yield from drag(hand, (0.0, 0.0), (0.3, 0.0), shot="gestures-1-more")
+    (part,) = steps()[0].more
+    same("more here, larger by the drag", (len(steps()), regions(), part[3] > 1), (1, before, True))
+    yield from hand.undo()
+    same("undone", steps()[0].more, ())
+    yield from hand.key("ESC")
     panel.hand = "choose"
     yield from pressed(hand, 0.0, 0.0)
     yield from pressed(hand, *other)
