@@ -44,7 +44,7 @@ PRESETS = (
         "Statue",
         "OUTLINER_OB_ARMATURE",
         "People, animals, statues: rounded shapes with fine details such as faces and hands",
-        rcp.Partition(count_by="detail", detail=0.005, adaptivity=0.25),
+        rcp.Partition(count_by="detail", detail=0.005, adaptivity=0.0),
         rcp.Mesh(),
     ),
     Preset(
