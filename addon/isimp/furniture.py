@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-_LEVEL, _ALIKE = 0.9, 0.9  # cosines: from which a plane counts as level, and as parallel to another
+_LEVEL, _ALIKE = 0.9, 0.9  # cosines: from which a plane counts as level, and as facing as another
 _BEHIND = 0.05  # share of the area behind a level plane from which it is no floor and no ceiling
 _ON = 0.02  # distance from a wall, as a share of the scan's diagonal, within which a region is a piece of it
 _WALL_HEIGHT = 0.5  # share of the room's height that a wall spans
@@ -43,7 +43,7 @@ def furniture(vertices, triangles, label: np.ndarray, up, smallest: float) -> np
     is_piece = np.zeros(count, bool)
     for region in shell:
         away = np.abs((middle - middle[region]) @ normal[region])
-        is_piece |= (away <= reach) & (np.abs(normal @ normal[region]) >= _ALIKE)
+        is_piece |= (away <= reach) & (normal @ normal[region] >= _ALIKE)
         is_piece[region] = True
     return (area > 0) & ~is_piece
 

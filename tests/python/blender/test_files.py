@@ -272,6 +272,14 @@ def test_a_button_installs_the_package_with_blender_s_own_python(tmp_path, monke
         OPS.install_step()
 
 
+def test_a_level_has_its_colliders_in_its_file(file, tmp_path):
+    scan = meshed(file)
+    OPS.make_lods(counts=(6, 4, 0))
+    OPS.export_lods(filepath=str(tmp_path / "tower.obj"))
+    assert f"o UCX_{scan.name}_LOD0_00" in (tmp_path / "tower_LOD0.obj").read_text()
+    assert "UCX" not in (tmp_path / "tower_LOD1.obj").read_text()
+
+
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # by Blender's own exporter
 @pytest.mark.parametrize("kind", [".glb", ".obj", ".city.json"])
 def test_levels_of_detail_are_written_each_to_its_file(file, tmp_path, kind):

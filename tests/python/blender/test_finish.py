@@ -64,7 +64,7 @@ def test_all_levels_of_detail_are_made_at_once():
     assert [level.hide_get() for level in levels] == [False, True, True]
     assert bpy.context.object == levels[0] == targets.result_of(bpy.context.scene, scan)
     (part,) = levels[0].children
-    assert part.name == "UCX_Scan_LOD0_00"
+    assert (part.name, part.hide_get()) == ("UCX_Scan_LOD0_00", True)
     assert OPS.make_lods(counts=(30, 6, 0), colliders=False) == {"FINISHED"}
     assert sorted(obj.name for obj in bpy.data.objects if "LOD" in obj.name) == ["Scan_LOD0", "Scan_LOD1"]
     with pytest.raises(RuntimeError, match="at least one number"):

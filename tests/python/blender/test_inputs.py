@@ -62,7 +62,7 @@ def test_other_modes():
     assert "Leave this mode" in why_not()
 
 
-@pytest.mark.parametrize("name", ["add_proxy", "delete_proxy", "mesh"])
+@pytest.mark.parametrize("name", ["add_proxy", "delete_proxy", "flatten"])
 def test_steps_before_a_partition(name):
     scan = scans.cube()
     assert not getattr(bpy.ops.isimp, name).poll()

@@ -1,10 +1,11 @@
 """Several selected scans are done one after the other; hidden ones become visible."""
 
+import bmesh
 import bpy
 import pytest
 import scans
 
-from isimp.blender.scene import targets
+from isimp.blender.scene import store, targets
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -31,14 +32,24 @@ def test_partition_and_mesh_do_all_selected_scans(capfd):
     assert len(bpy.data.objects) == 6
 
 
-def test_scans_without_regions_are_named_by_mesh(capfd):
+def test_mesh_finds_missing_regions_and_names_scans_that_have_changed(capfd):
     made = three()
-    scans.activate(made[0])
+    scans.activate(made[2])
     bpy.ops.isimp.partition(proxies=6)
+    edit = bmesh.new()
+    edit.from_mesh(made[2].data)
+    edit.faces.ensure_lookup_table()
+    edit.faces.remove(edit.faces[0])
+    edit.to_mesh(made[2].data)
+    edit.free()
+    scans.activate(made[0])
     for scan in made:
         scan.select_set(True)
     bpy.ops.isimp.mesh()
-    assert "Not done, as they have no regions yet: 'B', 'C'" in capfd.readouterr().out
+    told = capfd.readouterr().out
+    assert "2 scans done" in told
+    assert "Not done, as they have no regions yet: 'C'" in told
+    assert store.load(made[1]).ends_in_mesh()
 
 
 def test_a_partition_of_selected_faces_is_of_the_active_scan_alone():

@@ -110,7 +110,6 @@ USES = [
 ]
 #: the state, the button, and its tooltip
 BUTTONS = [
-    ("mesh before partition", scans.cube, "mesh", "no regions yet: press Partition first"),
     ("edit before partition", scans.cube, "add_proxy", "no regions yet: press Partition first"),
     ("even out before partition", scans.cube, "even_borders", "no regions yet: press Partition first"),
     ("select before partition", scans.cube, "select_by", "no regions yet: press Partition first"),

@@ -211,25 +211,26 @@ def _levels(context, scan) -> list:
 
 @contextmanager
 def _alone(context, obj):
-    """Makes the object visible, and the only selected and active one. Restores visibility and selection at the end."""
+    """Makes the object active, and selects it and its children alone. Restores visibility and selection at the end."""
     layer = context.view_layer
     active, chosen = layer.objects.active, [other for other in layer.objects if other.select_get()]
-    hidden = obj.hide_get(), obj.hide_viewport
+    parts = (obj, *obj.children)  # its colliders belong to it
+    hidden = [(part.hide_get(), part.hide_viewport) for part in parts]
     try:
         for other in chosen:
             other.select_set(False)
-        obj.hide_viewport = False
-        obj.hide_set(False)
-        for part in (obj, *obj.children):  # its colliders belong to it
+        for part in parts:
+            part.hide_viewport = False
+            part.hide_set(False)
             part.select_set(True)
         layer.objects.active = obj
         layer.update()
         yield
     finally:
-        for part in (obj, *obj.children):
+        for part, (is_hidden, in_no_view) in zip(parts, hidden, strict=True):
             part.select_set(False)
-        obj.hide_set(hidden[0])
-        obj.hide_viewport = hidden[1]
+            part.hide_set(is_hidden)
+            part.hide_viewport = in_no_view
         for other in chosen:
             other.select_set(True)
         layer.objects.active = active

@@ -1,5 +1,6 @@
 """Import of scans: exact coordinates, with the look of the file."""
 
+from contextlib import suppress
 from pathlib import Path
 
 import bpy
@@ -94,7 +95,7 @@ def _told(path: Path, faults: list, skipped: list) -> list:
 
 
 def _frame(context) -> None:
-    """Frames the imported scans in the 3D view that they were dropped into, or else in all of the window."""
+    """Frames the imported scans in the 3D view that they were dropped into, or else in all, and opens the sidebar."""
     if bpy.app.background or context.window is None:
         return
     context.view_layer.update()
@@ -102,6 +103,11 @@ def _frame(context) -> None:
     for area in [context.area] if is_view else context.window.screen.areas:
         if area.type == "VIEW_3D":
             clipping.frame(context, area)
+            area.spaces.active.show_region_ui = True
+            side = next((region for region in area.regions if region.type == "UI"), None)
+            if hasattr(side, "active_panel_category"):  # Blender 4.2 and later
+                with suppress(TypeError, AttributeError):  # until the sidebar has been drawn once
+                    side.active_panel_category = "iSimp"
 
 
 CLASSES: tuple = (ISIMP_OT_import_scan,)

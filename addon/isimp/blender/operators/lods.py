@@ -117,6 +117,8 @@ class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
         if self.colliders and made and not self._levels:
             try:
                 add_colliders(context, made[0], made[-1], "unreal")
+                for part in made[-1].children:  # their wires would cover the model
+                    part.hide_set(True)
             except ValueError as problem:
                 self.report({"WARNING"}, said("No colliders: {reason}", reason=problem))
         self._done = []

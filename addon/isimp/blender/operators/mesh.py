@@ -3,7 +3,7 @@ import bpy
 from ... import messages
 from ... import recipe as rcp
 from ..controls import settings, up_direction
-from ..scene import targets
+from ..scene import store, targets
 from ..texturing import texture
 from ..work.modal import RecipeOperator
 from ..work.scene_outcome import show_polygons
@@ -26,6 +26,8 @@ class Meshing(RecipeOperator, settings.MeshSettings):
 
     def wanted(self, context, target):
         before = target.recipe
+        if not before.steps:  # Mesh pressed at once
+            before = before.then(settings.to_step(rcp.Partition, settings.group(context, rcp.Partition)))
         first = up_direction.first(context, target.scan) if self.regularise else None
         recipe = (before if first is None else before.regularised(first)).then(settings.to_step(rcp.Mesh, self))
         if self.keep_texture and texture.is_textured(target.scan):
@@ -47,11 +49,16 @@ class Meshing(RecipeOperator, settings.MeshSettings):
 
 
 class ISIMP_OT_mesh(Meshing, bpy.types.Operator):
-    """Turn the regions into polygons, as a new object at the same place. The scan is hidden"""
+    """Turn the regions into polygons, as a new object at the same place; first find them, if there are none"""
 
     bl_idname = "isimp.mesh"
     bl_label = "Mesh"
     does_all = True
+
+    @classmethod
+    def problem(cls, context, scan):
+        stored = store.read(scan).recipe
+        return "" if stored is not None and not stored.steps else super().problem(context, scan)
 
 
 class ISIMP_OT_flatten(Meshing, bpy.types.Operator):

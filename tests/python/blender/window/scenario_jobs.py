@@ -1,10 +1,11 @@
-"""Whole jobs by the words of the manual: a game artist, a surveyor, a retopology artist. Counts actions and redraws.
+"""Whole jobs by the words of the manual: artist, surveyor, retopologist, decorator. Counts actions and redraws.
 
 The fourth, a student, installs the zip first: student.py. An action is done only if the manual has its words.
 """
 
 import json
 
+import bmesh
 import bpy
 import numpy as np
 from scans import material_of
@@ -37,19 +38,35 @@ class User(Student):
         yield from self.hand.press(self.button(name))
         yield from self.hand.settle(120)
 
-    def begins(self):
-        """A new file without the default cube; the caller imports the scan."""
-        for obj in list(bpy.data.objects):
-            bpy.data.objects.remove(obj)
-        self.does("Delete the default cube.")
-        yield 0.3
-
-    def looks(self):
-        self.does("click it, and press *Numpad .* in the 3D view")
+    def imports(self):
+        """Has the caller's scan imported: three menus, a folder and a file; the import opens the sidebar and frames."""
+        self.does("Import a scan (File > Import)", 5)
         yield from self.hand.into_view()
         yield from self.hand.key("NUMPAD_PERIOD")
         yield 0.5
-        self.does("Press N and choose the tab **iSimp**.")
+        self.does("choose the tab **iSimp**")
+
+    def chooses(self, kind):
+        """Clicks the icon of a kind of scan."""
+        from isimp import presets
+
+        kinds = [preset.name for preset in presets.PRESETS if preset.is_kind]
+        self.does(f"**{presets.BY_NAME[kind].label}**")
+        side = self.hand.region("UI")
+        yield from self.hand.find("bpy.ops.isimp.preset")
+        share = (kinds.index(kind) + 0.5) / len(kinds)
+        yield from self.hand.click(side.x + 10 + (side.width - 40) * share, self.hand.at[1])
+        yield 0.3
+        same("kind", bpy.context.window_manager.isimp.kind, kind)
+
+    def begins(self):
+        """An empty file; the caller imports the scan. The default cube may stay, since the import is active."""
+        from isimp.blender.controls import settings
+
+        for obj in list(bpy.data.objects):
+            bpy.data.objects.remove(obj)
+        settings.show(bpy.context, None)
+        yield 0.3
 
     def ends(self, most):
         bpy.types.SpaceView3D.draw_handler_remove(self._counting, "WINDOW")
@@ -58,35 +75,81 @@ class User(Student):
 
 
 def artist(hand):
-    """Three levels of detail with textures."""
+    """Three levels of detail with textures and colliders, as files."""
     user = User(hand, "artist")
     yield from user.begins()
-    user.does("Import a scan (File > Import)")
     make_scan()
+    yield from user.imports()
     scan = bpy.context.object
-    image = bpy.data.images.new("Paint", 64, 64)
-    image.pixels.foreach_set(np.tile([0.8, 0.3, 0.1, 1.0], 64 * 64).astype(np.float32))
+    image = bpy.data.images.new("Paint", 256, 256)
+    image.pixels.foreach_set(np.tile([0.8, 0.3, 0.1, 1.0], 256 * 256).astype(np.float32))
     image.pack()
     scan.data.materials.append(material_of("Scan", image))
-    yield from user.looks()
+    yield from user.chooses("figure")
     yield from user.presses("Partition")
-    before = regions()
-    yield from user.presses("Mesh")
-    same("the texture is seen at once", hand.area.spaces.active.shading.color_type, "TEXTURE")
+    user.does("**Make LODs**, under *LODs...*, makes levels of 300, 100 and 33 polygons", 2)
+    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        bpy.ops.isimp.make_lods("INVOKE_DEFAULT", True)
+    yield from hand.settle(120)
     yield from hand.shot("jobs-1-artist")
-    for _ in range(2):
-        user.does("**Keep as LOD** (keeps the result as `<scan>_LOD0`, `_LOD1` ..., and sets a third")
-        with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
-            bpy.ops.isimp.keep_lod("INVOKE_DEFAULT", True)
-        yield 0.3
-        yield from user.presses("Partition")
-        yield from user.presses("Mesh")
+    same("the texture is seen at once", hand.area.spaces.active.shading.color_type, "TEXTURE")
     from isimp.blender.texturing import texture
 
-    levels = [bpy.data.objects[name] for name in ("Scan_LOD0", "Scan_LOD1", "Scan.simplified")]
+    levels = [bpy.data.objects[f"Scan_LOD{number}"] for number in range(3)]
     counts = [len(level.data.polygons) for level in levels]
-    same("a third each time", (counts[0] >= before, counts[1] < counts[0], counts[2] < counts[1]), (True, True, True))
-    same("each has its texture", [texture.image_width(level) > 0 for level in levels], [True, True, True])
+    same("coarser each time", counts == sorted(set(counts), reverse=True), True)
+    same("half the image each time", [texture.image_width(level) for level in levels], [256, 128, 64])
+    same("with a collider", levels[0].children[0].name, "UCX_Scan_LOD0_00")
+    user.does("**File > Export > LODs (.glb, .obj, .ifc)** writes each level to a file of its own", 3)
+    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        bpy.ops.isimp.export_lods("EXEC_DEFAULT", filepath=str(hand.out / "owl.glb"))
+    sizes = [(hand.out / f"owl_LOD{number}.glb").stat().st_size for number in range(3)]
+    same("smaller files each time", sizes == sorted(sizes, reverse=True), True)
+    user.ends(16)
+
+
+def furnished(name="Room"):
+    """A room of 6 x 4 x 2.5 m with a table, a chest and a heap of boxes, as triangles of some decimetres."""
+    edit = bmesh.new()
+    boxes = [((3, 2, 1.25), (6, 4, 2.5)), ((3, 2, 0.7), (1.6, 0.8, 0.06)), ((5.6, 0.6, 0.5), (0.7, 1.1, 0.9))]
+    boxes += [((1 + 0.3 * k, 3, 0.2 + 0.1 * k), (0.25, 0.3, 0.2)) for k in range(4)]
+    for number, (middle, sides) in enumerate(boxes):
+        made = bmesh.ops.create_cube(edit, size=1)["verts"]
+        bmesh.ops.scale(edit, vec=sides, verts=made)
+        bmesh.ops.translate(edit, vec=middle, verts=made)
+        if number == 0:
+            bmesh.ops.reverse_faces(edit, faces=edit.faces[:])
+    bmesh.ops.subdivide_edges(edit, edges=edit.edges[:], cuts=7, use_grid_fill=True)
+    bmesh.ops.triangulate(edit, faces=edit.faces[:])
+    mesh = bpy.data.meshes.new(name)
+    edit.to_mesh(mesh)
+    edit.free()
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, mesh))
+    bpy.context.view_layer.objects.active = bpy.data.objects[name]
+
+
+def decorator(hand):
+    """A room without its furniture: polygons of walls, floor and ceiling alone."""
+    user = User(hand, "decorator")
+    yield from user.begins()
+    furnished()
+    yield from user.imports()
+    yield from user.chooses("room")
+    yield from user.presses("Mesh")
+    before = len(bpy.context.object.data.polygons)
+    user.does("**Leave Out Furniture...** shows in red what is neither wall, floor nor ceiling of a room")
+    hand.region("UI").tag_redraw()
+    yield 0.3
+    yield from hand.press("isimp.show_furniture")
+    yield from hand.shot("jobs-4-furniture")
+    user.does("a click leaves the red out")
+    yield from hand.into_view()
+    yield from hand.click(*hand.at)
+    yield from hand.settle()
+    same("no other mode", bpy.context.mode, "OBJECT")
+    yield from user.presses("Mesh")
+    same("the room alone", (before > 20, len(bpy.context.object.data.polygons)), (True, 6))
+    yield from hand.shot("jobs-4-decorator")
     user.ends(12)
 
 
@@ -121,19 +184,16 @@ def surveyor(hand):
     user = User(hand, "surveyor")
     write_house(hand.out / "house.ply")
     yield from user.begins()
-    user.does("**File > Import > Scan (iSimp)** reads PLY, OBJ, STL, OFF and 3MF")
-    bpy.ops.isimp.import_scan(filepath=str(hand.out / "house.ply"), epsg=25832)
-    yield from user.looks()
-    user.does("**Statue**, **Building**, **Room**, **Machine Part**, **City**")
-    bpy.ops.isimp.preset("EXEC_DEFAULT", True, name="building")
-    yield 0.3
-    yield from user.presses("Partition")
+    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        bpy.ops.isimp.import_scan(filepath=str(hand.out / "house.ply"), epsg=25832)
+    yield from user.imports()
+    yield from user.chooses("building")
     yield from user.presses("Mesh")
     yield from hand.shot("jobs-2-surveyor")
+    user.does("**File > Export > Building (.ifc, .dxf, .city.json)** writes the result", 3)
     for name in ("house.ifc", "house.dxf", "house.city.json"):
-        user.does("**File > Export > Building (.ifc, .dxf, .city.json)** writes the result")
         with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
-            bpy.ops.isimp.export_building("EXEC_DEFAULT", filepath=str(hand.out / name), epsg=25832)
+            bpy.ops.isimp.export_building("EXEC_DEFAULT", filepath=str(hand.out / name))
         assert (hand.out / name).stat().st_size > 500, name
         print(f"written: {name}", flush=True)
         yield 0.1
@@ -142,16 +202,15 @@ def surveyor(hand):
     same("in map coordinates", np.abs(at.min(axis=0) - PLACE).max() < 0.01, True)
     same("as large as the house", np.abs(np.ptp(at, axis=0) - (10, 8, 8)).max() < 0.01, True)
     same("EPSG", "25832" in city["metadata"]["referenceSystem"], True)
-    user.ends(12)
+    user.ends(11)
 
 
 def retopologist(hand):
     """A click a region, which is there after one redraw, and its lines after two."""
     user = User(hand, "retopology artist")
     yield from user.begins()
-    user.does("Import a scan (File > Import)")
     make_scan()
-    yield from user.looks()
+    yield from user.imports()
     yield from user.presses("Partition")
     with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
         bpy.ops.view3d.view_axis(type="FRONT")
@@ -171,12 +230,12 @@ def retopologist(hand):
     print(f"redraws of a click: {user.redraws}", flush=True)
     assert user.redraws <= 4, user.redraws  # two, and one each for the mouse before the press and after the release
     yield from hand.shot("jobs-3-retopology")
-    user.ends(8)
+    user.ends(9)
 
 
 def run(hand):
     isimp.register()
     yield 0.5
     yield from hand.open_tab()
-    for person in (artist, surveyor, retopologist):
+    for person in (artist, surveyor, retopologist, decorator):
         yield from person(hand)
