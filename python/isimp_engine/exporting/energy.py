@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import PolygonMesh
+from .._core import PolygonMesh, triangulate
 from .surfaces import CEILING, GROUND, LEVEL, ROOF, WALL, Surfaces, component_of, rings
 
 _FAR = 1e4  # coordinates beyond this are written relative to a place near the model, as programs keep centimetres
@@ -37,7 +37,8 @@ def _zones(poly: PolygonMesh, surfaces: Surfaces, name: str, shift: NDArray[np.f
     """The zones by name. A scanned room faces inwards: its polygons are turned. Concave polygons become triangles."""
     at = np.asarray(poly.vertices, dtype=np.float64).reshape(-1, 3) - shift
     loops = rings(poly)
-    cuts = np.split(poly.triangles(), np.cumsum([len(loop) - 2 for loop in loops])[:-1]) if loops else []
+    triangles, source = triangulate(at, poly.loops, poly.loop_start)
+    begin = np.searchsorted(source, np.arange(len(loops) + 1))
     component = component_of(loops, len(at))
     zones = {}
     for number in range(int(component.max(initial=-1)) + 1):
@@ -50,7 +51,11 @@ def _zones(poly: PolygonMesh, surfaces: Surfaces, name: str, shift: NDArray[np.f
         for q, area in zip(some, areas, strict=True):
             rise = float(area[2]) / (float(np.linalg.norm(area)) or 1.0)
             whole = _turning(at[loops[q]])
-            parts = [whole] if _is_convex(whole, area) else [_turning(at[corners]) for corners in cuts[q]]
+            parts = (
+                [whole]
+                if _is_convex(whole, area)
+                else [_turning(at[corners]) for corners in triangles[begin[q] : begin[q + 1]]]
+            )
             kind = _kind(surfaces.kind[q], -rise if inwards else rise)
             faces += [_Face(kind, part[::-1] if inwards else part) for part in parts if len(part) > 2]
         zones[name if number == 0 else f"{name}_{number}"] = _Zone(abs(volume), faces)

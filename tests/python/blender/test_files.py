@@ -133,7 +133,9 @@ def test_a_script_gets_the_scan_s_epsg_and_the_chosen_format(file, tmp_path):
     for more, wanted in (({}, True), ({"epsg": 0}, False)):
         assert OPS.export_building(filepath=str(tmp_path / "tower"), kind=".ifc", **more) == {"FINISHED"}
         assert ("EPSG:25832" in (tmp_path / "tower.ifc").read_text()) == wanted
-    assert {kind for kind, _, _ in files._BUILDINGS} == set(engine.exporting.BUILDING_KINDS)
+    assert OPS.export_building(filepath=str(tmp_path / "tower.idf")) == {"FINISHED"}
+    assert "BuildingSurface:Detailed" in (tmp_path / "tower.idf").read_text()
+    assert {kind for kind, _, _ in files._BUILDINGS + files._ENERGY} == set(engine.exporting.BUILDING_KINDS)
     assert {kind for kind, _, _ in files._LEVELS} == set(engine.exporting.LODS)
 
 

@@ -33,6 +33,10 @@ _BUILDINGS = (
     (".dxf", "DXF (.dxf)", "For CAD: a mesh for each class"),
     (".city.json", "CityJSON (.city.json)", "For city models: one building with its surfaces"),
 )
+_ENERGY = (
+    (".idf", "EnergyPlus (.idf)", "For energy simulations: convex floors, walls and roofs of a zone"),
+    (".hbjson", "Honeybee (.hbjson)", "For energy simulations: convex floors, walls and roofs of a room"),
+)
 _LEVELS = (
     (".glb", "glTF (.glb)", "For games and the web, with materials and images"),
     (".obj", "Wavefront (.obj)", "With materials"),
@@ -67,15 +71,15 @@ class _Formats:
 
 
 class ISIMP_OT_export_building(_Model, _Formats, bpy.types.Operator):
-    """Export the result as a building, with walls, roofs and ground: IFC, DXF or CityJSON. One unit is one metre"""
+    """Export the result as a building: for CAD, city models or energy simulations. One unit is one metre"""
 
     bl_idname = "isimp.export_building"
     bl_label = "Export Building"
 
-    kinds = _BUILDINGS
+    kinds = _BUILDINGS + _ENERGY
     filepath: StringProperty(subtype="FILE_PATH")
-    filter_glob: StringProperty(default="*.ifc;*.dxf;*.json", options={"HIDDEN"})
-    kind: EnumProperty(name="Format", description="Format of the file", items=_BUILDINGS)
+    filter_glob: StringProperty(default="*.ifc;*.dxf;*.json;*.idf;*.hbjson", options={"HIDDEN"})
+    kind: EnumProperty(name="Format", description="Format of the file", items=_BUILDINGS + _ENERGY)
     epsg: IntProperty(name="EPSG", description="Number of the coordinates' reference system; 0: none", min=0)
 
     def invoke(self, context, event):
