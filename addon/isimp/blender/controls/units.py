@@ -187,7 +187,7 @@ SHOWN = {
         "leave_out_percent": _percent(PartitionSettings, "leave_out", 0.99, 0.05, 2, "Ignore Parts Below"),
         "angle_turn": _angle(PartitionSettings, 180),
         "noise_automatic": BoolProperty(
-            name="Automatic",
+            name="Automatic Noise",
             description="Estimate the roughness of the scan. Smaller shapes do not count as details",
             get=lambda self: self.noise < 0,
             set=_set_automatic,

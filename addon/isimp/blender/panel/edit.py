@@ -67,7 +67,7 @@ def _chosen(scan) -> str:
     if count > 1:
         return said("{regions} chosen", regions=messages.count(count, "region"))
     if number < 0:
-        return said("None chosen: shift-click one")
+        return said("Shift-click a region")
     return said("Region {number}, clicked last", number=number)
 
 

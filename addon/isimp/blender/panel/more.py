@@ -78,9 +78,9 @@ def _matches(group, cls, name: str, wanted: str) -> bool:
 
 
 def _draw_setting(column, group, cls, name: str) -> None:
-    """Draws one setting. Ticks have the whole width for their names."""
+    """Draws one setting. Ticks and numbers have the whole width for their names."""
     place = column.row(align=True)
-    if group.bl_rna.properties[_shown(cls, name)].type == "BOOLEAN":
+    if group.bl_rna.properties[_shown(cls, name)].type in {"BOOLEAN", "INT", "FLOAT"}:
         place.use_property_split = False
     if name == "planar_most":
         place.active = group.planar
