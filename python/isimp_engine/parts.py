@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-WEIGHT = 4.0  #: of the faces of a part: regions grow dense like the root of it
+WEIGHT = 4.0  #: the weight of the faces of a part: regions become denser like its root
 _CELLS = 96  # in the scan's diagonal; distances are along cells, so that a million faces take a third of a second
-_BINS, _SMOOTH = 120, 5  # of the distance, and the number of bins that a contour's length is the mean of
+_BINS, _SMOOTH = 120, 5  # bins of the distance, and the bins whose mean is the length of a contour
 _NECK = 1.15  # a neck's contour is shorter than those before and after it by this factor
 _AFTER = 1.8  # distance up to which the longer contour after a neck is searched, in distances of the neck
 _LEAST, _MOST, _USUAL = 0.003, 0.25, 0.06  # shares of the area: of parts, and of one without a neck

@@ -63,7 +63,7 @@ def _zones(poly: PolygonMesh, surfaces: Surfaces, name: str, shift: NDArray[np.f
 
 
 def _kind(kind: str, rise: float) -> str:
-    """Floors of zones are level and face down; what leans, and is no roof, is a wall."""
+    """Floors of zones are level and face down, roofs face up; all other surfaces are walls."""
     if rise <= -LEVEL:
         return GROUND if kind == GROUND else CEILING
     return ROOF if rise > _UPRIGHT else WALL
