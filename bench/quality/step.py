@@ -45,6 +45,13 @@ def read(path):
     return reader.OneShape()
 
 
+def solid_of(shape):
+    """Volume in cubic scene units, whether OpenCASCADE finds the shape valid, and whether it is one solid."""
+    volume = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, volume)
+    return volume.Mass() * 1e-9, BRepCheck_Analyzer(shape).IsValid(), "SOLID" in str(shape.ShapeType())
+
+
 def round_faces(shape):
     """(kind, axis or None, radius or None, a place on it) of each face that is no plane."""
     walk, face = TopExp_Explorer(shape, TopAbs_FACE), getattr(TopoDS, "Face_s", None) or TopoDS.Face
@@ -91,8 +98,7 @@ def row_of(name, shape, noise, seed, folder):
     told = engine.write(path, poly, partition=part, mesh=mesh)
     seconds = time.process_time() - begin
     found = read(path)
-    volume = GProp_GProps()
-    BRepGProp.VolumeProperties_s(found, volume)
+    volume, valid, solid = solid_of(found)
     corners = vertices[faces]
     scan = float((corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum() / 6)
     count, curved = round_faces(found)
@@ -101,9 +107,9 @@ def row_of(name, shape, noise, seed, folder):
     return {
         "faces": float(count),
         "true": float(TRUE_FACES[name]),
-        "valid": float(BRepCheck_Analyzer(found).IsValid()),
-        "solid": float("SOLID" in str(found.ShapeType())),
-        "volume": abs(volume.Mass() * 1e-9 / scan - 1) * 100,
+        "valid": float(valid),
+        "solid": float(solid),
+        "volume": abs(volume / scan - 1) * 100,
         "parts": true / (true + planes) if true + planes else np.nan,
         "axis": axis,
         "radius": radius,
