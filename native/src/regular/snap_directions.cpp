@@ -4,13 +4,24 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 namespace isimp::regular {
 namespace {
 
-constexpr double kSure = 0.6;  ///< below this share of the length, up to kWider times the angle is allowed
-constexpr int kFrames = 3;     ///< directions of walls, each with the directions square to it
+constexpr int kFrames = 3;  ///< directions of walls, each with the directions square to it
+/// A part has an upward direction of its own if kMostOfArea is parallel or square to it, kTimesOfUp times as much as to
+/// that of the scene: then the latter says nothing about it. It is looked for among kLargest regions.
+constexpr double kMostOfArea = 0.75, kTimesOfUp = 2;
+constexpr std::size_t kLargest = 12;
+
+/// The normal that some regions fit best together.
+Vec3 fitted_normal(const std::vector<Region>& regions, const Some& some) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const std::int32_t r : some) sum += regions[r].scan.area * regions[r].scan.spread;
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum).eigenvectors().col(0);
+}
 
 /// The parts of `some` for which a test holds and does not hold, each in the order of `some`.
 template <class Test>
@@ -171,13 +182,6 @@ class Directions {
     }
   }
 
-  /// The normal that some regions fit best together.
-  [[nodiscard]] Vec3 fitted_normal(const Some& some) const {
-    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-    for (const std::int32_t r : some) sum += regions_[r].scan.area * regions_[r].scan.spread;
-    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum).eigenvectors().col(0);
-  }
-
   void snap_parallel(Some& left) {
     for (const std::int32_t lead : all_)
       if (is_by_hand(lead)) take(left, Kind::parallel, [&](const Region&) { return regions_[lead].snapped; });
@@ -189,7 +193,7 @@ class Directions {
       if (took.empty()) continue;
       regions_[first].snap(n, Kind::parallel);
       took.insert(took.begin(), first);
-      Vec3 fitted = fitted_normal(took);
+      const Vec3 fitted = fitted_normal(regions_, took);
       retake(took, left, Kind::parallel, [&](const Region&) { return fitted; });
     }
   }
@@ -204,16 +208,44 @@ class Directions {
 
 }  // namespace
 
-double Limits::reach(const RegionPlane& region, double share) const {
-  return share * length + unsure * std::sqrt(3 / region.faces);
-}
+double Limits::by_noise(const RegionPlane& region) const { return unsure * std::sqrt(3 / region.faces); }
+
+double Limits::reach(const RegionPlane& region) const { return length + by_noise(region); }
 
 bool Limits::allow(const RegionPlane& region, const Vec3& n) const {
   const Eigen::Matrix3d& spread = region.scan.spread;
   const double same = std::abs(region.normal.dot(n)),
                added = std::sqrt(std::max(0.0, n.dot(spread * n) - region.normal.dot(spread * region.normal)));
-  if (same >= std::cos(angle)) return added < reach(region);
-  return same >= std::cos(kWider * angle) && added < reach(region, kSure);
+  if (same >= std::cos(kWider * angle) && added < hardly + by_noise(region)) return true;
+  return same >= std::cos(usual) && added < reach(region);
+}
+
+Vec3 up_or_own(const std::vector<Region>& regions, const Some& all, const Limits& limits, const Vec3& up) {
+  const bool is_led = std::any_of(all.begin(), all.end(), [&](std::int32_t r) { return regions[r].is_by_hand(); });
+  if (up.squaredNorm() == 0 || is_led) return up;
+  const auto area_about = [&](const Vec3& axis) {
+    const Compass compass(axis);
+    double sum = 0;
+    for (const std::int32_t r : all) {
+      const Region& region = regions[r];
+      if (limits.allow(region, axis) || limits.allow(region, compass.levelled(region.normal))) sum += region.scan.area;
+    }
+    return sum;
+  };
+  double area = 0, most = kTimesOfUp * area_about(up);
+  for (const std::int32_t r : all) area += regions[r].scan.area;
+  Vec3 best = up;
+  for (const std::int32_t r : std::span(all).first(std::min(all.size(), kLargest))) {
+    const double sum = area_about(regions[r].normal);
+    if (sum <= most || sum < kMostOfArea * area) continue;
+    most = sum;
+    best = regions[r].normal;
+  }
+  if (best == up) return up;
+  Some level = all;
+  std::erase_if(level, [&](std::int32_t r) { return !limits.allow(regions[r], best); });
+  const Vec3 fitted = fitted_normal(regions, level);
+  return fitted.dot(best) < 0 ? Vec3(-fitted) : fitted;
 }
 
 void snap_directions(std::vector<Region>& regions, const Some& all, const Limits& limits, const Compass& compass,

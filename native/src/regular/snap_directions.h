@@ -34,17 +34,27 @@ using Some = std::vector<std::int32_t>;  ///< numbers of regions, the largest fi
 /// The limits of snaps.
 struct Limits {
   double angle = 0;   ///< radians
+  double usual = 0;   ///< radians; a plane that is turned further may be so on purpose
   double length = 0;  ///< largest increase of the root mean square distance of a region, scene units
+  double hardly = 0;  ///< increase that is none, by any angle up to kWider times `angle`, scene units
   double unsure = 0;  ///< uncertainty of the plane of a region by noise, times sqrt(faces / 3)
   double one = 0;     ///< largest difference of two offsets that are one, scene units
 
-  /// The length for one region: the fewer faces, the longer.
-  [[nodiscard]] double reach(const RegionPlane& region, double share = 1) const;
+  /// The increase that noise explains: the fewer faces, the larger.
+  [[nodiscard]] double by_noise(const RegionPlane& region) const;
+  /// The length for one region.
+  [[nodiscard]] double reach(const RegionPlane& region) const;
   /// Whether the plane of a region may be turned to a normal.
   [[nodiscard]] bool allow(const RegionPlane& region, const Vec3& normal) const;
 };
 
 constexpr double kWider = 3;  ///< times the angle: allowed to regions that it hardly moves
+
+/// The upward direction, or the own one of a part that stands askew in the scene: its planes are parallel and square to
+/// that of a large region, and not to `up`.
+/// \param up  of length 1, or zero: there is none
+/// Cost: O(R).
+Vec3 up_or_own(const std::vector<Region>& regions, const Some& all, const Limits& limits, const Vec3& up);
 
 /// Snaps the normals of regions: level, upright with right angles between them, equal slopes along the upright ones,
 /// parallel. Regions whose planes were set by hand lead, then the large ones; the normal of a group is fitted to all of

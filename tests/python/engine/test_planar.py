@@ -9,7 +9,7 @@ import pytest
 
 import isimp_engine as engine
 import shapes
-from bench.generators import houses, scanned
+from bench.generators import houses, known_shapes, scanned
 from isimp_engine.cli import main
 from isimp_engine.within import scan_distances
 
@@ -131,6 +131,17 @@ def test_a_house_has_five_directions() -> None:
     poly = engine.polygonize(mesh, snapped, engine.MeshingOptions(planar=True))
     assert poly.report["planar"]
     assert poly.report["whole"] >= 0.98
+
+
+@pytest.mark.parametrize(("shape", "square"), [(known_shapes.washer(), True), (known_shapes.wedge(), False)])
+def test_a_part_that_stands_askew_has_right_angles_of_its_own(shape: known_shapes.Shape, square: bool) -> None:
+    random = np.random.default_rng(5)
+    turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    vertices = shape.vertices + random.normal(0, 0.0005 * shape.longest_side, shape.vertices.shape)
+    mesh = engine.clean(vertices @ (turn * np.linalg.det(turn)).T, shape.faces)
+    snapped = engine.regularise(mesh, engine.partition(mesh))
+    angles = np.abs(snapped.region_normal @ snapped.region_normal.T)
+    assert (snapped.report["directions"] == 3 and angles[angles < 0.5].max() < 1e-12) == square
 
 
 @pytest.mark.parametrize("noise", [0.001, 0.002, 0.004])

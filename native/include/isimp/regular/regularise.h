@@ -27,7 +27,8 @@ constexpr auto fields(const RegulariseOptions*) {
   return std::tuple{
       field("angle", &O::angle, between(0, 45), Unit::none,
             "Largest angle by which a plane is turned, degrees; three times as much where a region is so small that it "
-            "hardly moves.")
+            "hardly moves. Without a length, planes whose noise does not explain it are turned by at most ten times as "
+            "much as half of the area, and a degree.")
           .shown("Angle", "Largest angle by which a plane is turned, in degrees"),
       field(
           "length", &O::length, above(0), Unit::length,
@@ -39,7 +40,7 @@ constexpr auto fields(const RegulariseOptions*) {
                  "the scan, and all planes together add a tenth at most",
                  {.high = 1}),
       choice("up", &O::up, {{"x", Up::x}, {"y", Up::y}, {"z", Up::z}, {"none", Up::none}},
-             "The axis that is up, for level and upright planes; none: planes are made parallel only."),
+             "The axis that is up; machine parts that lie askew have their own. none: planes are made parallel only."),
   };
 }
 
