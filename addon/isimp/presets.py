@@ -94,8 +94,17 @@ PRESETS = (
         "generated",
         "Generated",
         "SHADERFX",
-        "Meshes cut on a grid, such as those made from pictures or texts: stair steps are smoothed, edges are sharp",
-        rcp.Partition(count_by="detail", detail=0.005, snap=False, adaptivity=0.0, sharp_edges=0.0),
+        "Meshes cut on a grid, such as those made from pictures or texts: stair steps are smoothed, edges are sharp, "
+        "parts that nobody sees from outside go",
+        rcp.Partition(
+            count_by="detail",
+            detail=0.005,
+            snap=False,
+            adaptivity=0.0,
+            leave_out=0.002,
+            sharp_edges=0.0,
+            outside_only=True,
+        ),
         rcp.Mesh(),
     ),
     Preset(

@@ -179,7 +179,7 @@ def options_of(asked):
 
     preset = BY_NAME[asked.preset]
     step = preset.partition_for(is_scanned=bool(asked.grid) or asked.noise > 0)
-    names = ("detail", "adaptivity", "leave_out", "sharp_edges", "curved", "snap", "noise")
+    names = ("detail", "adaptivity", "leave_out", "sharp_edges", "curved", "snap", "noise", "outside_only")
     given = {name: getattr(step, name) for name in names}
     given = {name: value for name, value in given.items() if isinstance(value, bool) or value >= 0}
     return given | ({"regularise": True} if preset.regularise else {})

@@ -157,6 +157,7 @@ The repairs in their order. The mesh's report has the count and first places of 
  turned_edges          edge flips: the longest edge of a zero-area face, so that it and its neighbour have an area
  unused_vertices       dropped: no kept face uses them
  stitched_vertices     border vertices that became one with another border, or were put into its edge
+ inner_faces           dropped: their component is inside a closed one (CleanOptions.outside_only)
  smoothed_vertices     moved within half a cell of the grid of occupied cells that the mesh was cut on
  filled_holes          covered by new faces that intersect nothing where there are such, at most half of the component
  cut_handles           the ring of faces around a handle removed, both ends covered

@@ -55,6 +55,7 @@ class CleanOptions:
     cut_handles: float
     stitch: float | None
     grid: float | None
+    outside_only: bool
     threads: int
     def __init__(
         self,
@@ -65,6 +66,7 @@ class CleanOptions:
         cut_handles: float = ...,
         stitch: float | None = ...,
         grid: float | None = ...,
+        outside_only: bool = ...,
         threads: int = ...,
     ) -> None: ...
     @staticmethod

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 from ._core import (
     CleanOptions,
@@ -39,7 +40,7 @@ class Lengths:
             return mesh
         return close_openings(mesh, CleanOptions(**self.options(), threads=threads), job=job, left_out=self.left_out)
 
-    def options(self) -> dict[str, float]:
+    def options(self) -> dict[str, Any]:
         """Return the lengths as keywords of CleanOptions."""
         return {"fill_holes": self.holes, "fill_flat_holes": self.flat_holes, "cut_handles": self.handles}
 

@@ -117,6 +117,7 @@ def _mesh(source: Source, repair: Repair, opened: Repaired | None, job: Job) -> 
     if source.mesh is None:
         return clean(source.vertices, source.triangles, options, job=job, keep=places)
     default = CleanOptions().as_dict()
-    if of_repair := [name for name in ("weld", "stitch", "grid") if options.as_dict()[name] != default[name]]:
+    of_scan = ("weld", "stitch", "grid", "outside_only")
+    if of_repair := [name for name in of_scan if options.as_dict()[name] != default[name]]:
         raise OptionError("{} is of the repair, which a Mesh has had: give the arrays of the scan", of_repair[0])
     return close_openings(source.mesh, options, job=job, keep=places) if repair.closes else source.mesh

@@ -16,6 +16,7 @@ _REPAIRS = {
     "turned_edges": "flipped to give zero-area faces an area",
     "unused_vertices": "dropped: not used by any face",
     "stitched_vertices": "stitched to the border of another chunk",
+    "inner_faces": "removed: they are of parts inside a closed one",
     "smoothed_vertices": "moved within half a cell: the mesh was cut on a grid of occupied cells",
     "filled_holes": "covered",
     "cut_handles": "cut",

@@ -11,6 +11,7 @@ from .step import Step
 class CleanFields(Step):
     stitch: float = -1.0
     grid: float = -1.0
+    outside_only: bool = False
 
 
 @dataclass(frozen=True)

@@ -34,6 +34,12 @@ CLEAN: dict[str, Option] = {
         tip="Cell of the grid of occupied cells that the mesh was cut on, whose steps are smoothed, in the scan's units. 0: steps stay. Below 0: it is found",
         high=1.0,
     ),
+    "outside_only": Option(
+        kind="bool",
+        default=False,
+        label="Outside Only",
+        tip="Parts inside a closed part, such as inner walls of generated meshes, are removed",
+    ),
 }
 
 MESHING: dict[str, Option] = {

@@ -18,6 +18,7 @@ KEYS = {
     "subdivided_edges",
     "turned_edges",
     "unused_vertices",
+    "inner_faces",
     "stitched_vertices",
     "smoothed_vertices",
     "filled_holes",
@@ -160,3 +161,24 @@ def test_small_holes_are_covered_on_request():
     np.testing.assert_array_equal(mesh.source_face[~covers], np.arange(len(rest)))
     part = engine.partition(mesh, engine.PartitionOptions(proxies=6))
     assert engine.polygonize(mesh, part).report["closed"]
+
+
+def test_what_nobody_sees_from_outside_goes_if_asked():
+    vertices, triangles = shapes.cube(6)
+    small = 0.2 * (vertices - vertices.mean(0))
+    at = [vertices.mean(0), vertices.mean(0) + [0.25, 0, 0], vertices.max(0), vertices.max(0) + 1]
+    placed = [(vertices, triangles), *((small + place, triangles) for place in at)]
+    scraps = [(0.1 * vertices[triangles[:2]].reshape(-1, 3) + at[0], np.arange(6).reshape(2, 3))]
+    mesh = engine.clean(*shapes.joined(*placed, *scraps), engine.CleanOptions(outside_only=True))
+    assert mesh.report["inner_faces"] == 2 * len(triangles) + 2
+    assert mesh.report["components"] == 3  # one crosses the surface, another is outside
+    kept = np.concatenate([np.arange(len(triangles)), len(triangles) * 3 + np.arange(2 * len(triangles))])
+    assert np.array_equal(mesh.source_face, kept)
+    assert engine.clean(*shapes.joined(*placed)).report["inner_faces"] == 0
+
+
+def test_parts_in_an_open_shell_stay():
+    vertices, triangles = shapes.cube(6)
+    inner = 0.2 * (vertices - vertices.mean(0)) + vertices.mean(0)
+    scan = shapes.joined((vertices, triangles[1:]), (inner, triangles))
+    assert engine.clean(*scan, engine.CleanOptions(outside_only=True)).report["inner_faces"] == 0

@@ -22,7 +22,7 @@ def _rows(context) -> list:
     return [
         (own("Regions"), _PARTITION, ("count_by", "feature", "adaptivity", "smooth", "snap", "curved")),
         ("", _PARTITION, ("weights", *(("influence",) if partition.weights else ()))),
-        (own("Scan"), _PARTITION, ("leave_out", "close_openings", "noise_automatic", "noise")),
+        (own("Scan"), _PARTITION, ("leave_out", "close_openings", "outside_only", "noise_automatic", "noise")),
         ("", _PARTITION, ("sharpens", "sharp_edges", "stitch_found", "stitch", "grid_found", "grid")),
         (own("Barriers"), _PARTITION, (*marks, "angle", "borders")),
         (own("Polygons"), _MESH, ("planar", "planar_most", "convex", "chord_tolerance", "join_junctions", "flatten")),

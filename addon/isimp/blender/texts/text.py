@@ -74,6 +74,7 @@ _DEFECTS = {
     "split_vertices": noun("non-manifold vertex"),
     "subdivided_edges": noun("double edge"),
     "turned_edges": noun("zero-area face"),
+    "inner_faces": noun("inner face"),
     "stitched_vertices": noun("stitched vertex"),
     "smoothed_vertices": noun("smoothed vertex"),
 }  # unused vertices are not a defect

@@ -20,6 +20,7 @@ struct CleanOptions {
   double cut_handles = 0.0;
   std::optional<double> stitch = std::nullopt;
   std::optional<double> grid = std::nullopt;
+  bool outside_only = false;
   std::int32_t threads = 0;
 };
 
@@ -51,6 +52,10 @@ constexpr auto fields(const CleanOptions*) {
                  "Cell of the grid of occupied cells that the mesh was cut on, whose steps are smoothed, in the scan's "
                  "units. 0: steps stay. Below 0: it is found",
                  {.high = 1}),
+      field("outside_only", &O::outside_only,
+            "Whether components inside a closed one, which nobody sees from outside, are removed, such as the inner "
+            "walls of generated meshes.")
+          .shown("Outside Only", "Parts inside a closed part, such as inner walls of generated meshes, are removed"),
       threads_field(&O::threads),
   };
 }
@@ -72,6 +77,7 @@ constexpr auto fields(const CleanOptions*) {
 ///  - `turned_edges`          edge flips: the longest edge of a degenerate face (thinner than rounding), flipped
 ///                            so that it and its neighbour have an area each
 ///  - `unused_vertices`       dropped: no kept face uses them
+///  - `inner_faces`           dropped: their component is inside a closed one
 ///  - `stitched_vertices`     border vertices that became one with a vertex of another border, or were put into its edge
 ///  - `smoothed_vertices`     moved within half a cell of the grid that the mesh was cut on
 ///  - `filled_holes`          covered by new faces, which intersect nothing where there are such. A hole stays open if

@@ -9,6 +9,7 @@
 
 #include "cleaning/close.h"
 #include "cleaning/grid.h"
+#include "cleaning/inside.h"
 #include "cleaning/stitch.h"
 #include "isimp/core/check.h"
 #include "isimp/core/errors.h"
@@ -159,27 +160,6 @@ void stitch_chunks(Cleaning& sound, const CleanOptions& options, const Threads& 
   }
 }
 
-Cleaning make_sound(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
-                    const Threads& threads, Job& job) {
-  Cleaning sound = make_manifold(std::move(vertices), std::move(triangles), options, threads, job);
-  stitch_chunks(sound, options, threads, job);
-  smooth_steps(sound.arrays, sound.topology, options.grid, sound.log, threads, job);
-  return sound;
-}
-
-/// The arrays of a mesh.
-MeshArrays arrays_of(const Mesh& mesh) {
-  MeshArrays arrays;
-  arrays.vertices.assign(mesh.vertices().begin(), mesh.vertices().end());
-  if (!mesh.origin().isZero(0))
-    for (Vec3& v : arrays.vertices) v += mesh.origin();
-  arrays.triangles.assign(mesh.triangles().begin(), mesh.triangles().end());
-  arrays.source_face.assign(mesh.source_face().begin(), mesh.source_face().end());
-  arrays.source_vertex.assign(mesh.source_vertex().begin(), mesh.source_vertex().end());
-  arrays.cell = mesh.report().cell;
-  return arrays;
-}
-
 /// Moves the marked faces, which are whole components, to arrays of their own.
 MeshArrays take_aside(MeshArrays& arrays, std::span<const std::uint8_t> marked) {
   std::vector<std::uint8_t> goes(arrays.vertices.size(), 0);
@@ -203,6 +183,43 @@ MeshArrays take_aside(MeshArrays& arrays, std::span<const std::uint8_t> marked) 
   rest.cell = arrays.cell;
   arrays = std::move(rest);
   return aside;
+}
+
+/// Removes the components inside closed ones.
+void drop_inside(Cleaning& sound, const Threads& threads, Job& job) {
+  const std::vector<std::uint8_t> marks = inner_faces(sound.arrays, sound.topology, job);
+  if (marks.empty()) return;
+  const auto numbers = [](Array<std::int32_t>& names, std::size_t count) {
+    if (!names.empty()) return;
+    names.resize(count);
+    std::iota(names.begin(), names.end(), 0);
+  };
+  numbers(sound.arrays.source_face, sound.arrays.triangles.size());
+  numbers(sound.arrays.source_vertex, sound.arrays.vertices.size());
+  for (const std::int32_t f : take_aside(sound.arrays, marks).source_face) sound.log.add(RepairKind::inner_faces, f);
+  sound.topology = find_topology(sound.arrays.vertices.size(), sound.arrays.triangles, threads, job);
+}
+
+Cleaning make_sound(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
+                    const Threads& threads, Job& job) {
+  Cleaning sound = make_manifold(std::move(vertices), std::move(triangles), options, threads, job);
+  stitch_chunks(sound, options, threads, job);
+  if (options.outside_only) drop_inside(sound, threads, job);
+  smooth_steps(sound.arrays, sound.topology, options.grid, sound.log, threads, job);
+  return sound;
+}
+
+/// The arrays of a mesh.
+MeshArrays arrays_of(const Mesh& mesh) {
+  MeshArrays arrays;
+  arrays.vertices.assign(mesh.vertices().begin(), mesh.vertices().end());
+  if (!mesh.origin().isZero(0))
+    for (Vec3& v : arrays.vertices) v += mesh.origin();
+  arrays.triangles.assign(mesh.triangles().begin(), mesh.triangles().end());
+  arrays.source_face.assign(mesh.source_face().begin(), mesh.source_face().end());
+  arrays.source_vertex.assign(mesh.source_vertex().begin(), mesh.source_vertex().end());
+  arrays.cell = mesh.report().cell;
+  return arrays;
 }
 
 /// Adds the arrays of other components at the end.

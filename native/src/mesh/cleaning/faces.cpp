@@ -12,9 +12,10 @@ namespace {
 
 // The report's keys: an interface, so renamed kinds keep their older names here.
 constexpr std::array kKeys{
-    "non_finite_faces", "repeated_index_faces", "duplicate_faces",   "welded_vertices",  "flipped_faces",
-    "cut_edges",        "split_edges",          "split_vertices",    "subdivided_edges", "turned_edges",
-    "unused_vertices",  "stitched_vertices",    "smoothed_vertices", "filled_holes",     "cut_handles"};
+    "non_finite_faces", "repeated_index_faces", "duplicate_faces",   "welded_vertices",   "flipped_faces",
+    "cut_edges",        "split_edges",          "split_vertices",    "subdivided_edges",  "turned_edges",
+    "unused_vertices",  "inner_faces",          "stitched_vertices", "smoothed_vertices", "filled_holes",
+    "cut_handles"};
 constexpr std::size_t kKeptPlaces = 16;
 constexpr double kFarthest = 1e30;  // areas, their squares and sums of them stay finite
 

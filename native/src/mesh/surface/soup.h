@@ -27,6 +27,7 @@ enum class RepairKind {
   subdivided_edges,
   flipped_edges,
   unused_vertices,
+  inner_faces,
   stitched_vertices,
   smoothed_vertices,
   filled_holes,
