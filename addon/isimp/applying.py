@@ -61,13 +61,14 @@ def with_regions(repaired, partition, kept: np.ndarray | None, numbers: dict) ->
 
 
 def _round_known(repaired, partition) -> dict:
-    """Return kind, radius, segments, rings and one face of the scan of each round part, the largest part first."""
+    """Return kind, radius, segments, rings, a face of the scan and the regions of each round part, largest first."""
     parts = sorted(partition.curved, key=lambda part: -part.faces)
     if not parts:
         return {}
     faces = [int(repaired.faces.mesh_face[partition.region_seed[part.regions[0]]]) for part in parts]
-    told = zip(parts, faces, strict=True)
-    return {"round": [[part.kind, part.radius, part.segments, part.rings, face] for part, face in told]}
+    told = [[part.kind, part.radius, part.segments, part.rings] for part in parts]
+    regions = [list(map(int, part.regions)) for part in parts]
+    return {"round": [[*row, face, cells] for row, face, cells in zip(told, faces, regions, strict=True)]}
 
 
 def defects(report: dict) -> dict:

@@ -173,7 +173,7 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     if report["options"]["triangles"] is None:  # else the search asked
         yield from words.more_proxies(part.region_count, part.proxies_asked)
     if report["options"]["curved"]:
-        yield f"  {words.round_parts(report['curved'])}"
+        yield f"  {words.round_parts(report['curved'], out['regions'])}"
     yield words.polygons(out, out["regions"])
     yield words.flat(out, mesh["diagonal"], sum(report["seconds"].values()))
     if more := words.more_than_regions(out):

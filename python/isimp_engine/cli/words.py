@@ -144,8 +144,10 @@ def found(partition: dict[str, Any]) -> str:
     return text + (", the number of planes it is made of" if partition["snapped"] else "")
 
 
-def round_parts(parts: list[dict[str, Any]]) -> str:
-    """`round: 2 cylinders, 1 cone`."""
+def round_parts(parts: list[dict[str, Any]], regions: int) -> str:
+    """`round: 2 cylinders, 1 cone; 6 planes`, or `round: 1 cylinder, diameter 0.0997, 28 segments; 6 planes`."""
+    if not parts:
+        return "no round parts found: a larger --detail finds those of rougher scans"
     kinds = [part["kind"] for part in parts]
     named = {kind: kind for kind in ("cylinder", "cone", "sphere")}
     named |= {"revolution": "surface of revolution", "extrusion": "extrusion"}
@@ -155,7 +157,12 @@ def round_parts(parts: list[dict[str, Any]]) -> str:
         for kind, name in named.items()
         if (number := kinds.count(kind))
     ]
-    return f"round: {', '.join(found)}" if found else "no round parts found"
+    if len(parts) == 1:
+        wide = kinds[0] in ("cylinder", "sphere")
+        found += [f"diameter {2 * parts[0]['radius']:.4g}"] if wide else []
+        found.append(count(parts[0]["segments"], "segment"))
+    planes = regions - sum(len(part["regions"]) for part in parts)
+    return f"round: {', '.join(found)}" + (f"; {count(planes, 'plane')}" if planes else "")
 
 
 def left_out(parts: int, area: float) -> Iterator[str]:

@@ -143,6 +143,7 @@ CHANGES = [
     ("step_delete", stepped, {"step": 1}, {"step": 2}),
     ("replay", scans.cube, {"recipe": RECIPES[0]}, {"recipe": RECIPES[1]}),
     ("select_region", parted, {"face": 0}, {"face": 120}),
+    ("select_region", turned, {"part": 0}, {"face": 0}),
     ("select_by", parted, {"by": "SIZE", "share": 100.0}, {"by": "DIRECTION"}),
     ("select_by", parted, {"by": "DIRECTION"}, {"by": "DIRECTION", "direction": (0.0, 1.0, 0.0)}),
 ]

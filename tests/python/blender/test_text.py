@@ -78,16 +78,19 @@ def test_polygons_left_bent_are_counted_before_the_planes():
 @pytest.mark.parametrize(
     ("parts", "told"),
     [
-        ([["cylinder", 0.04985, 28, 1, 7]], "1 cylinder Ø 9.97 cm, 28 segments"),
-        ([["cone", 0.04985, 28, 1, 7]], "1 cone, 28 segments"),
-        ([["cylinder", 1.0, 8, 1, 7], ["cone", 1.0, 8, 1, 7], ["cylinder", 2.0, 8, 1, 7]], "2 cylinders, 1 cone"),
-        ([["revolution", 1.0, 8, 1, 7], ["sphere", 1.0, 8, 1, 7]], "1 sphere, 1 turned part"),
+        ([["cylinder", 0.04985, 28, 1, 7, [0, 1]]], "1 cylinder Ø 9.97 cm, 28 segments; 6 planes"),
+        ([["cone", 0.04985, 28, 1, 7, [0, 1, 2, 3, 4, 5, 6]]], "1 cone, 28 segments; 1 plane"),
+        ([[kind, 1.0, 8, 1, 7, [4]] for kind in ("cylinder", "cone", "cylinder")], "2 cylinders, 1 cone; 5 planes"),
+        (
+            [["revolution", 1.0, 8, 1, 7, [3, 4]], ["sphere", 1.0, 8, 1, 7, [0, 1, 2, 5, 6, 7]]],
+            "1 sphere, 1 turned part",
+        ),
     ],
 )
 def test_round_parts_are_told(parts, told):
-    assert text.round_parts(parts, False) == told
+    assert text.round_parts({"round": parts, "regions": 8}, False) == told
 
 
 def test_round_parts_that_were_asked_for_and_not_found_are_told():
-    assert text.round_parts([], False) == ""
-    assert text.round_parts([], True) == "No round part found: try a larger Smallest Feature"
+    assert text.round_parts({}, False) == ""
+    assert text.round_parts({}, True) == "No round part found: try a larger Smallest Feature"

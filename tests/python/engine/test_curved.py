@@ -443,7 +443,8 @@ def test_the_command_reports_round_parts(tmp_path, capsys):
     (found,) = json.loads(report.read_text())["curved"]
     assert found["kind"] == "cylinder"
     assert len(found["regions"]) == found["segments"]
-    assert "round: 1 cylinder" in capsys.readouterr().out
+    wide, many = 2 * found["radius"], found["segments"]
+    assert f"round: 1 cylinder, diameter {wide:.4g}, {many} segments; 2 planes" in capsys.readouterr().out
 
 
 def _write(path, vertices, triangles):

@@ -4,7 +4,7 @@ from bpy.props import BoolProperty, IntProperty
 
 from ... import messages
 from ...language import said
-from ..scene import mesh_io, pointed, runtime, selection, targets
+from ..scene import mesh_io, pointed, runtime, selection, store, targets
 from ..view import display
 from ..work import scene_outcome
 from ..work.selecting import SelectOperator
@@ -61,6 +61,13 @@ class ISIMP_OT_select_region(SelectOperator, bpy.types.Operator):
         min=-1,
         options={"SKIP_SAVE"},
     )
+    part: IntProperty(
+        name="Round Part",
+        description="Number of a round part, the largest first, whose regions are selected; -1: none",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
+    )
     extend: BoolProperty(name="Extend", description="Keep the present selection", options={"SKIP_SAVE"})
 
     _chosen = ()  #: a face of each chosen region, if a button was pressed in Object Mode
@@ -71,7 +78,7 @@ class ISIMP_OT_select_region(SelectOperator, bpy.types.Operator):
 
     def invoke(self, context, event):
         scan, problem = targets.find(context)
-        if self.face < 0 and not problem and scan.mode == "OBJECT" and not bpy.app.background:
+        if self.face < 0 and self.part < 0 and not problem and scan.mode == "OBJECT" and not bpy.app.background:
             self._chosen = pointed.faces(scan)
             self.face = pointed.face(scan)
             if self.face < 0:
@@ -82,7 +89,11 @@ class ISIMP_OT_select_region(SelectOperator, bpy.types.Operator):
     def wanted(self, context):
         scan, _ = targets.find(context)
         selected, regions = selection.selected_faces(scan), mesh_io.read_regions(scan)
-        faces = selected if self.face < 0 else np.array(self._chosen or [self.face])
+        parts = store.numbers(scan).get("round", [])
+        if 0 <= self.part < len(parts):
+            faces = np.flatnonzero(np.isin(regions, parts[self.part][5:]))
+        else:
+            faces = selected if self.face < 0 else np.array(self._chosen or [self.face])
         if len(faces) == 0 or faces.max() >= len(regions):
             self.report({"ERROR"}, said(messages.NO_FACE))
             return None

@@ -157,7 +157,7 @@ def _draw_progress(place, running) -> None:
 def _draw_report(context, layout, scan, numbers) -> None:
     """Draws the report of Mesh, repairs, notes and warnings, below the buttons because the number of lines varies."""
     if "regions" in numbers:
-        parts = text.round_parts(numbers.get("round", []), _asks_for_round_parts(context, scan))
+        parts = text.round_parts(numbers, _asks_for_round_parts(context, scan))
         draw_lines(context, layout, parts, icon="MESH_CYLINDER")
     _draw_counts(context, layout, scan, numbers)
     _draw_not_flat(context, layout, numbers)

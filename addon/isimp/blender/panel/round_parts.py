@@ -30,9 +30,10 @@ class ISIMP_PT_round_parts(SubPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.prepare(context)
         layout.operator("isimp.make_round", icon="MESH_CYLINDER")
-        for kind, radius, segments, _, face in _parts(context)[:_MOST_LINES]:
+        for part, (kind, radius, segments, _, face, *_) in enumerate(_parts(context)[:_MOST_LINES]):
             column = layout.column(align=True)
-            column.label(text=said(_KINDS[kind], radius=text.in_scene(radius)))
+            told = said(_KINDS[kind], radius=text.in_scene(radius))
+            column.operator("isimp.select_region", text=told, icon="RESTRICT_SELECT_OFF", emboss=False).part = part
             row = column.row(align=True)
             for change, icon in ((-1, "REMOVE"), (1, "ADD")):
                 button = row.operator("isimp.round_segments", text="", icon=icon)

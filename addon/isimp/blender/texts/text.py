@@ -280,21 +280,25 @@ _ROUND = {
 _WIDE = ("cylinder", "sphere")  # have one diameter
 
 
-def round_parts(parts: list, asked: bool) -> str:
-    """Return the line about the round parts of a partition; empty if there are none and none were asked for.
+def round_parts(numbers: dict, asked: bool) -> str:
+    """Return the line about the round parts and planes of a partition; empty if it has none, unless `asked`.
 
-    parts: the number "round". Lengths have the units of the current scene.
+    Lengths have the units of the current scene.
     """
+    parts = numbers.get("round", [])
     if not parts:
         return said("No round part found: try a larger Smallest Feature") if asked else ""
+    kinds = [part[0] for part in parts]
+    told = ", ".join(_count(kinds.count(kind), _ROUND[kind]) for kind in _ROUND if kind in kinds)
     if len(parts) == 1:
         kind, radius, segments, *_ = parts[0]
-        told = _count(1, _ROUND[kind])
         if kind in _WIDE:
             told = said("{part} Ø {diameter}", part=told, diameter=in_scene(2 * radius, 3))
-        return f"{told}, {_count(segments, 'segment')}"
-    kinds = [part[0] for part in parts]
-    return ", ".join(_count(kinds.count(kind), _ROUND[kind]) for kind in _ROUND if kind in kinds)
+        told = f"{told}, {_count(segments, 'segment')}"
+    if any(len(part) < 6 for part in parts):  # by an earlier version
+        return told
+    planes = numbers["regions"] - sum(len(part[5]) for part in parts)
+    return f"{told}; {_count(planes, 'plane')}" if planes else told
 
 
 def not_flat(numbers: dict) -> str:
