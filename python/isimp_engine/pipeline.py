@@ -28,6 +28,7 @@ from .marks import Marks
 from .repairs import Meshes, Repaired
 from .replaying import Replay
 from .settings import BOX_CLUTTER, KEEP_CLUTTER, Settings, Texturing
+from .sizes import size_rows
 from .source import Source, facts, labels
 from .states import refused
 from .texturing import Texture, texture
@@ -83,8 +84,8 @@ class Model(Regions):
         known |= {"crs": self.settings.crs, "unit": self.settings.unit}
         return exporting.write(path, self.polygons, **known | given)
 
-    def report(self) -> dict[str, Any]:
-        """Inputs, settings and numbers of the result."""
+    def report(self, sizes: bool = True) -> dict[str, Any]:
+        """Inputs, settings and numbers of the result. sizes: whether it has them, which take some time; else None."""
         settings, part, closed = self.settings, self.partition, self.repaired.closed
         recipe = settings.recipe
         return {"isimp": __version__, **self.repaired.as_dict()} | {
@@ -106,6 +107,7 @@ class Model(Regions):
             "history": part.history.tolist(),
             "partition": part.report | {"warnings": [*(recipe.gone if recipe else ()), *self.found.warnings]},
             "curved": part.report["curved"],
+            "sizes": size_rows(self.mesh, part) if sizes else None,
             "expected": self.expected,
             "output": self.found.report,
             "clicks": self.clicks,

@@ -109,7 +109,7 @@ def _make(
             written = list(files)
         if isinstance(task.labels, Path):
             outputs.write(task.labels, lambda path: save_array(path, model.labels()))
-    report = model.report()
+    report = model.report(sizes=task.report is not None)
     report["options"]["guides"] |= task.guides.as_dict()
     report["output"] = {"path": str(task.output)} | report["output"]
     if model.texture is not None:

@@ -5,13 +5,15 @@ from numpy.typing import NDArray
 
 from .._core import Mesh, Partition, PolygonMesh
 from ..batch import picture
+from ..sizes import SIZE_COLUMNS, size_rows
 from .page import numbers_of, write_page
 from .planes import PlaneTable, write_csv, write_geojson
 from .round_parts import ROUND_COLUMNS
 
 ANGLES = "angles.csv"
 _PLANES, _ROUND, _MAP, _PAGE = "planes.csv", "round_parts.csv", "planes.geojson", "report.html"
-NAMES = (_PLANES, _ROUND, _MAP, _PAGE, ANGLES)  #: all files that a report can have
+_SIZES = "sizes.csv"
+NAMES = (_PLANES, _ROUND, _SIZES, _MAP, _PAGE, ANGLES)  #: all files that a report can have
 
 _SIDE = 420  # pixels of each picture
 
@@ -25,7 +27,7 @@ def texts_of(
     crs: int | None = None,
     turn: NDArray[np.float64] | None = None,
 ) -> dict[str, str]:
-    """Return the content of each file of a report, by name. A file of round parts exists only if there are some.
+    """Return the content of each file of a report, by name. Round parts and sizes have one if there are some.
 
     table: the planes, as `plane_table` returns them. crs: EPSG number of the coordinates, or None. turn: (3, 3) from
     the coordinates of the mesh to the coordinates of the pictures; None: the same.
@@ -36,6 +38,8 @@ def texts_of(
     shown = model, polygons.loops, polygons.loop_start, polygons.polygon_region
     seen = picture.beside((scan, np.asarray(mesh.triangles)), shown, _SIDE)
     parts = {_ROUND: write_csv(table.round_parts, ROUND_COLUMNS)} if table.round_parts else {}
+    sizes = size_rows(mesh, part)
+    parts |= {_SIZES: write_csv(sizes, SIZE_COLUMNS)} if sizes else {}
     return {
         _PLANES: write_csv(table.rows),
         **parts,

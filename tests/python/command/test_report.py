@@ -141,6 +141,38 @@ def test_distances_equal_trimesh():
         assert table.away[vertex] == pytest.approx(np.linalg.norm(closest - place, axis=1).min(), abs=1e-9)
 
 
+def test_sizes_are_true_within_their_uncertainty():
+    clean, triangles = house()
+    for _ in range(2):
+        clean, triangles = divided(clean, triangles)
+    true = {"distance": (4, 6), "angle": (90, 90, 90, 90, 90, 90, 90, 90, 90, 45, 45, 90, 90, 90, 90)}
+    away = []
+    for seed in range(6):
+        vertices = clean + np.random.default_rng(seed).normal(0, 0.003, clean.shape)
+        mesh = engine.clean(vertices + [4e5, 5e6, 100], triangles)
+        part = engine.partition(mesh, engine.PartitionOptions(proxies=7))
+        rows = reports.size_rows(mesh, part)
+        for kind, values in true.items():
+            found = sorted((row for row in rows if row["kind"] == kind), key=lambda row: row["value"])
+            assert len(found) == len(values)
+            away += [
+                (row["value"] - value) / row["uncertainty"] for row, value in zip(found, sorted(values), strict=True)
+            ]
+        regular = {row["value"] for row in reports.size_rows(mesh, engine.regularise(mesh, part))}
+        assert {90.0} < regular
+    assert np.mean(np.abs(away) < 1) > 0.9
+    assert 0.3 < 2 * np.std(away) < 1.3
+
+
+def test_a_diameter_is_a_size():
+    shape = round_shapes.shapes()["capped"]
+    mesh = engine.clean(*round_shapes.made(shape))
+    rows = reports.size_rows(mesh, engine.partition(mesh, engine.PartitionOptions(curved=True)))
+    (row,) = (row for row in rows if row["kind"] == "diameter")
+    assert row["value"] == pytest.approx(2 * shape.parts[0].radius, rel=1e-3)
+    assert row["uncertainty"] < 1e-3 * row["value"]
+
+
 def read(path):
     return list(csv.DictReader(path.read_text().splitlines()))
 
@@ -151,7 +183,13 @@ def test_the_command_writes_tables_and_a_page(tmp_path):
     meshfiles.ply_binary(source, vertices, triangles.tolist())
     done = isimp("report", source, out, "--proxies", "7", "--angles", "0,3", "--crs", "25832")
     assert done.returncode == 0, done.stderr
-    assert sorted(path.name for path in out.iterdir()) == ["angles.csv", "planes.csv", "planes.geojson", "report.html"]
+    assert sorted(path.name for path in out.iterdir()) == [
+        "angles.csv",
+        "planes.csv",
+        "planes.geojson",
+        "report.html",
+        "sizes.csv",
+    ]
     rows = read(out / "planes.csv")
     assert len(rows) == 7
     assert sum(float(row["area"]) for row in rows) == pytest.approx(2 * 6 * np.hypot(2, 2) + 2 * 16 + 2 * 18 + 24)
@@ -170,7 +208,7 @@ def test_round_parts_have_a_table(tmp_path):
     meshfiles.ply_binary(source, vertices, triangles.tolist())
     done = isimp("report", source, out, "--curved")
     assert done.returncode == 0, done.stderr
-    assert "1 round part in planes.csv, round_parts.csv, planes.geojson, report.html" in done.stdout
+    assert "1 round part in planes.csv, round_parts.csv, sizes.csv, planes.geojson, report.html" in done.stdout
     (row,) = read(out / "round_parts.csv")
     axis = np.array([float(row[f"axis_{k}"]) for k in "xyz"])
     away = np.array([float(row[f"point_{k}"]) for k in "xyz"])
@@ -224,7 +262,7 @@ def test_a_folder_has_the_tables_of_one_report(tmp_path):
         (out / name).write_text("old")
     done = isimp("report", source, out, "--proxies", "7")
     assert done.returncode == 0, done.stderr
-    names = ["other.csv", "planes.csv", "planes.geojson", "report.html"]
+    names = ["other.csv", "planes.csv", "planes.geojson", "report.html", "sizes.csv"]
     assert sorted(path.name for path in out.iterdir()) == names
     assert (out / "other.csv").read_text() == "old"
 
