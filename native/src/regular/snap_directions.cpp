@@ -193,7 +193,7 @@ class Directions {
       if (took.empty()) continue;
       regions_[first].snap(n, Kind::parallel);
       took.insert(took.begin(), first);
-      const Vec3 fitted = fitted_normal(regions_, took);
+      Vec3 fitted = fitted_normal(regions_, took);
       retake(took, left, Kind::parallel, [&](const Region&) { return fitted; });
     }
   }
