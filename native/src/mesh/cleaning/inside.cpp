@@ -97,6 +97,7 @@ void mark_inside(const MeshArrays& arrays, const Part& around, std::vector<Part*
 std::vector<std::uint8_t> inner_faces(const MeshArrays& arrays, const Topology& topology, Job& job) {
   std::vector<Part> parts = parts_of(arrays, topology, job);
   std::vector<Part*> order;
+  order.reserve(parts.size());
   for (Part& part : parts) order.push_back(&part);
   const auto size = [](const Part* part) { return part->box.diagonal().squaredNorm(); };
   std::stable_sort(order.begin(), order.end(), [&](const Part* a, const Part* b) { return size(a) > size(b); });
