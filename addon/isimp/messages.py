@@ -461,6 +461,12 @@ def expected(
     return f"{told}, {why}" if why else told
 
 
+def moved(numbers: dict[str, Any]) -> str:
+    """Return the line about edits on other regions than when they were made; empty without any."""
+    edits = len(numbers.get("moved", ()))
+    return said("{edits} on other regions now", edits=count(edits, "edit")) if edits else ""
+
+
 def magenta(regions: int) -> str:
     """Return the legend of defective polygons over the scan; empty without any."""
     return said("magenta: defects in {regions}", regions=count(regions, "region")) if regions else ""

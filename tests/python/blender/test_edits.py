@@ -1,11 +1,14 @@
 """Edits at faces and by error, in both modes, undone and redone; each is one step of the recipe."""
 
+import dataclasses
+
 import bpy
 import numpy as np
 import pytest
 import scans
 
 from isimp import recipe as rcp
+from isimp.blender.controls import settings
 from isimp.blender.scene import pointed, store
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -203,6 +206,20 @@ def test_regions_are_chosen_one_by_one(parted):
     assert (pointed.faces(parted), pointed.face(parted)) == ((0, 290), 290)
     pointed.note(parted, -1)
     assert (pointed.faces(parted), pointed.region(parted)) == ((), -1)
+
+
+def test_edits_on_other_regions_after_another_number_are_counted_and_outlined():
+    scan = scans.dimple(scans.cube(cells=12))
+    bpy.ops.isimp.partition(proxies=60)
+    bpy.ops.isimp.add_proxy(face=3)
+    assert not bpy.ops.isimp.choose_moved.poll()
+    settings.group(bpy.context, rcp.Partition).proxies = 6
+    step = dataclasses.replace(store.load(scan).steps[0], proxies=6)
+    fewer = store.load(scan).replaced(0, step)
+    assert bpy.ops.isimp.replay(recipe=fewer.to_json()) == {"FINISHED"}
+    assert store.numbers(scan)["moved"] == [3]
+    assert bpy.ops.isimp.choose_moved() == {"FINISHED"}
+    assert pointed.faces(scan) == (3,)
 
 
 def test_a_part_has_more_regions_until_it_is_removed():

@@ -67,23 +67,40 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class ISIMP_OT_choose_problems(bpy.types.Operator):
-    """Choose the regions whose polygons would have defects, drawn in magenta over the scan"""
+class _Choose:
+    """Mixin of operators that choose regions, which are then outlined, and buttons act on them."""
 
-    bl_idname = "isimp.choose_problems"
-    bl_label = "Choose Regions in Magenta"
     bl_options = {"INTERNAL"}
 
     @classmethod
     def poll(cls, context):
         scan, problem = targets.find(context)
-        return not problem and bool(overlay.problem_faces(context, scan))
+        return not problem and bool(cls.faces(context, scan))
 
     def execute(self, context):
         scan, _ = targets.find(context)
-        pointed.choose(scan, overlay.problem_faces(context, scan))
+        pointed.choose(scan, tuple(self.faces(context, scan)))
         overlay.redraw()
         return {"FINISHED"}
+
+
+class ISIMP_OT_choose_problems(_Choose, bpy.types.Operator):
+    """Choose the regions whose polygons would have defects, drawn in magenta over the scan"""
+
+    bl_idname = "isimp.choose_problems"
+    bl_label = "Choose Regions in Magenta"
+    faces = staticmethod(overlay.problem_faces)
+
+
+class ISIMP_OT_choose_moved(_Choose, bpy.types.Operator):
+    """Choose and outline the regions of edits whose size has changed by more than half since another number"""
+
+    bl_idname = "isimp.choose_moved"
+    bl_label = "Choose Regions of Edits"
+
+    @staticmethod
+    def faces(context, scan) -> list:
+        return store.numbers(scan).get("moved", [])
 
 
 class ISIMP_OT_report(bpy.types.Operator):
@@ -128,4 +145,4 @@ def _chosen(mesh, kind: str) -> np.ndarray:
     return np.bincount(np.maximum(region, 0))[np.maximum(region, 0)] > 1
 
 
-CLASSES = (ISIMP_OT_show_problems, ISIMP_OT_choose_problems, ISIMP_OT_report)
+CLASSES = (ISIMP_OT_show_problems, ISIMP_OT_choose_problems, ISIMP_OT_choose_moved, ISIMP_OT_report)

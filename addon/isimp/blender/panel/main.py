@@ -162,6 +162,8 @@ def _draw_report(context, layout, scan, numbers) -> None:
     _draw_counts(context, layout, scan, numbers)
     _draw_not_flat(context, layout, numbers)
     defects = text.problems(numbers)
+    if moved := messages.moved(numbers):
+        layout.operator("isimp.choose_moved", text=moved, icon="INFO")
     magenta = messages.magenta(len(overlay.problem_faces(context, scan)))
     if defects:
         layout.operator("isimp.show_problems", text=defects, icon="ERROR").kind = "DEFECTIVE"

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import bpy
 
-from ... import messages, stored
+from ... import edit_shares, messages, stored
 from ..drawing import late
 from ..scene import mesh_io, result, store, targets, transfer, unread_layers
 from ..texts import text
@@ -13,8 +13,14 @@ from ..texturing import texture
 from ..view import display, overlay, quick_start
 
 
-def _save(scan, work, numbers: dict) -> int:
-    """Stores the recipe and returns its state. Steps and layers that can't be read are kept elsewhere first."""
+def _save(scan, work, numbers: dict, face_region=None) -> int:
+    """Stores the recipe and returns its state. Steps and layers that can't be read are kept elsewhere first.
+
+    face_region: the regions, to compare its edits with the number of regions before; None: they have not changed.
+    """
+    before = store.numbers(scan)
+    if face_region is not None:
+        numbers = numbers | edit_shares.compared(work.recipe, face_region, before)
     store.keep(scan)
     unknown = not mesh_io.state_of(scan) and mesh_io.own_layer(scan.data, mesh_io.REGION) is not None
     unread_layers.rename(scan, regions_too=bool(store.read(scan).problem) or unknown)
@@ -32,13 +38,13 @@ def show_texture(scan, work, outcome, made) -> dict:
     report = work.baking.put(made, outcome)
     if not was_edited:
         result.sign(made)
-    mesh_io.write_state(scan, _save(scan, work, outcome.numbers))
+    mesh_io.write_state(scan, _save(scan, work, outcome.numbers, outcome.face_region))
     return report
 
 
 def show_regions(context, scan, work, outcome) -> None:
     """Writes regions and colours on the scan and brings it to the front."""
-    state = _save(scan, work, outcome.numbers)
+    state = _save(scan, work, outcome.numbers, outcome.face_region)
     _write(scan, work, outcome, state)
     if context.view_layer.objects.active != scan or not scan.visible_get():
         bring_to_front(context, scan, targets.result_of(context.scene, scan))
@@ -53,7 +59,7 @@ def show_polygons(context, scan, work, outcome):
     """
     if context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
-    state = _save(scan, work, outcome.numbers)
+    state = _save(scan, work, outcome.numbers, outcome.face_region)
     _write(scan, work, outcome, state)
     made, kept = result.to_fill(context, scan)
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
@@ -97,7 +103,7 @@ def writing(scan, work, outcome):
     """
     if scan.mode != "EDIT" or outcome.polygons is not None:
         return
-    state = _save(scan, work, outcome.numbers)
+    state = _save(scan, work, outcome.numbers, outcome.face_region)
     yield from mesh_io.writing(scan, outcome.face_region, _color(work, outcome), state)
 
 
