@@ -28,10 +28,11 @@ def house():
 
 
 def open_planes():
-    """Opens the panel from the beginning; before the add-on is switched on."""
-    from isimp.blender.panel import planes
+    """Opens the panels from the beginning; before the add-on is switched on."""
+    from isimp.blender.panel import edit, planes
 
-    planes.ISIMP_PT_planes.bl_options = set()
+    for panel in (edit.ISIMP_PT_clean_up, planes.ISIMP_PT_planes):
+        panel.bl_options = set()
 
 
 def numbers():
