@@ -8,6 +8,7 @@ import scans
 from isimp import presets as given
 from isimp import recipe as rcp
 from isimp.blender.controls import presets, settings
+from isimp.blender.work import panel_changes
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -29,6 +30,7 @@ def fresh():
 @pytest.mark.parametrize("preset", given.PRESETS, ids=lambda preset: preset.name)
 def test_a_preset_sets_the_settings_of_its_kind_of_scan_and_no_more(preset):
     scans.cube()
+    panel_changes.follow(bpy.context)
     group = settings.group(bpy.context, rcp.Partition)
     group.proxies, group.weights = 123, "Density"
     bpy.ops.isimp.preset(name=preset.name)
@@ -73,6 +75,9 @@ def row():
             return self
 
         row = column
+
+        def grid_flow(self, row_major, columns, even_columns, align):
+            return self
 
         def label(self, text):
             names.append(text)

@@ -149,10 +149,10 @@ def draw(context, layout) -> None:
     name = said("What is it?") if found is None else said(found.label)
     head.label(text=name if found is None or is_pure else f"{name} \N{BULLET}")
     head.menu("ISIMP_MT_presets", text="", icon="DOWNARROW_HLT")
-    row = column.row(align=True)
-    for preset in presets.PRESETS:
-        if preset.is_kind:
-            row.operator("isimp.preset", text="", icon=preset.icon, depress=preset == found).name = preset.name
+    kinds = [preset for preset in presets.PRESETS if preset.is_kind]
+    row = column.grid_flow(row_major=True, columns=len(kinds), even_columns=True, align=True)
+    for preset in kinds:
+        row.operator("isimp.preset", text="", icon=preset.icon, depress=preset == found).name = preset.name
 
 
 CLASSES = (ISIMP_OT_preset, ISIMP_MT_presets, ISIMP_OT_preset_add)
