@@ -98,11 +98,12 @@ def test_all_faces_selected_as_importers_leave_them_are_no_edit_of_each_region()
     bpy.ops.isimp.partition(proxies=24)
     before = count()
     scans.select_faces(obj, *range(len(obj.data.polygons)))
-    for name in ("split", "add_proxy", "delete_proxy", "grow", "merge", "paint_faces"):
+    for name in ("split", "add_proxy", "delete_proxy", "grow", "merge", "paint_faces", "lock"):
         with pytest.raises(RuntimeError, match=r"All 432 faces are selected: select a few|at most 100"):
             getattr(bpy.ops.isimp, name)()
     assert (count(), len(steps())) == (before, 1)
-    assert bpy.ops.isimp.lock() == {"FINISHED"}, "all regions can be meant"
+    bpy.ops.isimp.lock(face=0)
+    assert bpy.ops.isimp.lock(unlock=True) == {"FINISHED"}, "all regions can be meant"
 
 
 def test_a_refusal_names_the_region_where_several_are_selected(parted):

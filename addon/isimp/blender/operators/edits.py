@@ -83,14 +83,16 @@ class ISIMP_OT_lock(_Edit, bpy.types.Operator):
     bl_label = "Lock Regions"
     adjusted = ("unlock",)
 
-    may_be_all = True
-
     unlock: BoolProperty(name="Unlock", description="Remove the protection", options={"SKIP_SAVE"})
 
     @classmethod
     def description(cls, context, properties):
         free = said("Allow changes to the regions of the selected faces again, and make polygons of left-out regions")
         return free if properties.unlock else said(cls.__doc__)
+
+    @property
+    def may_be_all(self) -> bool:
+        return self.unlock
 
     def wanted(self, context, target):
         step = rcp.UnlockRegions if self.unlock else rcp.LockRegions
