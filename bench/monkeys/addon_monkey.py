@@ -243,6 +243,8 @@ class Monkey:
             return pick.choice(("", "x", ";".join(own)))
         if name == "filepath":
             return str(self.folder / pick.choice(("a.json", "b.json", "none/c.json")))
+        if name == "directory":
+            return str(self.folder / pick.choice(("", "reports", "none", "a.json")))
         if name == "recipe":
             return pick.choice((*GARBAGE, self.recipe()))
         if prop.type == "BOOLEAN":
