@@ -393,7 +393,6 @@ STAGES = (
     own("Meshing"),
     own("Painting"),
     own("Partitioning"),
-    own("Reading"),
     own("Reading the mesh"),
     own("Regularising"),
     own("Relaxing"),

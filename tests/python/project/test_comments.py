@@ -8,7 +8,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 COMMENT = {".h": "//", ".cpp": "//", ".cu": "//", ".py": "#", ".md": ""}
-MADE_UP = {"tests/python/project/test_tidy_sources.py"}  # its programs have names such as a.h
+MADE_UP = {"tests/python/project/test_tidy_sources.py"}  # its programs name files of their own
 HISTORY = {"CHANGELOG.md"}  # it names removed files
 NAME = re.compile(r"(?<![\w./<])((?:[a-z_]+/)*[a-z_]+\.(?:h|cpp|cu|py))\b")
 
