@@ -35,7 +35,8 @@ def epsg(obj) -> int:
 
 def modules() -> Path:
     """Return the folder of Blender's user for Python packages, which Blender searches when it starts."""
-    return Path(bpy.utils.user_resource("SCRIPTS", path="modules", create=True))
+    there = bpy.utils.user_resource("SCRIPTS", path="modules")  # empty if it does not exist yet
+    return Path(there) if there else Path(bpy.utils.resource_path("USER"), "scripts", "modules")
 
 
 def to_world(scan) -> np.ndarray:
