@@ -11,7 +11,7 @@ angle. --preset: of the add-on; else the defaults. A row a part:
 
   planes     of the part
   regions    and polygons of the result
-  found      planes larger than 4 cells that a polygon has within 2 degrees and half a cell; all for a scan
+  found      planes that a polygon has within 2 degrees and half a cell or noise; on a grid those 4 cells wide, `large`
   degrees    angle between a plane of the part and the polygons of its region, at most, and of 95 %; square: the largest
              change of a right angle between two planes
   noises     distance of it at the centre of the plane, in noises (cells for a grid), at most
