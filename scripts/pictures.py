@@ -30,7 +30,7 @@ SIZE = 1150, 780  # pixels of the window
 HIGH = 1150, 1000  # the same where the panel is long
 WIDE = 760  # pixels of the animation
 ASSET = 380, 130, 780, 690  # part of the window in the pictures of the six steps
-STEPS = 979, 752, 1170, 905  # place of the section Steps in the window of that test
+STEPS = 979, 575, 1170, 728  # place of the section Steps in the window of that test
 MOST = 3_000_000  # bytes of it
 
 
