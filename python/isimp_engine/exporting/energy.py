@@ -1,4 +1,4 @@
-"""Energy models as text: IDF of EnergyPlus and HBJSON of Honeybee, with a zone for each closed component."""
+"""Energy models as text: IDF of EnergyPlus and HBJSON of Honeybee, with a zone for each component."""
 
 import json
 import math
@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import PolygonMesh, triangulate
-from .surfaces import CEILING, GROUND, LEVEL, ROOF, WALL, Surfaces, component_of, rings
+from .surfaces import CEILING, GROUND, LEVEL, ROOF, WALL, Surfaces, component_of, rings, shift_of, vector_area
 
-_FAR = 1e4  # coordinates beyond this are written relative to a place near the model, as programs keep centimetres
 _TOLERANCE = 0.01  # metres: both programs take corners that are nearer for one
 _UPRIGHT = 0.17  # largest component along up of a roof's normal that is called a wall: 10 degrees
 _LEAST = 0.1  # cubic metres: the volume of a zone that has none
@@ -44,7 +43,7 @@ def _zones(poly: PolygonMesh, surfaces: Surfaces, name: str, shift: NDArray[np.f
     for number in range(int(component.max(initial=-1)) + 1):
         some = np.flatnonzero(component == number)
         middle = np.mean([at[loops[q]].mean(0) for q in some], axis=0)
-        areas = [_area(at[loops[q]] - middle) for q in some]
+        areas = [vector_area(at[loops[q]] - middle) for q in some]
         volume = sum(float(area @ (at[loops[q][0]] - middle)) for q, area in zip(some, areas, strict=True)) / 3
         inwards = volume < 0
         faces = []
@@ -69,12 +68,6 @@ def _kind(kind: str, rise: float) -> str:
     return ROOF if rise > _UPRIGHT else WALL
 
 
-def _area(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The vector area of a polygon."""
-    area: NDArray[np.float64] = np.cross(points - points[0], np.roll(points, -1, axis=0) - points[0]).sum(0) / 2
-    return area
-
-
 def _is_convex(points: NDArray[np.float64], area: NDArray[np.float64]) -> bool:
     along = np.roll(points, -1, axis=0) - points
     return bool((np.cross(np.roll(along, 1, axis=0), along) @ area >= 0).all())
@@ -94,11 +87,6 @@ def _turning(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return points
 
 
-def _shift(poly: PolygonMesh) -> NDArray[np.float64]:
-    at = np.asarray(poly.vertices, dtype=np.float64).reshape(-1, 3)
-    return np.floor(at.min(0)) if np.abs(at).max(initial=0.0) > _FAR else np.zeros(3)
-
-
 def _identifier(name: str) -> str:
     """A name that both formats allow: ASCII letters, digits, underscores and hyphens, at most 80."""
     return re.sub(r"[^A-Za-z0-9_-]", "_", name)[:80] or "building"
@@ -109,7 +97,7 @@ def idf(poly: PolygonMesh, surfaces: Surfaces, name: str) -> str:
 
     Coordinates are in metres. A model far from the origin is written near it; a comment has the shift.
     """
-    shift = _shift(poly)
+    shift = shift_of(poly)
     names = {WALL: "Wall", ROOF: "Roof", GROUND: "Floor", CEILING: "Floor"}
     objects = list(_head(_identifier(name)))
     for title, zone in _zones(poly, surfaces, _identifier(name), shift).items():
@@ -154,7 +142,7 @@ def hbjson(poly: PolygonMesh, surfaces: Surfaces, name: str) -> str:
 
     Coordinates are in metres. A model far from the origin is written near it; `user_data` has the shift.
     """
-    shift = _shift(poly)
+    shift = shift_of(poly)
     names = {WALL: "Wall", ROOF: "RoofCeiling", GROUND: "Floor", CEILING: "Floor"}
     rooms = [
         {

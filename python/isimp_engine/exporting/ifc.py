@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._core import PolygonMesh
-from .surfaces import CEILING, CLASSES, GROUND, ROOF, WALL, Surfaces, part_of, rings
+from .surfaces import CEILING, CLASSES, GROUND, ROOF, WALL, Surfaces, part_of, rings, shift_of
 
 _ELEMENTS = {WALL: "IFCWALL", ROOF: "IFCROOF", GROUND: "IFCSLAB", CEILING: "IFCSLAB"}
 _TYPES = {GROUND: ".BASESLAB.", CEILING: ".FLOOR."}
-_FAR = 1e4  # coordinates beyond this are written relative to a place near the model
 _DIGITS = string.digits + string.ascii_uppercase + string.ascii_lowercase + "_$"
 _DATE = "1970-01-01T00:00:00"  # the format wants one: equal results are equal files
 
@@ -47,8 +46,7 @@ def ifc(poly: PolygonMesh, surfaces: Surfaces, name: str, crs: int | None = None
     The shift is a map conversion with a reference system, else the placement of the site.
     """
     at = np.asarray(poly.vertices, dtype=np.float64).reshape(-1, 3)
-    far = float(np.abs(at).max(initial=0.0)) > _FAR
-    shift = np.floor(at.min(0)) if len(at) and (far or crs is not None) else np.zeros(3)
+    shift = np.floor(at.min(0)) if len(at) and crs is not None else shift_of(poly)
     file, title = _File(_identity(poly, name, crs)), _quoted(name)
     world = file.add(f"IFCAXIS2PLACEMENT3D({file.add('IFCCARTESIANPOINT((0.,0.,0.))')},$,$)")
     context = file.add(f"IFCGEOMETRICREPRESENTATIONCONTEXT($,'Model',3,1.E-6,{world},$)")

@@ -14,6 +14,7 @@ PLANAR = 0.01  # scene units: the default of validators of city models, in metre
 
 _UPRIGHT = 0.25  # largest component along up of a wall's normal: it leans by less than 14.5 degrees
 LEVEL = 0.94  # least component along up of the ground's normal: it rises by less than 20 degrees
+_FAR = 1e4  # coordinates beyond this are far from zero, where programs do not keep centimetres
 _LOW = 0.1  # share of the model's height: ground lies below this
 
 
@@ -30,6 +31,18 @@ class Surfaces:
     def of(self, kind: str) -> list[int]:
         """The polygons of a class."""
         return [q for q, own in enumerate(self.kind) if own == kind]
+
+
+def vector_area(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The vector area of a polygon with these corners (C, 3): as long as its area, square to it."""
+    area: NDArray[np.float64] = np.cross(points - points[0], np.roll(points, -1, axis=0) - points[0]).sum(0) / 2
+    return area
+
+
+def shift_of(poly: PolygonMesh) -> NDArray[np.float64]:
+    """The place near a model that its coordinates are written relative to; zero for a model that is near zero."""
+    at = np.asarray(poly.vertices, dtype=np.float64).reshape(-1, 3)
+    return np.floor(at.min(0)) if np.abs(at).max(initial=0.0) > _FAR else np.zeros(3)
 
 
 def rings(poly: PolygonMesh) -> list[NDArray[np.int32]]:
@@ -51,7 +64,7 @@ def surfaces_of(poly: PolygonMesh, up: tuple[float, float, float] = (0.0, 0.0, 1
     areas, heights, volume = np.zeros((len(loops), 3)), np.zeros(len(loops)), 0.0
     for q, loop in enumerate(loops):
         p = at[loop]
-        areas[q] = np.cross(p - p[0], np.roll(p, -1, axis=0) - p[0]).sum(0) / 2
+        areas[q] = vector_area(p)
         heights[q] = (p @ axis).mean()
         volume += float(p[0] @ areas[q]) / 3
     size = np.linalg.norm(areas, axis=1, keepdims=True)
