@@ -95,7 +95,7 @@ PRESETS = (
         "Generated",
         "SHADERFX",
         "Meshes cut on a grid, such as those made from pictures or texts: stair steps are smoothed, edges are sharp, "
-        "parts that nobody sees from outside go",
+        "parts that are not visible from outside are removed",
         rcp.Partition(
             count_by="detail",
             detail=0.005,

@@ -221,7 +221,9 @@ class _Shown:
         name="Colliders", description="Convex parts of the coarsest level, for collisions", default=True
     )
     all_steps: BoolProperty(name="All Steps", description="List all steps, not only the latest")
-    notes: BoolProperty(name="Notes", description="Show what was repaired, closed, ignored and let go")
+    notes: BoolProperty(
+        name="Notes", description="List repairs, closed openings, ignored faces and planes that were not held"
+    )
     search: StringProperty(
         name="Search", description="List only the settings with this text in their names", options={"TEXTEDIT_UPDATE"}
     )
