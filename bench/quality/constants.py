@@ -49,7 +49,7 @@ OPTIONS = {
 }
 UNKNOWN = "own trials, not recorded"
 SHAPES = "own trials for short borders and convex polygons, trials.md"
-ENERGY = "13 scans at 30, 100, 300 regions and by detail, trials.md"
+JOINS = "six scans at 300 regions, thirteen others at 100, trials.md"
 NEEDLES = "four scans at 100, 300 and 1,000 regions, trials.md"
 PLACES = "own trials of one energy of places (bench/quality/fit.py), trials.md"
 REAL = "open buildings, cartons, chunks (bench/quality/real.py)"
@@ -184,12 +184,12 @@ TUNED = (
           "15 meshes at 50 to 1,000 regions (9e9b5bb)", values=("0.5", "2")),
     Tuned(MESHING + "repair/coarsen.cpp", "kSquare", "the same, in square distances", "the same",
           values=("1.5", "6")),
-    Tuned(MESHING + "repair/junctions.cpp", "kPlanes", "miss of the planes at a joint vertex, in deviations", SHAPES),
-    Tuned(MESHING + "repair/junctions.cpp", "kGap", "the same, of sqrt(area / charts)", SHAPES),
-    Tuned(MESHING + "repair/junctions.cpp", "kOfShort", "price of an edge of no length, in area / charts", ENERGY),
-    Tuned(MESHING + "repair/junctions.cpp", "kShort", "edge without price, of sqrt(area / charts)", ENERGY),
-    Tuned(MESHING + "repair/junctions.cpp", "kOfReflex", "price of a full turn of reflex corners", ENERGY),
-    Tuned(MESHING + "repair/junctions.cpp", "kOfSharp", "price of a full turn that sharp corners lack", ENERGY),
+    Tuned(MESHING + "repair/junctions.cpp", "kOfEdge", "price of an edge, in square deviations of the scan", JOINS),
+    Tuned(MESHING + "repair/junctions.cpp", "kOfReflex", "price of a full turn of reflex corners, in edges", JOINS),
+    Tuned(MESHING + "repair/junctions.cpp", "kOfSharp", "price of a full turn that sharp corners lack, in edges", JOINS),
+    Tuned(MESHING + "repair/junctions.cpp", "kLeastSine", "least square sine between planes where a long chord goes", JOINS),
+    Tuned(MESHING + "repair/junctions.cpp", "kMisses", "miss of a plane at a joint vertex, in bounds of bends", JOINS),
+    Tuned(MESHING + "complex/placement.cpp", "kJoined", "share of the tie at joint vertices", JOINS),
     Tuned(MESHING + "place/slide.cpp", "kFar", "way of a sliding corner, of sqrt(area / charts)", SHAPES),
     Tuned(MESHING + "place/slide.cpp", "kOff", "off the planes, in deviations of the scan", SHAPES),
     Tuned(MESHING + "place/slide.cpp", "kOfSharp", "reflex degrees that a degree too sharp counts as", NEEDLES),

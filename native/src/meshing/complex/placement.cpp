@@ -19,6 +19,8 @@ constexpr double kTruncate = 0.2;
 constexpr double kParallel = 1e-6;
 /// Shares of the shortest edge: the furthest move of a corner to where cells meet; the distance at which planes meet.
 constexpr double kOfShortest = 0.5, kMeets = 1e-6;
+/// Share of the tie at a corner of more than three polygons, whose vertex is that of one of the junctions that were joined.
+constexpr double kJoined = 0.5;
 // The least work that is worth another thread:
 constexpr std::int32_t kTogether = 64;  ///< corners that are placed
 constexpr std::int32_t kFitted = 192,
@@ -146,7 +148,8 @@ Vec3 place_of_least(const Group& g, std::int32_t i) {
     r += g.weight[k] * g.fits[k].normal.dot(g.fits[k].centre - anchor.at) * n;
   }
   if (!(area > 0)) return anchor.at;
-  const double tie = area * kWeights.tie / kWeights.bend;
+  const double share = g.round_of(i).size() > 3 ? kJoined : 1;
+  const double tie = area * share * kWeights.tie / kWeights.bend;
   const Vec3 step = (a + tie * Eigen::Matrix3d::Identity()).inverse() * r;
   return within(anchor.at + step, anchor.centre, anchor.radius);
 }

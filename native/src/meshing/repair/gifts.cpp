@@ -62,7 +62,7 @@ std::vector<std::int32_t> charts_around(const Labels& labels, std::int32_t verte
 }
 
 std::vector<std::int32_t> path_between(const Labels& labels, std::int32_t from, std::int32_t to,
-                                       std::span<const std::int32_t> charts, double longest) {
+                                       std::span<const std::int32_t> charts) {
   const Mesh& mesh = labels.mesh;
   const auto is_one = [&](std::int32_t l) { return std::find(charts.begin(), charts.end(), l) != charts.end(); };
   std::int32_t h = kNone;
@@ -70,13 +70,10 @@ std::vector<std::int32_t> path_between(const Labels& labels, std::int32_t from, 
     if (is_one(labels.label[first / 3]) && is_one(labels.across(first)) && !labels.inner(first)) h = first;
   });
   std::vector<std::int32_t> path;
-  double length = 0;
   for (const std::int32_t right = h == kNone ? kNone : labels.across(h); h != kNone && labels.across(h) == right;
        h = labels.next_on_boundary(h)) {
     path.push_back(h);
-    length += (mesh.vertices()[mesh.to(h)] - mesh.vertices()[mesh.from(h)]).norm();
     if (mesh.to(h) == to) return path;
-    if (length > longest) break;
   }
   return {};
 }

@@ -20,11 +20,10 @@ struct Gift {
 std::vector<std::int32_t> charts_around(const Labels& labels, std::int32_t vertex);
 
 /// The half-edges from one junction to another along the boundary between two charts, with one of these on their left.
-/// \param longest  scene units
-/// \return empty if another chart meets the path, or if the path is longer
+/// \return empty if another chart meets the path
 /// Cost: O(path).
 std::vector<std::int32_t> path_between(const Labels& labels, std::int32_t from, std::int32_t to,
-                                       std::span<const std::int32_t> charts, double longest);
+                                       std::span<const std::int32_t> charts);
 
 /// Sets the faces of a gift: the giver's faces at the vertices of a path, except at the junction that stays.
 void fill(Gift& gift, const Labels& labels, std::span<const std::int32_t> path);

@@ -5,31 +5,32 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include "complex/angles.h"
+#include "complex/flat_fit.h"
 #include "isimp/core/sorted.h"
+#include "judge/bounds.h"
 #include "repair/gifts.h"
 
 namespace isimp::meshing {
 namespace {
 
+constexpr PlaceWeights kWeights;
 constexpr int kPasses = 2;
-constexpr std::size_t kMostLabels = 5;  ///< charts that may meet in a vertex
-// How far the planes may miss the vertex: deviations of the scan from them, and of sqrt(area / charts).
-constexpr double kPlanes = 3.2, kGap = 0.11;
-constexpr double kRounding = 1e-9;                 ///< share of the diagonal: planes that are nearer than this meet
-constexpr double kFixed = 0.0625;                  ///< share of the largest eigenvalue: below, planes fix no point
-constexpr double kParallel = 1e-6, kMeets = 1e-6;  ///< the same of planes of cells; how far these may miss, of the size
-constexpr double kStep = 0.3;                      ///< from the middle to the vertex, in sqrt(area / charts)
-// The energy of polygons, in area / charts: the distortion of their faces, a price for an edge of no length that falls to
-// 0 for one of kShort, for each full turn by which reflex corners open too far, and for each full turn that sharp corners
-// lack. A join must lower it.
-constexpr double kOfShort = 0.003, kOfReflex = 0.3, kOfSharp = 6;
-constexpr double kShort = 0.4;  ///< sqrt(area / charts); at cells of round parts also the longest chord that is removed
-constexpr double kOfGiver = 1.0 / 3;  ///< share of its area that a chart may give
-constexpr double kLongest = 4;        ///< longest path between two junctions, in sqrt(area / charts)
+constexpr double kRounding = 1e-9;  ///< share of the diagonal: the deviation of a scan is not less
+constexpr double kParallel = 1e-6,
+                 kMeets = 1e-6;  ///< of cells' planes: see step_onto; how far they may miss, of the size
+// The energy of polygons, in edges: an edge is worth a mean square distance of kOfEdge square deviations of the scan along
+// the side of a chart. A full turn by which reflex corners open too far is worth kOfReflex edges, and a full turn that sharp
+// corners lack is worth kOfSharp edges.
+constexpr double kOfEdge = 15, kOfReflex = 15, kOfSharp = 300;
+constexpr double kMisses = 1.5;  ///< bounds of bent polygons: planes that a place misses by more do not meet there
+/// A chord is short up to this times sqrt(area / charts). At cells of round parts longer ones stay. Elsewhere borders that
+/// move by the removal of a longer one count where both planes are one too, by this square sine.
+constexpr double kShort = 0.4, kLeastSine = 0.02;
 
 using Charts = std::vector<std::int32_t>;  ///< in rising order
 
@@ -95,26 +96,48 @@ class JunctionNet {
     return all;
   }
 
-  /// The changes of corner angles by one corner instead of two, in full turns.
-  struct Turns {
-    double reflex;  ///< by how much more reflex corners open too far
-    double sharp;   ///< how much more sharp corners lack
+  /// An edge from a junction, and the charts on its sides.
+  struct Spoke {
+    std::int32_t from, to, left, right;
   };
+  /// The edges at a junction.
+  [[nodiscard]] std::vector<Spoke> spokes(std::int32_t corner) const {
+    std::vector<Spoke> some;
+    const auto beside = [&](std::int32_t chart, std::size_t step) {
+      const auto& loop = loops_[chart];
+      const std::size_t i = std::find(loop.begin(), loop.end(), corner) - loop.begin();
+      return loop[(i + step) % loop.size()];
+    };
+    for (const std::int32_t l : at_[corner]) {
+      const std::int32_t to = beside(l, 1);
+      for (const std::int32_t r : at_[corner])
+        if (r != l && beside(r, loops_[r].size() - 1) == to) some.push_back({corner, to, l, r});
+    }
+    return some;
+  }
+
+  /// The angles of the polygons of some charts.
+  [[nodiscard]] Angles angles(const std::vector<std::int32_t>& charts) const {
+    Angles sum;
+    for (const std::int32_t l : charts) sum.add(angles_of(loops_[l], position_, s_.planes[l].normal));
+    return sum;
+  }
+
+  /// The same if two corners of theirs were one.
   /// \return no value if a polygon vanishes or faces away
-  std::optional<Turns> turns(std::int32_t a, std::int32_t b, const Vec3& place) {
-    const std::vector<std::int32_t> charts = charts_at(a, b);
-    Angles before, after;
-    for (const std::int32_t l : charts) before.add(angles_of(loops_[l], position_, s_.planes[l].normal));
+  std::optional<Angles> angles_joined(const std::vector<std::int32_t>& charts, std::int32_t a, std::int32_t b,
+                                      const Vec3& place) {
+    Angles sum;
     const Vec3 was = std::exchange(position_[a], place);
     bool good = true;
     for (const std::int32_t l : charts) {
       const std::vector<std::int32_t> loop = without(loops_[l], a, b);
       good = good && loop.size() >= 3;
-      if (good) after.add(angles_of(loop, position_, s_.planes[l].normal));
+      if (good) sum.add(angles_of(loop, position_, s_.planes[l].normal));
     }
     position_[a] = was;
-    if (!good || after.faces_away) return {};
-    return Turns{(after.excess - before.excess) / 360, (after.lack - before.lack) / 360};
+    if (!good || sum.faces_away) return {};
+    return sum;
   }
 
   /// Makes two corners one: `a`, at a junction that is a vertex of either.
@@ -150,32 +173,23 @@ std::vector<Plane> planes_with_cells(const State& state) {
   return planes;
 }
 
-/// The sum of the vector areas of some faces.
-Vec3 vector_area(const Mesh& mesh, std::span<const std::int32_t> faces, double& area) {
-  Vec3 sum = Vec3::Zero();
-  for (const std::int32_t f : faces) {
-    const FaceRecord& r = mesh.graph().faces[mesh.graph().graph_face[f]];
-    const double weight = mesh.graph().area * r.area;
-    area += weight;
-    sum += weight * Vec3(r.nx, r.ny, r.nz);
+/// Length times the mean square distance from both planes beside an edge.
+double from_planes(const Vec3& p, const Vec3& q, const Plane& left, const Plane& right) {
+  double sum = 0;
+  for (const Plane* plane : {&left, &right}) {
+    const double a = plane->normal.dot(p - plane->centre), b = plane->normal.dot(q - plane->centre);
+    sum += a * a + a * b + b * b;
   }
-  return sum;
+  return (q - p).norm() * sum / 3;
 }
 
-/// One of the ways to join two junctions.
-struct Way {
-  Gift gift;
-  Vec3 area;         ///< vector area of its faces
-  double error = 0;  ///< increase of the distortion
-};
-
-/// The data of a join of two junctions.
-struct Plan {
-  std::int32_t a, b;  ///< corners
-  Vec3 place;
-  Way way;
-  Charts all;
-};
+/// Length times the mean square distance of an edge p q from where it was with its end p at `old`.
+double from_border(const Vec3& p, const Vec3& q, const Vec3& old) {
+  const Vec3 way = q - p;
+  const double square = way.squaredNorm();
+  const double share = square > 0 ? std::clamp(way.dot(old - p) / square, 0.0, 1.0) : 0.0;
+  return std::sqrt(square) * (old - p - share * way).squaredNorm() / 3;
+}
 
 class Joiner {
  public:
@@ -184,15 +198,17 @@ class Joiner {
       : s_(state), joins_(joins), job_(job), net_(state), planes_(planes_with_cells(state)) {
     const Scale scale = s_.scale();
     size_ = scale.size;
-    gap_ = std::min(kPlanes * scale.deviation, kGap * size_) + kRounding * s_.mesh.diagonal();
-    for (const Plane& p : s_.planes) areas_.push_back(p.projected * p.normal);
+    const double deviation = scale.deviation + kRounding * s_.mesh.diagonal();
+    const double bend = bounds_of(s_).bend;
+    gap_ = bend > 0 ? kMisses * bend : std::numeric_limits<double>::infinity();
+    edge_ = kOfEdge * deviation * deviation;
   }
 
   bool run() {
     const std::size_t before = joins_.size();
     for (const JunctionNet::Pair& pair : net_.pairs(s_.options.join_junctions * size_)) {
       job_.poll();
-      if (std::optional<Plan> plan = plan_of(pair.a, pair.b)) carry_out(*plan);
+      try_join(pair.a, pair.b);
     }
     return joins_.size() > before;
   }
@@ -214,95 +230,143 @@ class Joiner {
     return cells > 1;
   }
 
-  /// Where the planes of some charts meet, near a point; nothing where they do not.
-  [[nodiscard]] std::optional<Vec3> meeting_point(const Charts& charts, const Vec3& near, double radius,
-                                                  double gap) const {
-    const bool holds = holds_cells(charts);
-    std::vector<const Plane*> cells, others;
-    for (const std::int32_t l : charts) (holds && planes_[l].round ? cells : others).push_back(&planes_[l]);
+  /// The place of a corner of some charts that is nearest to their planes and to a point; nothing where cells that hold
+  /// their corners do not meet, or a plane is missed by too much.
+  [[nodiscard]] std::optional<Vec3> place_of_least(const Charts& charts, const Vec3& near) const {
+    Vec3 at = near;
     Eigen::Matrix3d free = Eigen::Matrix3d::Identity();
-    Vec3 d = Vec3::Zero();
-    if (holds) d = step_onto(cells, kParallel, near, free);
-    d += step_onto(others, kFixed, near + d, free);
-    if (!(d.norm() <= radius)) return {};
-    const auto misses = [&](const Plane* p, double most) {
-      return std::abs(p->normal.dot(near + d - p->centre)) > most;
+    if (holds_cells(charts)) {
+      std::vector<const Plane*> cells;
+      for (const std::int32_t l : charts)
+        if (planes_[l].round) cells.push_back(&planes_[l]);
+      at += step_onto(cells, kParallel, near, free);
+      const auto misses = [&](const Plane* p) { return std::abs(p->normal.dot(at - p->centre)) > kMeets * size_; };
+      if (std::any_of(cells.begin(), cells.end(), misses)) return {};
+    }
+    Eigen::Matrix3d a = kWeights.tie / kWeights.bend * Eigen::Matrix3d::Identity();
+    Vec3 r = Vec3::Zero();
+    for (const std::int32_t l : charts) {
+      const Vec3 n = free * planes_[l].normal;
+      a += n * n.transpose();
+      r += planes_[l].normal.dot(planes_[l].centre - at) * n;
+    }
+    at += a.inverse() * r;
+    const auto is_missed = [&](std::int32_t l) {
+      return std::abs(planes_[l].normal.dot(at - planes_[l].centre)) > gap_;
     };
-    const bool is_met = std::none_of(cells.begin(), cells.end(), [&](auto p) { return misses(p, kMeets * size_); }) &&
-                        std::none_of(others.begin(), others.end(), [&](auto p) { return misses(p, gap); });
-    return is_met ? std::optional(Vec3(near + d)) : std::nullopt;
+    return std::any_of(charts.begin(), charts.end(), is_missed) ? std::nullopt : std::optional(at);
   }
 
-  [[nodiscard]] std::optional<Plan> plan_of(std::int32_t a, std::int32_t b) {
+  [[nodiscard]] static double price(const Angles& angles) {
+    return (kOfReflex * angles.excess + kOfSharp * angles.lack) / 360;
+  }
+
+  /// The distances in the energy of edges from two junctions, scene units^3.
+  /// \param place  of both; without it they are where they are
+  /// \param least  the least square sine between the planes of a border that moves
+  [[nodiscard]] double distances(std::span<const JunctionNet::Spoke> spokes, const std::optional<Vec3>& place = {},
+                                 double least = 0) const {
+    double sum = 0;
+    for (const auto& [from, to, left, right] : spokes) {
+      const Vec3 &old = net_.position(from), &end = net_.position(to);
+      const Plane &l = planes_[left], &r = planes_[right];
+      sum += from_planes(place.value_or(old), end, l, r);
+      if (place) sum += from_border(*place, end, old) * std::max(l.normal.cross(r.normal).squaredNorm(), least);
+    }
+    return sum;
+  }
+
+  /// Makes two junctions one if the energy falls by that.
+  void try_join(std::int32_t a, std::int32_t b) {
     const Charts &at_a = net_.at(a), &at_b = net_.at(b);
-    if (at_a.size() < 3 || at_b.size() < 3) return {};
+    if (at_a.size() < 3 || at_b.size() < 3) return;
     Charts all = net_.charts_at(a, b);
-    if (all.size() > kMostLabels || all.size() + 2 != at_a.size() + at_b.size()) return {};
-    const double length = (net_.position(a) - net_.position(b)).norm();
+    if (all.size() + 2 != at_a.size() + at_b.size()) return;
+    const Vec3 &from = net_.position(a), &to = net_.position(b);
+    const double length = (from - to).norm();
     const bool any_cell = std::any_of(all.begin(), all.end(), [&](std::int32_t l) { return planes_[l].round; });
-    if (any_cell && length > kShort * size_) return {};  // a long way would turn the edges of a ring
-    const std::optional<Vec3> place =
-        meeting_point(all, (net_.position(a) + net_.position(b)) / 2, std::max(length, kStep * size_), gap_);
-    if (!place) return {};
-    const std::optional<JunctionNet::Turns> turns = net_.turns(a, b, *place);
-    if (!turns) return {};
-    const double gain =
-        kOfReflex * turns->reflex + kOfSharp * turns->sharp - kOfShort * std::max(0.0, 1 - length / (kShort * size_));
-    if (gain >= 0) return {};
-    std::optional<Way> way = best_way(a, b, -gain * size_ * size_);
-    if (!way) return {};
-    return Plan{a, b, *place, std::move(*way), std::move(all)};
+    if (any_cell && length > kShort * size_) return;  // a long way would turn the edges of a ring
+    std::vector<JunctionNet::Spoke> spokes = net_.spokes(a);
+    for (const JunctionNet::Spoke& s : net_.spokes(b))
+      if (s.to != a) spokes.push_back(s);
+    const double distances_before = distances(spokes);
+    std::erase_if(spokes, [&](const JunctionNet::Spoke& s) { return s.to == b; });
+    const double angles_before = price(net_.angles(all));
+    double side = size_;
+    for (const std::int32_t l : all) side = std::min(side, std::sqrt(planes_[l].area));
+    const double edge = edge_ * side;  // scene units^3
+    Vec3 best = from;
+    double least = 0;  // change of the energy, in edges
+    for (const Vec3& near : {from, to, Vec3((from + to) / 2)}) {
+      const std::optional<Vec3> place = place_of_least(all, near);
+      if (!place) continue;
+      const double change =
+          (distances(spokes, place, length > kShort * size_ ? kLeastSine : 0) - distances_before) / edge - 1 -
+          angles_before;
+      if (change >= least) continue;
+      const std::optional<Angles> angles = net_.angles_joined(all, a, b, *place);
+      if (!angles || change + price(*angles) >= least) continue;
+      least = change + price(*angles);
+      best = *place;
+    }
+    if (least >= 0) return;
+    std::optional<Gift> gift = gift_for(a, b, best, all, -least * edge);
+    if (!gift) return;
+    s_.hand_over(gift->giver, gift->taker, gift->faces, all);
+    s_.drop_corner(gift->moves);
+    s_.add_corner(gift->keeps);
+    net_.join(a, b, best, gift->keeps);
+    joins_.push_back({gift->giver, gift->taker, gift->moves, std::move(gift->faces), std::move(all)});
   }
 
-  /// The way to join with the least increase of the error.
-  /// \param most  the largest increase of the error
-  [[nodiscard]] std::optional<Way> best_way(std::int32_t a, std::int32_t b, double most) const {
-    const std::int32_t u = net_.vertex(a), v = net_.vertex(b);
+  /// A gift by which two junctions become one, at the vertex that is nearer to a place where both can be. Of two charts that
+  /// may give, that with fewer faces to give does.
+  /// \param most  the most by which the energy may rise, scene units^3
+  [[nodiscard]] std::optional<Gift> gift_for(std::int32_t a, std::int32_t b, const Vec3& place, const Charts& all,
+                                             double most) const {
     Charts both;
     std::set_intersection(net_.at(a).begin(), net_.at(a).end(), net_.at(b).begin(), net_.at(b).end(),
                           std::back_inserter(both));
-    const std::vector<std::int32_t> path = path_between(s_.labels, u, v, both, kLongest * size_);
-    std::optional<Way> best;
-    if (path.empty()) return best;
-    const auto consider = [&](const Charts& at_end, std::int32_t keeps, std::int32_t moves) {
-      if (at_end.size() != 3) return;
+    const std::vector<std::int32_t> path = path_between(s_.labels, net_.vertex(a), net_.vertex(b), both);
+    if (path.empty()) return {};
+    const auto away = [&](std::int32_t c) { return (s_.mesh.vertices()[net_.vertex(c)] - place).squaredNorm(); };
+    const std::int32_t nearer = away(b) < away(a) ? b : a;
+    for (const std::int32_t keeps : {nearer, nearer == a ? b : a}) {
+      const std::int32_t moves = keeps == a ? b : a;
+      const Charts& at_end = net_.at(moves);
+      if (at_end.size() != 3) continue;
       const std::int32_t taker =
           *std::find_if(at_end.begin(), at_end.end(), [&](std::int32_t l) { return l != both[0] && l != both[1]; });
       const std::int32_t left = s_.labels.label[path[0] / 3];
-      for (const std::int32_t giver : {left, both[0] == left ? both[1] : both[0]}) {
-        Way way{{giver, taker, keeps, moves, {}}, Vec3::Zero()};
-        fill(way.gift, s_.labels, path);
-        if (may_be(way) && way.error <= most && !(best && best->error <= way.error)) best = std::move(way);
+      std::array<Gift, 2> gifts;
+      for (std::size_t i = 0; i < 2; ++i) {
+        gifts[i] = {i == 0            ? left
+                    : both[0] == left ? both[1]
+                                      : both[0],
+                    taker,
+                    net_.vertex(keeps),
+                    net_.vertex(moves),
+                    {}};
+        fill(gifts[i], s_.labels, path);
       }
+      if (gifts[1].faces.size() < gifts[0].faces.size()) std::swap(gifts[0], gifts[1]);
+      for (Gift& gift : gifts)
+        if (!gift.faces.empty() && rise_by(gift) <= most && keeps_own(s_.labels, gift.giver, gift.faces) &&
+            may_give(s_, gift.giver, gift.taker, gift.faces) && keeps_discs(s_.labels, gift, all))
+          return std::move(gift);
+    }
+    return {};
+  }
+
+  /// The increase of the energy by faces that are given: their area / size times the mean square distance from the plane.
+  [[nodiscard]] double rise_by(const Gift& gift) const {
+    const Plane part = plane_of(s_.mesh, gift.faces, s_.labels.moments);
+    const auto square = [&](std::int32_t chart) {
+      const Plane& p = planes_[chart];
+      const double off = p.normal.dot(part.centre - p.centre);
+      return p.normal.dot(part.spread * p.normal) + off * off;
     };
-    consider(net_.at(a), v, u);
-    consider(net_.at(b), u, v);
-    return best;
-  }
-
-  /// Finds the increase of the error by a gift.
-  /// \return whether its faces may be given
-  bool may_be(Way& way) const {
-    const Gift& gift = way.gift;
-    double area = 0;
-    way.area = vector_area(s_.mesh, gift.faces, area);
-    const Vec3 &giver = areas_[gift.giver], &taker = areas_[gift.taker];
-    way.error = 2 * (giver.norm() + taker.norm() - (giver - way.area).norm() - (taker + way.area).norm());
-    return !gift.faces.empty() && area < kOfGiver * s_.planes[gift.giver].area &&
-           keeps_own(s_.labels, gift.giver, gift.faces) && may_give(s_, gift.giver, gift.taker, gift.faces);
-  }
-
-  /// Makes a join if all charts stay discs by it and no other junction changes.
-  void carry_out(Plan& p) {
-    Gift& gift = p.way.gift;
-    if (!keeps_discs(s_.labels, gift, p.all)) return;
-    areas_[gift.giver] -= p.way.area;
-    areas_[gift.taker] += p.way.area;
-    s_.hand_over(gift.giver, gift.taker, gift.faces, p.all);
-    s_.drop_corner(gift.moves);
-    s_.add_corner(gift.keeps);
-    net_.join(p.a, p.b, p.place, gift.keeps);
-    joins_.push_back({gift.giver, gift.taker, gift.moves, std::move(gift.faces), std::move(p.all)});
+    return part.area / size_ * (square(gift.taker) - square(gift.giver));
   }
 
   State& s_;
@@ -310,9 +374,9 @@ class Joiner {
   Job& job_;
   JunctionNet net_;
   double size_ = 0;                  // size of a region, scene units
-  double gap_ = 0;                   // distance by which planes may miss the vertex
+  double gap_ = 0;                   // distance by which a plane may miss the place of a corner
+  double edge_ = 0;                  // the price of an edge, as a square distance
   const std::vector<Plane> planes_;  // by chart: see planes_with_cells
-  std::vector<Vec3> areas_;          // by chart: vector area of its faces
 };
 
 }  // namespace

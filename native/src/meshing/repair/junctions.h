@@ -13,9 +13,11 @@ namespace isimp::meshing {
 ///
 /// A join is a change of labels: the faces of one chart along the path between the junctions become faces of the chart
 /// at the end that moves. It is made if
-/// - the planes of the charts meet in about one point, nearer than kPlanes times the deviation of the scan from them,
-/// - no polygon at the junctions turns over or gets a corner that is too sharp,
-/// - the energy of the polygons there falls (the constants in junctions.cpp are its terms),
+/// - there is a place that no plane of the charts misses by more than kMisses times the bound of bent polygons,
+/// - no polygon at the junctions turns over or vanishes,
+/// - the energy of the polygons there falls: their edges' square distances from the planes on both sides and from the
+///   border that they replace, a price for each edge in square deviations of the scan, prices of reflex and sharp corners,
+///   and the square distances of the faces that change their chart,
 /// - all charts stay discs, and no other junction changes,
 /// - no locked region changes and no bound of the partition is broken.
 /// Shortest chords come first; ties go to the lower vertex.
