@@ -6,21 +6,15 @@
 #include <utility>
 
 #include "find.h"
+#include "numbers.h"
 #include "surfaces.h"
 
 namespace isimp::curved {
 namespace {
 
-constexpr double kAllRound = 0.9;                ///< least share of a full turn of a pipe
-constexpr double kSameRadius = 3;                ///< times the nearness
-constexpr double kMeet = 2;                      ///< times the nearness: distance of the axes
 constexpr double kStraight = 0.97;               ///< cosine between the axes
 constexpr double kTightest = 1.05, kWidest = 8;  ///< radius of a bend, over that of the pipe
 constexpr int kSteps = 80;                       ///< number of tries of the radius
-constexpr int kCorners = 48;                     ///< number of corners of the profile
-constexpr double kReach = 1.4;                   ///< times the nearness, of a point on the bend
-constexpr std::size_t kLeastPoints = 6;          ///< least number of points of a pipe
-constexpr double kLeastArea = 0.01;              ///< share of the whole area
 constexpr double kLeft = 0.5;  ///< least share of its area that a surface keeps, and least share outside the bend
 
 /// Two pipes whose axes meet, and the bend of one radius between them.
@@ -66,7 +60,7 @@ class Bends {
  private:
   [[nodiscard]] bool is_pipe(std::size_t k) const {
     return found_[k].surface.kind == CurvedKind::cylinder &&
-           turn_share(found_[k].surface, samples_of(p_, found_[k].points)) > kAllRound;
+           turn_share(found_[k].surface, samples_of(p_, found_[k].points)) > kFullTurn;
   }
   /// The largest pipes with a bend between them that was not tried yet. Small cylinders in a bend lose their points to it
   /// before they count as pipes.
@@ -97,10 +91,10 @@ class Bends {
   [[nodiscard]] std::optional<Bend> between(std::size_t i, std::size_t j) const {
     const CurvedSurface &a = found_[i].surface, &b = found_[j].surface;
     if (a.side != b.side || std::abs(a.axis.dot(b.axis)) > kStraight ||
-        std::abs(a.radius - b.radius) > kSameRadius * near_.distance)
+        std::abs(a.radius - b.radius) > kAlike * near_.distance)
       return std::nullopt;
     const Vec3 across = a.axis.cross(b.axis).normalized(), to = b.point - a.point;
-    if (std::abs(to.dot(across)) > kMeet * near_.distance) return std::nullopt;
+    if (std::abs(to.dot(across)) > kAlike * near_.distance) return std::nullopt;
     const double cosine = a.axis.dot(b.axis), square = 1 - cosine * cosine;
     const double along = (to.dot(a.axis) - cosine * to.dot(b.axis)) / square;
     Bend bend;

@@ -7,15 +7,14 @@
 
 #include "cells.h"
 #include "isimp/core/forest.h"
+#include "numbers.h"
 #include "patches.h"
 
 namespace isimp::curved {
 namespace {
 
 constexpr double kSameAxis = 0.9995;  ///< cosine
-constexpr double kBesideAxis = 2;     ///< times the nearness, of one point from the other axis
 constexpr int kTries = 3;             ///< tries to find cells whose number is not larger than before
-constexpr double kSpeck = 0.25;       ///< share of a cell's area
 
 /// Patches that have the same axis and touch each other.
 bool is_coaxial(const CurvedProxy& a, const CurvedProxy& b, double distance) {
@@ -24,7 +23,7 @@ bool is_coaxial(const CurvedProxy& a, const CurvedProxy& b, double distance) {
   const bool is_free = a.kind == CurvedKind::sphere || b.kind == CurvedKind::sphere;
   if (!is_free && std::abs(a.axis.dot(b.axis)) < kSameAxis) return false;
   const CurvedProxy &line = a.kind == CurvedKind::sphere ? b : a, &point = a.kind == CurvedKind::sphere ? a : b;
-  return polar(line, point.point).rho < kBesideAxis * distance;
+  return polar(line, point.point).rho < kAlike * distance;
 }
 
 class Chooser {
@@ -88,7 +87,7 @@ class Chooser {
         }
     detail::Forest forest(s_.patches.size());
     for (const auto& [pair, edges] : beside)
-      if (edges >= 6 && is_coaxial(s_.patches[pair.first].proxy, s_.patches[pair.second].proxy, distance_))
+      if (edges >= kLeastBorder && is_coaxial(s_.patches[pair.first].proxy, s_.patches[pair.second].proxy, distance_))
         forest.join(pair.first, pair.second);
     std::map<std::int32_t, std::vector<std::size_t>> sets;
     for (std::size_t k = 0; k < s_.patches.size(); ++k) sets[forest.root(static_cast<std::int32_t>(k))].push_back(k);
@@ -132,7 +131,7 @@ class Chooser {
     for (std::size_t k = 0; k < cell.size(); ++k) cell_[p.faces.face[k]] = cell[k];
     double all = 0, count = 0;
     for (const double a : p.faces.area) all += a;
-    const double speck = kSpeck * all / (p.proxy.segments * p.proxy.rings);
+    const double speck = kPiece * all / (p.proxy.segments * p.proxy.rings);
     Some stack;
     for (const std::int32_t first : p.faces.face) {
       const std::int32_t mine = cell_[first];

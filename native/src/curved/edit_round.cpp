@@ -8,6 +8,7 @@
 
 #include "face_labels.h"
 #include "isimp/core/errors.h"
+#include "numbers.h"
 #include "patches.h"
 #include "rounding.h"
 
@@ -17,7 +18,6 @@ namespace {
 using namespace curved;
 
 constexpr std::size_t kMostSamples = 1500;  ///< number of faces that a surface with a profile is fitted to, about
-constexpr double kNearlyAsWell = 1.3;       ///< a simpler kind may be that much worse
 
 void check_face(const Mesh& mesh, std::int32_t face) {
   if (face < 0 || face >= mesh.face_count())

@@ -1,24 +1,17 @@
 // Extrusions of a free profile: a moulding or a can is cylinders and planes of one direction that no gate keeps alone.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
 
 #include "find.h"
+#include "numbers.h"
 #include "surfaces.h"
 
 namespace isimp::curved {
 namespace {
 
-const double kOneWay = std::sin(5 * std::numbers::pi / 180);   ///< sine of the angle between directions that are one
-const double kSquare = std::sin(10 * std::numbers::pi / 180);  ///< sine of the angle of a free point's normal
-constexpr double kRound = 0.3;                                 ///< least share of the area of an extrusion in cylinders
-constexpr double kLeastArea = 0.02;                            ///< share of the whole area
-constexpr std::size_t kMostSamples = 500;                      ///< number of faces that a profile is fitted to, about
-constexpr double kFurther = 1.5, kKept = 0.85;  ///< times the nearness; least share of the area within it
-constexpr double kWorst = 0.8;                  ///< times the nearness: largest root mean square distance
-constexpr double kReach = 1.4;                  ///< times the nearness, of points that are taken in
+constexpr std::size_t kMostSamples = 500;  ///< number of faces that a profile is fitted to, about
 
 class Extrusions {
  public:
@@ -50,7 +43,7 @@ class Extrusions {
 
  private:
   /// Whether a surface is a cylinder that may be part of an extrusion: one that no gate kept, or one that no plane
-  /// continues. A kept one with planes beside it, as a fillet, stays.
+  /// continues. A kept one that planes continue, as a fillet, stays.
   [[nodiscard]] bool is_open(std::size_t k) const {
     if (found_[k].surface.kind != CurvedKind::cylinder) return false;
     return !kept_[k] || std::none_of(found_[k].points.begin(), found_[k].points.end(), [&](std::int32_t i) {
@@ -89,11 +82,11 @@ class Extrusions {
   /// may pass for a sphere.
   [[nodiscard]] bool is_along(std::int32_t k, const Vec3& axis, bool all) const {
     const Found& f = found_[k];
-    if (f.is_plane()) return std::abs(f.surface.axis.dot(axis)) < kOneWay;
+    if (f.is_plane()) return std::abs(f.surface.axis.dot(axis)) < kSquare;
     if (kept_[k] && !is_open(k) && !(all && f.surface.kind == CurvedKind::cylinder)) return false;
     double square = 0;
     for (const std::int32_t i : f.points) square += std::abs(p_.normal[i].dot(axis)) < kSquare ? p_.area[i] : 0;
-    return square > kKept * f.area;
+    return square > kMost * f.area;
   }
 
   /// Faces of some points, at equal steps.
@@ -109,14 +102,10 @@ class Extrusions {
   }
 
   [[nodiscard]] std::optional<Found> fitted(const Some& group) const {
-    double area = 0, round = 0;
+    if (group.size() < 2) return std::nullopt;
     Found now;
-    for (const std::int32_t k : group) {
-      area += found_[k].area;
-      round += found_[k].is_plane() ? 0 : found_[k].area;
+    for (const std::int32_t k : group)
       now.points.insert(now.points.end(), found_[k].points.begin(), found_[k].points.end());
-    }
-    if (group.size() < 2 || area < kLeastArea || round < kRound * area) return std::nullopt;
     for (std::size_t before = 0; before < now.points.size();) {
       before = now.points.size();
       const Samples s = samples(now.points);
@@ -127,8 +116,8 @@ class Extrusions {
       double near = 0;
       const Locator on(now.surface);
       for (std::size_t i = 0; i < s.size(); ++i)
-        if (std::abs(on.residual(s.place[i]).distance) < kFurther * near_.distance) near += s.weight[i];
-      if (near < kKept || now.rms > kWorst * near_.distance) return std::nullopt;
+        if (std::abs(on.residual(s.place[i]).distance) < kReach * near_.distance) near += s.weight[i];
+      if (near < kMost) return std::nullopt;
       take_in(now);
     }
     const bool has_kept =

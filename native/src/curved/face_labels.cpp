@@ -4,27 +4,23 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
+
+#include "numbers.h"
 
 namespace isimp::curved {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr int kSweeps = 12;
-constexpr int kFilters = 3;                       ///< averages of the normals
-constexpr double kFilters53 = 0.6;                ///< cosine: neighbours further apart are not averaged
-const double kNoCrease = std::cos(30 * kDegree);  ///< cosine between the normals of two faces' points
-constexpr double kNoSurface = 1.2;                ///< cost of a face on none
-constexpr double kMostCost = 8;
-constexpr double kSame = 0.25;        ///< reduction of the cost by each neighbour of the same label
+constexpr int kSweeps = 12;           ///< moves of the faces at borders
+constexpr int kFilters = 3;           ///< averages of the normals
+constexpr double kFilters53 = 0.6;    ///< cosine: neighbours further apart are not averaged
+constexpr double kNoSurface = 1.2;    ///< cost of a face on none
+constexpr double kVote = 0.25;        ///< reduction of the cost by each neighbour of the same label
 constexpr double kSmallPart = 0.004;  ///< share of the whole area: a smaller part on no surface may fit less well
 constexpr double kSmallHole = 0.05, kInside = 0.95;  ///< this share if one surface has kInside of its border edges
-constexpr double kFitsWell = 1.6, kFitsAtAll = 4;
-constexpr double kNearlyAsWell = 1.3;  ///< times the misfit of a plane: a curved neighbour takes it
-constexpr double kLargeRest = 0.5;     ///< share of the whole area: no such part is given away
-constexpr std::size_t kSampled = 256;  ///< about as many faces of a part are compared with a surface
-constexpr double kFragment = 0.0015;   ///< share of the whole area
-constexpr double kSpeck = 0.02;        ///< share of a small part's area: a label's only part below it is removed too
+constexpr double kFitsWell = 1.6, kFitsAtAll = 4;    ///< misfit of a part on no surface that joins one; of a small one
+constexpr std::size_t kSampled = 256;                ///< about as many faces of a part are compared with a surface
+constexpr double kFragment = 0.0015;                 ///< share of the whole area
+constexpr double kSpeck = 0.02;  ///< share of a small part's area: a label's only part below it is removed too
 
 /// Normals of faces after kFilters averages with neighbours. Only requested ones are computed, since labels
 /// change at borders alone.
@@ -102,14 +98,14 @@ class Borders {
   }
   [[nodiscard]] bool is_smooth(std::int32_t i, std::int32_t j) const {
     if (!is_open(i) || !is_open(j)) return false;
-    return p_.normal[p_.of_face[i]].dot(p_.normal[p_.of_face[j]]) > kNoCrease;
+    return p_.normal[p_.of_face[i]].dot(p_.normal[p_.of_face[j]]) > kCrease;
   }
 
   [[nodiscard]] double cost(std::int32_t i, std::int32_t label) {
     if (label == kNone) return kNoSurface;
     const Residual r = on_[label].residual(f_.centre(i));
     const double d = r.distance / near_.distance;
-    return std::min(kMostCost, 0.5 * d * d + (1 - r.normal.dot(normal_.at(i))) / (1 - std::cos(near_.turn)));
+    return 0.5 * d * d + (1 - r.normal.dot(normal_.at(i))) / (1 - std::cos(near_.turn));
   }
 
   /// Sets the label of each of some faces to the cheapest label among its own and its neighbours' ones.
@@ -126,10 +122,10 @@ class Borders {
       for (const std::int32_t j : graph_.neighbours[i])
         for (std::size_t k = 0; k < 4; ++k) votes[k] += j != graph_.size() && label_[j] == labels[k];
       std::int32_t best = label_[i];
-      double least = cost(i, best) - kSame * votes[0];
+      double least = cost(i, best) - kVote * votes[0];
       for (std::size_t k = 1; k < 4; ++k) {
         if (labels[k] == best) continue;
-        const double c = cost(i, labels[k]) - kSame * votes[k];
+        const double c = cost(i, labels[k]) - kVote * votes[k];
         if (c >= least) continue;
         least = c;
         best = labels[k];
@@ -146,18 +142,17 @@ class Borders {
     return faces;
   }
 
-  /// Adds parts without a surface to the neighbour that fits them, and planes to a curved one that fits nearly as well,
-  /// such as the flat top of a torus.
+  /// Adds parts without a surface to the neighbour that fits them.
   bool give_rest_away(Job& job) {
     const LabelParts parts = parts_of_labels(f_, label_, job);
     std::vector<Some> members(parts.label.size());
     std::map<std::pair<std::int32_t, std::int32_t>, int> beside;
     std::map<std::int32_t, int> all;
     for (std::int32_t i = 0; i < f_.size(); ++i) {
-      if (!is_open(i) || !is_rest(label_[i])) continue;
+      if (!is_open(i) || label_[i] != kNone) continue;
       members[parts.part[i]].push_back(i);
       for (const std::int32_t j : graph_.neighbours[i]) {
-        if (j != graph_.size() && (parts.part[j] == parts.part[i] || label_[j] == kNone)) continue;
+        if (j != graph_.size() && label_[j] == kNone) continue;
         ++all[parts.part[i]];
         if (j != graph_.size()) ++beside[{parts.part[i], label_[j]}];
       }
@@ -165,23 +160,17 @@ class Borders {
     std::map<std::int32_t, std::pair<double, std::int32_t>> best;
     for (const auto& [pair, edges] : beside) {
       const auto& [part, label] = pair;
-      const std::int32_t now = parts.label[part];
-      if (parts.area[part] > kLargeRest || (now != kNone && is_rest(label))) continue;
-      const double misfit = misfit_of(members[part], label) - 0.01 * edges;
+      const double misfit = misfit_of(members[part], label);
       const bool is_inside = edges >= kInside * all.at(part) && parts.area[part] < kSmallHole;
-      const double least = now != kNone                                 ? kNearlyAsWell * misfit_of(members[part], now)
-                           : is_inside || parts.area[part] < kSmallPart ? kFitsAtAll
-                                                                        : kFitsWell;
-      if (misfit + 0.01 * edges >= least) continue;
-      const auto [at, is_new] = best.try_emplace(part, misfit, label);
-      if (!is_new && misfit < at->second.first) at->second = {misfit, label};
+      if (misfit >= (is_inside || parts.area[part] < kSmallPart ? kFitsAtAll : kFitsWell)) continue;
+      const double cost = misfit - 0.01 * edges;
+      const auto [at, is_new] = best.try_emplace(part, cost, label);
+      if (!is_new && cost < at->second.first) at->second = {cost, label};
     }
     for (const auto& [part, to] : best)
       for (const std::int32_t i : members[part]) label_[i] = to.second;
     return !best.empty();
   }
-
-  [[nodiscard]] bool is_rest(std::int32_t label) const { return label == kNone || found_[label].is_plane(); }
 
   [[nodiscard]] double misfit_of(const Some& members, std::int32_t label) {
     double square = 0, turn = 0, area = 0;

@@ -36,8 +36,8 @@ struct LabelParts {
 LabelParts parts_of_labels(const Faces& faces, const Some& labels, Job& job);
 
 /// The surfaces that are kept, so that free-form parts stay as they are: large flat planes; a curved patch with most of its
-/// border at creases, planes, other kept patches or the border of the scan; a full turn, or more than half a sphere,
-/// with a quarter of its border there. (gates.cpp)
+/// border at creases, planes, other kept patches or the border of the scan; a full turn, or all of a sphere, with
+/// a quarter of its border there. (gates.cpp)
 std::vector<bool> kept_surfaces(const Faces& faces, const Points& points, const std::vector<Found>& found,
                                 const Some& labels, const Nearness& near);
 

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <optional>
 
+#include "numbers.h"
+
 namespace isimp::curved {
 namespace {
 
@@ -13,20 +15,17 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::int32_t kSeeds = 20;      ///< a round
 constexpr int kFails = 3;                ///< rounds of seeds without a find, after which the search ends
 constexpr int kGrows = 4;                ///< times that a surface is fitted again to the points that it reaches
-constexpr std::size_t kLeastPoints = 6;  ///< least number of points of a curved surface
-constexpr double kLeastArea = 0.01;      ///< share of the area of the whole mesh
 constexpr double kBent = 0.015;          ///< 1 - |mean normal|: points with less form a plane
-constexpr double kLeastTurn = 0.3, kLeastBend = 0.15;  ///< least seen share of a full turn: of a revolution, of a tube
-constexpr double kWorst = 0.35;     ///< share of the score that a surface loses at the greatest mean distance
-constexpr double kStillFree = 0.7;  ///< share of a candidate's area that others have not taken
-constexpr double kGood = 0.2;       ///< times the nearness: no seed within such a surface for another of its kind
-constexpr double kUntouched = 0.999,
-                 kNotMuchSmaller = 0.4;  ///< least free share of a second find, and least area over the first
+constexpr double kLeastTurn = 0.3;       ///< least seen share of a full turn, of a revolution
+constexpr double kWorst = 0.35;          ///< share of the score that a surface loses at the greatest mean distance
+constexpr double kStillFree = 0.7;       ///< share of the area of a find that others have not taken ...
+constexpr double kUntouched = 0.999;     ///< ... and of others of the same seeds
+constexpr double kNotMuchSmaller = 0.4;  ///< times the area of the first find of some seeds: of others
+constexpr double kGood = 0.2;            ///< times the nearness: no seed within such a surface for another of its kind
 constexpr double kLargest = 1;           ///< diagonals: the largest radius
-constexpr double kPlaneTurn = 9 * kDegree;
+constexpr double kPlaneTurn = 9 * kDegree;   ///< between the normals of a plane and of its points
 constexpr std::array kBalls = {10, 30, 80};  ///< points to which a first surface is fitted
-constexpr int kWideBall = 30;                ///< least points for a revolution; others that fit such a ball badly ...
-constexpr double kWorstBall = 2;  ///< ... by this mean distance over the nearness are not tried in larger balls
+constexpr double kWorstBall = 2;  ///< nearnesses: kinds that are further from a ball are not tried in larger ones
 constexpr std::array kKinds = {CurvedKind::sphere, CurvedKind::cylinder, CurvedKind::cone, CurvedKind::revolution};
 
 double preference(CurvedKind kind) {
@@ -80,7 +79,7 @@ class Search {
 
  private:
   /// Free points at equal steps of the sum of the roots of their areas: a large plane is one point among many specks of
-  /// noise. The seeds of a round are between those of the rounds before: halves, then quarters.
+  /// noise. The seeds of a round halve the steps of earlier rounds.
   [[nodiscard]] Some seeds_of(int round) const {
     double sum = 0;
     std::int32_t free = 0;
@@ -134,12 +133,10 @@ class Search {
       const Samples samples = samples_of(p_, some);
       for (std::size_t k = 0; k < kKinds.size(); ++k) {
         const CurvedKind kind = kKinds[k];
-        if (!is_open[k]) continue;
-        if (kind == CurvedKind::revolution && (!revolutions || size < kWideBall)) continue;
-        if (is_known(kind, some)) continue;
+        if (!is_open[k] || (kind == CurvedKind::revolution && !revolutions) || is_known(kind, some)) continue;
         const auto first = fit(kind, samples);
         if (!first || first->radius > kLargest * near_.size) continue;
-        is_open[k] = size < kWideBall || has_profile(*first) || rms(*first, samples) < kWorstBall * near_.distance;
+        is_open[k] = has_profile(*first) || rms(*first, samples) < kWorstBall * near_.distance;
         if (!is_open[k]) continue;
         std::optional<Found> grown = grow(*first, seed);
         if (grown && is_curved(*grown)) add(std::move(grown));
@@ -269,7 +266,7 @@ double turn_share(const CurvedSurface& surface, const Samples& samples) {
 }
 
 bool is_seen(const CurvedSurface& surface, const Samples& samples) {
-  return turn_share(surface, samples) >= (surface.closed ? kLeastBend : kLeastTurn);
+  return turn_share(surface, samples) >= kLeastTurn;
 }
 
 std::vector<Found> find_surfaces(const Points& points, const Nearness& near, Job& job) {

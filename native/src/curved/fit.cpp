@@ -13,7 +13,6 @@ namespace {
 using Eigen::Matrix3d;
 using Solver3 = Eigen::SelfAdjointEigenSolver<Matrix3d>;
 
-constexpr double kFlat = 0.01;  ///< a second eigenvalue of the normals below this: a plane
 constexpr double kThin = 1e-4;  ///< a least eigenvalue of normal lines below this: they do not meet
 constexpr double kTiny = 1e-300;
 constexpr double kDamping = 1e-12;

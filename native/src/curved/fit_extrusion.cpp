@@ -7,9 +7,7 @@
 namespace isimp::curved {
 namespace {
 
-constexpr double kFlat = 0.01;     ///< a second eigenvalue of the normals below this: a plane
-constexpr int kTilts = 3;          ///< steps of the axis
-constexpr double kMostTilt = 0.1;  ///< radians, of one step
+constexpr int kTilts = 3;  ///< steps of the axis
 constexpr double kDamping = 1e-12;
 
 /// The surface with its axis tilted so that the samples have the least distances, by a step of Gauss-Newton.
@@ -27,7 +25,7 @@ CurvedSurface tilted(CurvedSurface c, const Samples& s) {
   }
   m.diagonal().array() += kDamping * m.trace();
   const Vec2 step = m.ldlt().solve(b);
-  if (!step.allFinite() || step.norm() > kMostTilt) return c;
+  if (!step.allFinite()) return c;
   c.axis = (c.axis + step.x() * c.across + step.y() * up).normalized();
   c.across = (c.across - c.across.dot(c.axis) * c.axis).normalized();
   return c;

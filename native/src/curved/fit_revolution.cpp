@@ -18,8 +18,8 @@ constexpr std::size_t kPointsABin = 3;         ///< at the least: a profile thro
 constexpr double kCluster = 1.0 / 80;          ///< share of the profile's size: points at a smaller distance are merged
 constexpr double kSameWay = 0.8;               ///< cosine of the normals of points that are one
 constexpr double kTurns = 4;                   ///< by how much a difference of normals lengthens a step
-constexpr double kGap = 4, kGapOfExtrusion = 8;  ///< median steps: ends that are nearer make a ring
-constexpr std::size_t kLeastPoints = 12;
+constexpr double kGap = 4;                     ///< median steps: ends that are nearer make a ring
+constexpr std::size_t kLeastOfProfile = 12;    ///< points
 constexpr double kTiny = 1e-300;
 
 /// Points of a profile that nearly coincide.
@@ -174,24 +174,24 @@ std::vector<Bin> bins_of(const Half& h, const Samples& s, std::size_t most) {
   return bins;
 }
 
-bool is_ring(const std::vector<Bin>& bins, double steps_apart) {
+bool is_ring(const std::vector<Bin>& bins) {
   if (bins.size() <= 12) return false;
   std::vector<double> steps;
   for (std::size_t i = 1; i < bins.size(); ++i) steps.push_back((bins[i].place - bins[i - 1].place).norm());
   std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
   const double gap = (bins.front().place - bins.back().place).norm();
-  return gap < steps_apart * steps[steps.size() / 2] && bins.front().normal.dot(bins.back().normal) > 0.5;
+  return gap < kGap * steps[steps.size() / 2] && bins.front().normal.dot(bins.back().normal) > 0.5;
 }
 
 }  // namespace
 
 std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& samples) {
-  if (samples.size() < kLeastPoints) return std::nullopt;
+  if (samples.size() < kLeastOfProfile) return std::nullopt;
   const bool is_extrusion = surface.kind == CurvedKind::extrusion;
   const std::vector<Bin> bins =
       bins_of(half_plane(surface, samples), samples, is_extrusion ? kMostOfExtrusion : kMostBins);
   if (bins.size() < 3) return std::nullopt;
-  surface.closed = is_ring(bins, is_extrusion ? kGapOfExtrusion : kGap);
+  surface.closed = is_ring(bins);
   std::vector<Vec2> corners;
   corners.reserve(bins.size());
   for (const Bin& b : bins) corners.push_back(b.place);
@@ -222,7 +222,7 @@ std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& 
 }
 
 std::optional<CurvedSurface> fit_revolution(const Samples& s) {
-  if (s.size() < kLeastPoints) return std::nullopt;
+  if (s.size() < kLeastOfProfile) return std::nullopt;
   Vec3 centre = Vec3::Zero();
   for (std::size_t i = 0; i < s.size(); ++i) centre += s.weight[i] * s.place[i];
   double size = 0;

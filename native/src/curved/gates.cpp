@@ -1,26 +1,21 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "face_labels.h"
+#include "numbers.h"
 
 namespace isimp::curved {
 namespace {
 
-const double kCrease = std::cos(24 * std::numbers::pi / 180);  ///< cosine between normals of points on both sides
-constexpr double kNearlyAll = 0.85;  ///< least good share of the border of a patch that is no sphere and no full turn
-constexpr double kMost =
-    0.62;  ///< least good share for a sphere, a tube, and a cylinder with kHalf of its border along planes
-constexpr double kHalf = 0.5, kAlong = 0.12;
-constexpr double kAllRound = 0.92;    ///< share of a full turn that counts as a full turn
-constexpr double kSome = 0.25;        ///< least good share of the border of a full turn, or of more than half a sphere
+constexpr double kEasier = 0.62;      ///< least good share of the border of a sphere, a tube and a fillet; else kMost
+constexpr double kHalf = 0.5;         ///< share of its border along planes, of a fillet
+constexpr double kSome = 0.25;        ///< least good share of the border of a full turn, or of all of a sphere
 constexpr double kLargePlane = 0.02;  ///< share of the whole area: planes of free forms are smaller ...
-constexpr double kFlat = 0.45;        ///< times the nearness: ... or their faces are not so near to them
+constexpr double kNearPlane = 0.45;   ///< times the nearness: ... or their faces are not so near to them
 constexpr double kDisc = 2.3;         ///< outline of a disc of n equilateral triangles, in edges, over the root of n
 constexpr double kLess = 0.25,
                  kLarge = 0.1;  ///< a large surface, by its share of the area, may still gain that much of a border
-constexpr double kHalfSphere = 0.42;  ///< 1 - |mean normal|, which is half of a half sphere's normals
 
 /// Some edges of the border of a patch: the point inside, the one outside and its surface; kNone at the border of the scan
 /// and where there is none.
@@ -96,11 +91,10 @@ class Gates {
       for (std::size_t k = 0; k < found_.size(); ++k) {
         if (found_[k].is_plane() || !kept[k]) continue;
         const bool is_sphere = found_[k].surface.kind == CurvedKind::sphere;
-        const bool is_round = round[k] > (is_sphere ? kHalfSphere : kAllRound);
         const bool is_easier = is_sphere || found_[k].surface.closed || along_planes(k, kept) > kHalf;
-        const double most = is_easier ? kMost : kNearlyAll;
-        const double more =
-            good_share(k, kept) - (is_round ? kSome : most) + (may_gain_ && found_[k].area > kLarge ? kLess : 0);
+        const double most = is_easier ? kEasier : kMost;
+        const double more = good_share(k, kept) - (round[k] > kFullTurn ? kSome : most) +
+                            (may_gain_ && found_[k].area > kLarge ? kLess : 0);
         if (more > least) continue;
         least = more;
         worst = k;
@@ -130,7 +124,7 @@ class Gates {
     for (const Beside& b : outlines_[k].border) {
       count += b.edges;
       if (b.surface != kNone && kept[b.surface] && found_[b.surface].is_plane() &&
-          std::abs(found_[b.surface].surface.axis.dot(s.axis)) < kAlong)
+          std::abs(found_[b.surface].surface.axis.dot(s.axis)) < kSquare)
         along += b.edges;
     }
     return count > 0 ? along / count : 0;
@@ -160,7 +154,7 @@ std::vector<bool> kept_surfaces(const Faces& faces, const Points& points, const 
                                 const Some& labels, const Nearness& near) {
   std::vector<bool> planes(found.size());
   for (std::size_t k = 0; k < found.size(); ++k)
-    planes[k] = found[k].is_plane() && found[k].area > kLargePlane && found[k].rms < kFlat * near.distance;
+    planes[k] = found[k].is_plane() && found[k].area > kLargePlane && found[k].rms < kNearPlane * near.distance;
   return Gates(outlines(faces, points, found, labels), points, found, false).run(planes);
 }
 

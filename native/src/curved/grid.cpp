@@ -7,17 +7,14 @@
 #include <optional>
 
 #include "isimp/core/to_integer.h"
+#include "numbers.h"
 
 namespace isimp::curved {
 namespace {
 
 constexpr int kBins = 120;           ///< number of bins of the profile
 constexpr int kSteps = 72;           ///< number of steps of a full turn in the search for gaps
-constexpr double kSpeck = 0.001;     ///< share of the area of a patch: normals of less are no part of its turn
-constexpr double kOccupied = 0.15;   ///< share of the mean area of steps that are not empty
-constexpr double kFullTurn = 0.93;   ///< share of the steps that are occupied
 constexpr double kCapRadius = 0.12;  ///< share of the largest radius: an end nearer to the axis may be a cap
-constexpr double kCapWeight = 1.5;   ///< weight of the distance of a cap, which counts as one cell
 constexpr double kStraight = 1e-6;   ///< radians: the turn of a strip of an extrusion
 constexpr double kFine = 1.1;        ///< times the mean square distance from the surface: no more strips
 constexpr double kLeastEdges = 2;    ///< edges of faces in the width of a segment: narrower ones have ragged borders
@@ -115,7 +112,7 @@ class Profile {
     const double rr = s[5] / w - r * r, rz = s[6] / w - r * z, zz = s[7] / w - z * z;
     straight_[i][j] = w * std::max(0.0, m0 * m0 * rr + 2 * m0 * m1 * rz + m1 * m1 * zz);
     bent_[i][j] = w * m0 * m0 * (r * r + std::max(0.0, rr));
-    cap_[i][j] = kCapWeight * w * std::max(0.0, zz);
+    cap_[i][j] = w * std::max(0.0, zz);
   }
 
   /// The least costs up to each bin by number of rings, for one number of segments.
@@ -174,14 +171,10 @@ namespace {
 
 /// The share of a full turn that the normals of an extrusion cover.
 double turn_of_normals(const PatchFaces& f) {
-  std::array<double, kSteps> area{};
-  double sum = 0;
-  for (std::size_t i = 0; i < f.area.size(); ++i) {
-    area[to_integer((std::atan2(f.up[i], f.out[i]) / kTurn + 0.5) * kSteps, 0, kSteps - 1)] += f.area[i];
-    sum += f.area[i];
-  }
-  return static_cast<double>(std::count_if(area.begin(), area.end(), [&](double a) { return a > kSpeck * sum; })) /
-         kSteps;
+  std::array<bool, kSteps> is_on{};
+  for (std::size_t i = 0; i < f.area.size(); ++i)
+    is_on[to_integer((std::atan2(f.up[i], f.out[i]) / kTurn + 0.5) * kSteps, 0, kSteps - 1)] = true;
+  return static_cast<double>(std::count(is_on.begin(), is_on.end(), true)) / kSteps;
 }
 
 /// The profile of an extrusion, a ring, with its first corner at a length along it.
@@ -238,17 +231,8 @@ void set_span(CurvedProxy& proxy, const PatchFaces& f) {
     proxy.span = proxy.full ? kTurn : kTurn * turn_of_normals(f);
     return;
   }
-  std::array<double, kSteps> area{};
-  for (std::size_t i = 0; i < f.area.size(); ++i)
-    area[to_integer(f.angle[i] / kTurn * kSteps, 0, kSteps - 1)] += f.area[i];
-  double sum = 0;
-  int some = 0;
-  for (const double a : area) {
-    sum += a;
-    some += a > 0;
-  }
   std::array<bool, kSteps> is_on{};
-  for (int k = 0; k < kSteps; ++k) is_on[k] = area[k] > kOccupied * sum / some;
+  for (const double a : f.angle) is_on[to_integer(a / kTurn * kSteps, 0, kSteps - 1)] = true;
   int run = 0, longest = 0, end = 0;
   for (int k = 0; k < 2 * kSteps; ++k) {
     run = is_on[k % kSteps] ? 0 : run + 1;

@@ -7,25 +7,18 @@
 #include <utility>
 
 #include "find.h"
+#include "numbers.h"
 #include "surfaces.h"
 
 namespace isimp::curved {
 namespace {
 
-constexpr int kSmoothBorders = 4;  ///< between two surfaces that may be one
-constexpr std::size_t kSmall = 8;  ///< points of a plane that may be part of a revolution
-constexpr double kKept = 0.85;     ///< share of each that the common surface must explain
-constexpr double kFurther = 1.5;   ///< distance at which a point counts as explained, in nearnesses
-constexpr double kTurnsMore = 1.3;
-constexpr double kAllRound = 0.9;  ///< least share of a full turn to join two that are no revolutions
-constexpr double kWorst = 0.8;     ///< share of the nearness: largest root mean square distance of the common surface
-constexpr double kReach = 1.4;     ///< distance at which a point is taken in, in nearnesses
-
-constexpr double kNearlyAsWell = 1.3;  ///< simpler surfaces may be that much worse ...
-constexpr double kAnyway = 0.2;        ///< ... or this share of the nearness
-constexpr double kOfSimple = 0.97;     ///< least share of the points that a simpler surface must explain
-constexpr double kAtBreak = 0.03;      ///< share of the length of the profile
-constexpr std::size_t kLeastPoints = 6;
+constexpr int kSmoothBorders = 4;   ///< between two surfaces that may be one
+constexpr double kTurnsMore = 1.3;  ///< times the turn of the nearness, of a point that a surface explains
+constexpr double kFurther = 1.5;    ///< times the nearness: a surface explains such points
+constexpr double kAnyway = 0.2;     ///< times the nearness: a simpler surface is near enough
+constexpr double kAtBreak = 0.03;   ///< share of the length of a profile: points across its break
+constexpr double kOfSimple = 0.97;  ///< least share of the points that a simpler surface must explain
 
 class Joiner {
  public:
@@ -86,7 +79,6 @@ class Joiner {
   bool try_pair(std::int32_t i, std::int32_t j) {
     const Found &a = found_[i], &b = found_[j];
     if (a.is_plane() && b.is_plane()) return false;
-    if ((a.is_plane() || b.is_plane()) && std::min(a.points.size(), b.points.size()) > kSmall) return false;
     Found both;
     both.points = a.points;
     both.points.insert(both.points.end(), b.points.begin(), b.points.end());
@@ -96,13 +88,12 @@ class Joiner {
     if (!surface) return false;
     const double turn = kTurnsMore * near_.turn;
     const bool is_one = a.surface.kind == CurvedKind::revolution || b.surface.kind == CurvedKind::revolution;
-    if (!is_seen(*surface, s) || !(is_one || surface->closed || turn_share(*surface, s) > kAllRound)) return false;
-    if (explained(*surface, a.points, turn) < kKept || explained(*surface, b.points, turn) < kKept) return false;
+    if (!is_seen(*surface, s) || !(is_one || surface->closed || turn_share(*surface, s) > kFullTurn)) return false;
+    if (explained(*surface, a.points, turn) < kMost || explained(*surface, b.points, turn) < kMost) return false;
     const Samples rest = explained_samples(*surface, both.points);
     both.surface = fit(CurvedKind::revolution, rest).value_or(*surface);
     both.area = a.area + b.area;
     both.rms = rms(both.surface, rest);
-    if (both.rms > kWorst * near_.distance) return false;
     found_.erase(found_.begin() + std::max(i, j));
     found_.erase(found_.begin() + std::min(i, j));
     found_.push_back(std::move(both));
@@ -128,7 +119,7 @@ class Joiner {
       std::sort(f.points.begin(), f.points.end());
       f.area = p_.area_of(f.points);
       const Samples s = explained_samples(f.surface, f.points);
-      if (f.surface.closed && turn_share(f.surface, s) < kAllRound)
+      if (f.surface.closed && turn_share(f.surface, s) < kFullTurn)
         continue;  // its pipes fix the axis of a bend better
       const auto again = fit(f.surface.kind, s);
       const double before = rms(f.surface, s);

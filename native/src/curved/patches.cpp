@@ -8,17 +8,14 @@
 #include <utility>
 
 #include "face_labels.h"
+#include "numbers.h"
 
 namespace isimp::curved {
 namespace {
 
-constexpr double kOfTolerance = 0.3, kOfNoise = 2.5;  ///< how near data is to its surface
-constexpr double kNearTurn = 14 * std::numbers::pi / 180;
-constexpr std::size_t kLeastFaces = 20;
-constexpr double kSquare = 0.1;   ///< cosine: a plane along an axis
-constexpr double kTouches = 2.5;  ///< times the nearness: a plane that touches a cylinder
-constexpr double kNearEnd = 0.5;  ///< radians, of a plane that touches it at an end
-constexpr int kSteps = 3;         ///< steps of the last fit
+constexpr double kOfTolerance = 0.3, kOfNoise = 2.5;       ///< how near data is to its surface
+constexpr double kNearTurn = 14 * std::numbers::pi / 180;  ///< between the normals of data and of its surface
+constexpr int kSteps = 3;                                  ///< steps of the last fit
 
 bool is_straight(const CurvedSurface& s) { return s.kind == CurvedKind::cylinder || s.kind == CurvedKind::cone; }
 
@@ -97,14 +94,14 @@ void set_tangents(const Scene& scene, const std::map<std::int32_t, int>& beside,
   for (const auto& [k, edges] : beside) {
     const CurvedSurface& plane = scene.found[k].surface;
     const double gap = std::abs((p.point - plane.point).dot(plane.axis)) - p.radius;
-    if (std::abs(plane.axis.dot(p.axis)) > 1.2 * kSquare || std::abs(gap) > kTouches * near) continue;
+    if (std::abs(plane.axis.dot(p.axis)) > kSquare || std::abs(gap) > kAlike * near) continue;
     const Vec3 to = p.side * (plane.axis - plane.axis.dot(p.axis) * p.axis);
     const double angle = std::atan2(to.dot(p.axis.cross(p.across)), to.dot(p.across));
     const double first = turned(angle - p.phase), last = turned(angle - p.phase - p.span);
-    if (std::abs(first) < kNearEnd && std::abs(first) <= std::abs(last) && patch.tangent[0] == kNone) {
+    if (std::abs(first) <= std::abs(last) && patch.tangent[0] == kNone) {
       patch.tangent[0] = k;
       patch.first_angle = p.phase + first;
-    } else if (std::abs(last) < kNearEnd && patch.tangent[1] == kNone) {
+    } else if (std::abs(last) < std::abs(first) && patch.tangent[1] == kNone) {
       patch.tangent[1] = k;
       patch.last_angle = p.phase + p.span + last;
     }
@@ -187,7 +184,7 @@ Scene find_patches(const Faces& faces, const Partition& part, std::span<const st
       members[k].push_back(i);
   }
   for (std::size_t k = 0; k < members.size(); ++k) {
-    if (members[k].size() < kLeastFaces) continue;
+    if (members[k].empty()) continue;
     CurvedProxy proxy;
     static_cast<CurvedSurface&>(proxy) = fitted(faces, scene.found[k].surface, members[k]);
     const auto beside = planes_beside(faces, scene, members[k]);

@@ -4,16 +4,13 @@
 #include <numbers>
 #include <vector>
 
+#include "numbers.h"
 #include "patches.h"
 
 namespace isimp::curved {
 namespace {
 
-constexpr double kSquare = 0.1;    ///< cosine of the axes of a pipe and its bend
-constexpr double kSameRadius = 3;  ///< times the nearness
 constexpr std::int32_t kMostOfPipe = 128;
-constexpr std::int32_t kCorners = 48;  ///< least number of corners of the profile of a bend
-constexpr int kLeastEdges = 6;         ///< least number of edges of a common border
 
 /// The mean square distance of an arc of radius 1 from its chord through the mean.
 double of_chord(double angle) {
@@ -91,8 +88,8 @@ class Pipes {
       const double radius = tube_of(bend).radius;
       for (const auto& [other, edges] : beside) {
         const CurvedProxy& p = s_.patches[other].proxy;
-        if (p.kind == CurvedKind::cylinder && p.full && edges >= kLeastEdges &&
-            std::abs(p.axis.dot(bend.axis)) < kSquare && std::abs(p.radius - radius) < kSameRadius * distance_)
+        if (p.kind == CurvedKind::cylinder && p.full && edges >= kLeastBorder &&
+            std::abs(p.axis.dot(bend.axis)) < kSquare && std::abs(p.radius - radius) < kAlike * distance_)
           run.pipes.push_back(static_cast<std::size_t>(other));
       }
       all.push_back(std::move(run));

@@ -10,16 +10,15 @@
 #include "cells.h"
 #include "face_labels.h"
 #include "isimp/partition/partition.h"
+#include "numbers.h"
 
 namespace isimp::curved {
 namespace {
 
-constexpr double kOfCell = 0.25;   ///< share of a cell's area: a smaller part, if not the largest, joins a neighbour
 constexpr double kOfRegion = 0.3;  ///< share of a region's area: if patches leave less of it, the rest joins neighbours
-constexpr std::int32_t kFewest = 3;  ///< segments of one that is no full turn
-constexpr double kNarrow = 1;        ///< radians, the least span of one
-constexpr double kFar = 1e300;       ///< misfit of a face to a cell without a plane
-constexpr double kOfMean = 0.02;     ///< share of a mean region: a smaller part of a cut region joins a neighbour
+constexpr double kNarrow = 1;      ///< radians, the least span of one that is no full turn
+constexpr double kFar = 1e300;     ///< misfit of a face to a cell without a plane
+constexpr double kOfMean = 0.02;   ///< share of a mean region: a smaller part of a cut region joins a neighbour
 
 /// Puts cells in the place of regions.
 class Rounding {
@@ -71,9 +70,7 @@ class Rounding {
   };
 
   std::optional<PatchCut> cut_of(RoundPatch& patch) {
-    // A plane that touches a patch is its first segment.
-    const int segments = patch.proxy.segments + (patch.tangent[0] != kNone) + (patch.tangent[1] != kNone);
-    const bool is_wide = patch.proxy.full || patch.proxy.closed || (segments >= kFewest && patch.proxy.span >= kNarrow);
+    const bool is_wide = patch.proxy.full || patch.proxy.closed || patch.proxy.span >= kNarrow;
     if (!is_edit() && !is_wide) return std::nullopt;
     PatchCut c{&patch, {}, give_to_tangents(patch)};
     if (patch.faces.face.empty()) return std::nullopt;
@@ -170,8 +167,8 @@ class Rounding {
   void clean(Job& job) {
     give_rests_away(job);
     absorb_fragments(
-        f_, label_, [&](std::int32_t label) { return label < count_ ? 0.0 : kOfCell * ideal_[label - count_]; },
-        nullptr, [&](std::int32_t label) { return takes(label); }, job);
+        f_, label_, [&](std::int32_t label) { return label < count_ ? 0.0 : kPiece * ideal_[label - count_]; }, nullptr,
+        [&](std::int32_t label) { return takes(label); }, job);
   }
 
   /// Whether a label may get faces of others: locked regions stay as they are, and no face leaves the regions.

@@ -476,7 +476,8 @@ def test_strips_of_a_scanned_can_are_parallel(data):
     edges = [sorted(edge) for edge, polygons in owners.items() if len(polygons) == 2]
     assert len(edges) == found.segments
     along = np.diff(np.asarray(poly.vertices)[edges], axis=1)[:, 0]
-    off_axis = np.sort(np.degrees(np.arccos(np.abs(along @ found.axis) / np.linalg.norm(along, axis=1))))
+    cosine = np.minimum(np.abs(along @ found.axis) / np.linalg.norm(along, axis=1), 1)
+    off_axis = np.sort(np.degrees(np.arccos(cosine)))
     assert off_axis[-3] < 0.1  # the planes at two corners are nearly parallel
     assert off_axis[-1] < 6
     planar = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
