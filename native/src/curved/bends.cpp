@@ -12,10 +12,10 @@
 namespace isimp::curved {
 namespace {
 
-constexpr double kStraight = 0.97;               ///< cosine between the axes
-constexpr double kTightest = 1.05, kWidest = 8;  ///< radius of a bend, over that of the pipe
-constexpr int kSteps = 80;                       ///< number of tries of the radius
-constexpr double kLeft = 0.5;  ///< least share of its area that a surface keeps, and least share outside the bend
+constexpr double kNoBend = 0.97;  ///< cosine between the axes
+constexpr double kWidest = 8;     ///< radius of a bend, over that of the pipe
+constexpr int kSteps = 80;        ///< number of tries of the radius
+constexpr double kLeft = 0.5;     ///< least share of its area that a surface keeps, and least share outside the bend
 
 /// Two pipes whose axes meet, and the bend of one radius between them.
 struct Bend {
@@ -90,7 +90,7 @@ class Bends {
 
   [[nodiscard]] std::optional<Bend> between(std::size_t i, std::size_t j) const {
     const CurvedSurface &a = found_[i].surface, &b = found_[j].surface;
-    if (a.side != b.side || std::abs(a.axis.dot(b.axis)) > kStraight ||
+    if (a.side != b.side || std::abs(a.axis.dot(b.axis)) > kNoBend ||
         std::abs(a.radius - b.radius) > kAlike * near_.distance)
       return std::nullopt;
     const Vec3 across = a.axis.cross(b.axis).normalized(), to = b.point - a.point;
@@ -106,7 +106,7 @@ class Bends {
     double most = 0;
     Bend best = bend;
     for (int k = 0; k <= kSteps; ++k) {
-      bend.radius = bend.tube * kTightest * std::pow(kWidest / kTightest, static_cast<double>(k) / kSteps);
+      bend.radius = bend.tube * std::pow(kWidest, static_cast<double>(k) / kSteps);
       const double now = score(bend, i, j);
       if (now <= most) continue;
       most = now;

@@ -17,8 +17,6 @@ namespace {
 
 using namespace curved;
 
-constexpr std::size_t kMostSamples = 1500;  ///< number of faces that a surface with a profile is fitted to, about
-
 void check_face(const Mesh& mesh, std::int32_t face) {
   if (face < 0 || face >= mesh.face_count())
     throw InvalidInput("face must be in [0, " + std::to_string(mesh.face_count()) + "), got " + std::to_string(face));

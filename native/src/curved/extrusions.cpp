@@ -11,8 +11,6 @@
 namespace isimp::curved {
 namespace {
 
-constexpr std::size_t kMostSamples = 500;  ///< number of faces that a profile is fitted to, about
-
 class Extrusions {
  public:
   Extrusions(const Faces& faces, const Points& points, const std::vector<Found>& found, const std::vector<bool>& kept,

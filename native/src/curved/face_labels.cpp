@@ -16,11 +16,9 @@ constexpr double kFilters53 = 0.6;    ///< cosine: neighbours further apart are 
 constexpr double kNoSurface = 1.2;    ///< cost of a face on none
 constexpr double kVote = 0.25;        ///< reduction of the cost by each neighbour of the same label
 constexpr double kSmallPart = 0.004;  ///< share of the whole area: a smaller part on no surface may fit less well
-constexpr double kSmallHole = 0.05, kInside = 0.95;  ///< this share if one surface has kInside of its border edges
-constexpr double kFitsWell = 1.6, kFitsAtAll = 4;    ///< misfit of a part on no surface that joins one; of a small one
-constexpr std::size_t kSampled = 256;                ///< about as many faces of a part are compared with a surface
-constexpr double kFragment = 0.0015;                 ///< share of the whole area
-constexpr double kSpeck = 0.02;  ///< share of a small part's area: a label's only part below it is removed too
+constexpr double kSmallHole = 0.05;   ///< share of the whole area: such a part within one surface may fit less well
+constexpr double kFitsWell = 1.6, kFitsAtAll = 4;  ///< misfit of a part on no surface that joins one; of a small one
+constexpr double kFragment = 0.0015;               ///< share of the whole area
 
 /// Normals of faces after kFilters averages with neighbours. Only requested ones are computed, since labels
 /// change at borders alone.
@@ -64,7 +62,7 @@ std::vector<Locator> locators(const std::vector<Found>& found) {
 class Borders {
  public:
   Borders(const Faces& faces, const Points& points, const std::vector<Found>& found, const Nearness& near)
-      : f_(faces), graph_(faces.graph()), p_(points), found_(found), on_(locators(found)), near_(near), normal_(faces) {
+      : f_(faces), graph_(faces.graph()), p_(points), on_(locators(found)), near_(near), normal_(faces) {
     Some own(points.area.size(), kNone);
     for (std::size_t k = 0; k < found.size(); ++k)
       for (const std::int32_t i : found[k].points) own[i] = static_cast<std::int32_t>(k);
@@ -161,7 +159,7 @@ class Borders {
     for (const auto& [pair, edges] : beside) {
       const auto& [part, label] = pair;
       const double misfit = misfit_of(members[part], label);
-      const bool is_inside = edges >= kInside * all.at(part) && parts.area[part] < kSmallHole;
+      const bool is_inside = edges >= kFullTurn * all.at(part) && parts.area[part] < kSmallHole;
       if (misfit >= (is_inside || parts.area[part] < kSmallPart ? kFitsAtAll : kFitsWell)) continue;
       const double cost = misfit - 0.01 * edges;
       const auto [at, is_new] = best.try_emplace(part, cost, label);
@@ -174,7 +172,7 @@ class Borders {
 
   [[nodiscard]] double misfit_of(const Some& members, std::int32_t label) {
     double square = 0, turn = 0, area = 0;
-    for (std::size_t k = 0; k < members.size(); k += 1 + members.size() / kSampled) {
+    for (std::size_t k = 0; k < members.size(); k += 1 + members.size() / kMostSamples) {
       const std::int32_t i = members[k];
       const Residual r = on_[label].residual(f_.centre(i));
       square += f_.area(i) * r.distance * r.distance;
@@ -188,7 +186,6 @@ class Borders {
   const Faces& f_;
   const FaceGraph& graph_;
   const Points& p_;
-  const std::vector<Found>& found_;
   std::vector<Locator> on_;  // by surface
   const Nearness& near_;
   FilteredNormals normal_;

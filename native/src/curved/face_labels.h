@@ -41,7 +41,7 @@ LabelParts parts_of_labels(const Faces& faces, const Some& labels, Job& job);
 std::vector<bool> kept_surfaces(const Faces& faces, const Points& points, const std::vector<Found>& found,
                                 const Some& labels, const Nearness& near);
 
-/// The curved surfaces that may be kept, as far as the borders of their points tell: on a free form mostly none, so that no
+/// The curved surfaces that may be kept, by the borders of their points: on a free form mostly none, so that no
 /// face needs a label. (gates.cpp)
 std::vector<bool> perhaps_kept(const Points& points, const std::vector<Found>& found);
 

@@ -12,17 +12,16 @@ namespace isimp::curved {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr std::int32_t kSeeds = 20;      ///< a round
-constexpr int kFails = 3;                ///< rounds of seeds without a find, after which the search ends
-constexpr int kGrows = 4;                ///< times that a surface is fitted again to the points that it reaches
-constexpr double kBent = 0.015;          ///< 1 - |mean normal|: points with less form a plane
-constexpr double kLeastTurn = 0.3;       ///< least seen share of a full turn, of a revolution
-constexpr double kWorst = 0.35;          ///< share of the score that a surface loses at the greatest mean distance
-constexpr double kStillFree = 0.7;       ///< share of the area of a find that others have not taken ...
-constexpr double kUntouched = 0.999;     ///< ... and of others of the same seeds
-constexpr double kNotMuchSmaller = 0.4;  ///< times the area of the first find of some seeds: of others
-constexpr double kGood = 0.2;            ///< times the nearness: no seed within such a surface for another of its kind
-constexpr double kLargest = 1;           ///< diagonals: the largest radius
+constexpr std::int32_t kSeeds = 20;          ///< a round
+constexpr int kFails = 3;                    ///< rounds of seeds without a find, after which the search ends
+constexpr int kGrows = 4;                    ///< times that a surface is fitted again to the points that it reaches
+constexpr double kBent = 0.015;              ///< 1 - |mean normal|: points with less form a plane
+constexpr double kLeastTurn = 0.3;           ///< least seen share of a full turn, of a revolution
+constexpr double kWorst = 0.35;              ///< share of the score that a surface loses at the greatest mean distance
+constexpr double kStillFree = 0.7;           ///< share of the area of a find that others have not taken ...
+constexpr double kUntouched = 0.999;         ///< ... and of others of the same seeds
+constexpr double kNotMuchSmaller = 0.4;      ///< times the area of the first find of some seeds: of others
+constexpr double kLargest = 1;               ///< diagonals: the largest radius
 constexpr double kPlaneTurn = 9 * kDegree;   ///< between the normals of a plane and of its points
 constexpr std::array kBalls = {10, 30, 80};  ///< points to which a first surface is fitted
 constexpr double kWorstBall = 2;  ///< nearnesses: kinds that are further from a ball are not tried in larger ones

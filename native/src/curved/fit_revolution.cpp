@@ -6,20 +6,20 @@
 #include <numeric>
 
 #include "fit.h"
+#include "grid.h"
 #include "isimp/core/to_integer.h"
 
 namespace isimp::curved {
 namespace {
 
-constexpr double kThin = 2e-3;  ///< eigenvalues of the normals below this are noise
-constexpr std::size_t kMostBins = 40,
-                      kMostOfExtrusion = 120;  ///< most bins of a profile
-constexpr std::size_t kPointsABin = 3;         ///< at the least: a profile through every point fits anything
-constexpr double kCluster = 1.0 / 80;          ///< share of the profile's size: points at a smaller distance are merged
-constexpr double kSameWay = 0.8;               ///< cosine of the normals of points that are one
-constexpr double kTurns = 4;                   ///< by how much a difference of normals lengthens a step
-constexpr double kGap = 4;                     ///< median steps: ends that are nearer make a ring
-constexpr std::size_t kLeastOfProfile = 12;    ///< points
+constexpr double kThin = 2e-3;               ///< eigenvalues of the normals below this are noise
+constexpr std::size_t kMostBins = 40;        ///< number of bins of the profile of a revolution
+constexpr std::size_t kPointsABin = 3;       ///< at the least: a profile through every point fits anything
+constexpr double kCluster = 1.0 / 80;        ///< share of the profile's size: points at a smaller distance are merged
+constexpr double kSameWay = 0.8;             ///< cosine of the normals of points that are one
+constexpr double kTurns = 4;                 ///< by how much a difference of normals lengthens a step
+constexpr double kGap = 8;                   ///< median steps: ends that are nearer make a ring
+constexpr std::size_t kLeastOfProfile = 12;  ///< points
 constexpr double kTiny = 1e-300;
 
 /// Points of a profile that nearly coincide.
@@ -188,8 +188,7 @@ bool is_ring(const std::vector<Bin>& bins) {
 std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& samples) {
   if (samples.size() < kLeastOfProfile) return std::nullopt;
   const bool is_extrusion = surface.kind == CurvedKind::extrusion;
-  const std::vector<Bin> bins =
-      bins_of(half_plane(surface, samples), samples, is_extrusion ? kMostOfExtrusion : kMostBins);
+  const std::vector<Bin> bins = bins_of(half_plane(surface, samples), samples, is_extrusion ? kMostStrips : kMostBins);
   if (bins.size() < 3) return std::nullopt;
   surface.closed = is_ring(bins);
   std::vector<Vec2> corners;

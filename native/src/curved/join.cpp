@@ -16,9 +16,7 @@ namespace {
 constexpr int kSmoothBorders = 4;   ///< between two surfaces that may be one
 constexpr double kTurnsMore = 1.3;  ///< times the turn of the nearness, of a point that a surface explains
 constexpr double kFurther = 1.5;    ///< times the nearness: a surface explains such points
-constexpr double kAnyway = 0.2;     ///< times the nearness: a simpler surface is near enough
 constexpr double kAtBreak = 0.03;   ///< share of the length of a profile: points across its break
-constexpr double kOfSimple = 0.97;  ///< least share of the points that a simpler surface must explain
 
 class Joiner {
  public:
@@ -135,7 +133,7 @@ class Joiner {
     const Samples s = samples_of(p_, some);
     for (const CurvedKind kind : {CurvedKind::cylinder, CurvedKind::sphere, CurvedKind::cone}) {
       const auto surface = fit(kind, s);
-      if (!surface || explained(*surface, some, near_.turn) < kOfSimple) continue;
+      if (!surface || explained(*surface, some, near_.turn) < kFullTurn) continue;
       const double then = rms(*surface, s);
       if (then < most) return Found{*surface, some, p_.area_of(some), then};
     }
@@ -143,7 +141,7 @@ class Joiner {
   }
 
   [[nodiscard]] double allowed(const Found& f) const {
-    return std::max(kNearlyAsWell * rms(f.surface, explained_samples(f.surface, f.points)), kAnyway * near_.distance);
+    return std::max(kNearlyAsWell * rms(f.surface, explained_samples(f.surface, f.points)), kGood * near_.distance);
   }
 
   bool simplify(std::size_t k) {

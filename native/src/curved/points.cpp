@@ -7,11 +7,12 @@
 #include <numbers>
 #include <utility>
 
+#include "numbers.h"
+
 namespace isimp::curved {
 namespace {
 
-constexpr double kOff = 9;  ///< mean areas of its faces: a centre at a larger squared distance from them is off
-constexpr std::size_t kLeastFaces = 8;
+constexpr double kOff = 9;      ///< mean areas of its faces: a centre at a larger squared distance from them is off
 constexpr double kFlat = 0.98;  ///< least length of the mean normal: others are no rings on top of a round part
 const double kJoins = std::cos(33 * std::numbers::pi / 180);  ///< least cosine between normals of joined points
 
@@ -46,7 +47,7 @@ class Splitter {
 
   /// Whether a flat region has its centre away from all of its faces.
   [[nodiscard]] bool is_off(const Some& some) const {
-    if (some.size() < kLeastFaces) return false;
+    if (some.size() < kLeastPoints) return false;
     const Vec3 middle = centre(some);
     Vec3 normal = Vec3::Zero();
     double least = std::numeric_limits<double>::infinity(), area = 0;

@@ -18,7 +18,6 @@ namespace {
 constexpr double kOfRegion = 0.3;  ///< share of a region's area: if patches leave less of it, the rest joins neighbours
 constexpr double kNarrow = 1;      ///< radians, the least span of one that is no full turn
 constexpr double kFar = 1e300;     ///< misfit of a face to a cell without a plane
-constexpr double kOfMean = 0.02;   ///< share of a mean region: a smaller part of a cut region joins a neighbour
 
 /// Puts cells in the place of regions.
 class Rounding {
@@ -185,7 +184,7 @@ class Rounding {
       all += f_.area(i);
       if (label_[i] >= 0 && label_[i] < count_) now[label_[i]] += f_.area(i);
     }
-    const double least = kOfMean * all / (count_ + first_);
+    const double least = kSpeck * all / (count_ + first_);
     const std::vector<CellGrid> grid(proxies_.begin(), proxies_.end());
     const auto cell_at = [&](std::int32_t patch, std::int32_t i) {
       const std::int32_t cell = first_of_[patch] + grid[patch].at(f_.centre(i));

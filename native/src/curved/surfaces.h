@@ -54,7 +54,7 @@ class Locator {
   /// The place on the profile that is nearest to a point of its plane.
   struct OnProfile {
     std::size_t edge = 0;
-    double share = 0;          ///< of the edge
+    double share = 0;          ///< share of the edge
     Vec2 away = Vec2::Zero();  ///< from that place to the point
   };
   [[nodiscard]] OnProfile nearest(double x, double y) const;
