@@ -23,6 +23,7 @@ from ._core import (
     regularise,
 )
 from .clutter import Clutter, clutter, without_clutter
+from .dents import dent_rows
 from .jobs import Steps
 from .marks import Marks
 from .repairs import Meshes, Repaired
@@ -107,6 +108,7 @@ class Model(Regions):
             "history": part.history.tolist(),
             "partition": part.report | {"warnings": [*(recipe.gone if recipe else ()), *self.found.warnings]},
             "curved": part.report["curved"],
+            "dents": dent_rows(self.mesh, part),
             "sizes": size_rows(self.mesh, part) if sizes else None,
             "expected": self.expected,
             "output": self.found.report,

@@ -9,8 +9,9 @@ import pytest
 
 import isimp_engine as engine
 import shapes
-from bench.generators import round_shapes
+from bench.generators import more_round_shapes, round_shapes
 from isimp_engine import cli
+from isimp_engine.dents import dent_rows
 
 
 def turned(profile, steps=96):
@@ -108,6 +109,25 @@ def test_a_vase_is_rings_of_quads():
     assert far < far_before
     assert poly.report["manifold"]
     assert poly.report["closed"]
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_dents_of_a_wall_are_named_with_place_and_depth(seed):
+    shape, _, vertices, triangles = more_round_shapes.turned_shape("dented can", seed, 0.002, 44)
+    mesh = engine.clean(vertices, triangles)
+    part = engine.partition(mesh, engine.PartitionOptions(curved=True))
+    (found,) = part.curved
+    rows = dent_rows(mesh, part)
+    assert [row["part"] for row in rows] == [found.number] * 2
+    axis = np.asarray(shape.parts[0].axis)
+    for row, depth, height in zip(rows, (0.06, 0.03), (0.3, -0.6), strict=True):
+        assert row["depth"] == pytest.approx(depth, abs=0.015)
+        assert np.dot(row["place"], axis) == pytest.approx(height, abs=0.3)
+        assert 0.001 < row["area_share"] < 0.05
+
+
+def test_an_even_wall_has_no_dents(mesh, part):
+    assert dent_rows(mesh, part) == []
 
 
 def test_an_oval_can_is_an_extrusion():
