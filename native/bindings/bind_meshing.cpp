@@ -9,6 +9,7 @@
 #include "isimp/meshing/merge_flat.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/regular/align_planes.h"
+#include "isimp/regular/hold_planes.h"
 #include "isimp/regular/regularise.h"
 #include "kept_mesh.h"
 #include "options.h"
@@ -186,6 +187,28 @@ The labels stay. The returned partition has region_normal, region_offset and reg
 planes. Its report has directions, planes and rms_added (scene units). An edit releases the planes of the regions that it
 changes. Planes that align_planes has set stay, and lead. up_direction: (3,), in place of options.up.
 Raises InvalidInput (the partition is not one of this mesh, or an option out of its range) or Cancelled.)");
+  m.def(
+      "_hold_planes",
+      [](const KeptMesh& mesh, const Partition& part,
+         const std::vector<std::tuple<std::int32_t, std::array<double, 3>, double>>& planes,
+         const std::vector<std::tuple<std::int32_t, std::array<double, 3>, std::array<double, 3>, double>>& round,
+         Job* job) {
+        const auto vector = [](const std::array<double, 3>& v) { return Vec3(v[0], v[1], v[2]); };
+        std::vector<HeldPlane> held;
+        for (const auto& [region, normal, offset] : planes) held.push_back({region, vector(normal), offset});
+        std::vector<HeldRound> parts;
+        for (const auto& [number, point, axis, radius] : round)
+          parts.push_back({number, vector(point), vector(axis), radius});
+        return call(job, [&](Job& j) { return hold_planes(mesh, part, held, parts, j); });
+      },
+      "mesh"_a, "partition"_a, "planes"_a, "parts"_a = py::list(), py::kw_only(), "job"_a = py::none(),
+      R"(Hold planes and round parts at given places. Returns a new Partition, whose planes polygonize uses.
+
+planes: (region, normal, offset) of each, normal * x = offset, normal of length 1 and facing as the region. parts: (number
+in part.curved, point on the axis, axis, radius) of each; only full cylinders and spheres change their radius. Cells follow
+their part. The labels stay; the bound is 0, as after an edit.
+Raises InvalidInput (a number out of its range, a plane that is not finite, a region that was left out or is a cell of a
+round part) or Cancelled.)");
   m.def(
       "merge_flat",
       [](const KeptMesh& mesh, double angle, const std::optional<py::object>& group, Job* job) {

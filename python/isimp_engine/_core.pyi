@@ -1,4 +1,4 @@
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from os import PathLike
 from typing import Any, Literal
@@ -400,6 +400,14 @@ def align_planes(
     to: Literal["level", "upright", "parallel", "perpendicular", "coplanar", "free"],
     up_direction: ArrayLike = ...,
     length: float | None = None,
+    *,
+    job: Job | None = None,
+) -> Partition: ...
+def _hold_planes(
+    mesh: Mesh,
+    partition: Partition,
+    planes: Sequence[tuple[int, Sequence[float], float]],
+    parts: Sequence[tuple[int, Sequence[float], Sequence[float], float]] = ...,
     *,
     job: Job | None = None,
 ) -> Partition: ...

@@ -30,6 +30,7 @@ from .repairs import Meshes, Repaired
 from .replaying import Replay
 from .settings import BOX_CLUTTER, KEEP_CLUTTER, Settings, Texturing
 from .sizes import size_rows
+from .snapping import snap_sizes
 from .source import Source, facts, labels
 from .states import refused
 from .texturing import Texture, texture
@@ -56,6 +57,12 @@ class Regions:
     @property
     def mesh(self) -> Mesh:
         return self.repaired.mesh
+
+    @property
+    def step(self) -> float | None:
+        """The step that sizes were snapped to, scene units."""
+        own, recipe = self.settings, self.settings.recipe
+        return own.snap_sizes if own.regularise or recipe is None else recipe.snap_sizes()
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +109,7 @@ class Model(Regions):
                 "guides": {"angle": settings.angle},
                 "recipe": recipe and json.loads(recipe.to_json()),
                 "regularise": self.regular and self.regular.as_dict(),
+                "snap_sizes": self.step,
             },
             "regions": part.region_count,
             "error": part.error,
@@ -109,7 +117,7 @@ class Model(Regions):
             "partition": part.report | {"warnings": [*(recipe.gone if recipe else ()), *self.found.warnings]},
             "curved": part.report["curved"],
             "dents": dent_rows(self.mesh, part),
-            "sizes": size_rows(self.mesh, part) if sizes else None,
+            "sizes": size_rows(self.mesh, part, self.step) if sizes or self.step else None,
             "expected": self.expected,
             "output": self.found.report,
             "clicks": self.clicks,
@@ -133,6 +141,8 @@ def make_regions(
     if regular is not None:
         with steps("regularise") as job, refused():
             part, made = regularise(mesh, part, regular, job=job), None
+            if settings.snap_sizes:
+                part = snap_sizes(mesh, part, settings.snap_sizes, job=job)
     elif recipe is not None:
         regular = recipes.regularise_options(recipe)
     with steps("mesh") as job:

@@ -80,6 +80,7 @@ def simplify(
     bound: float | None = None,
     planar: bool = False,
     regularise: float | bool | RegulariseOptions | None = None,
+    snap_sizes: float | str | None = None,
     curved: bool = False,
     texture: int | bool | None = None,
     keep_openings: bool = False,
@@ -95,6 +96,9 @@ def simplify(
     proxies, triangles, detail, tolerance, bound: at most one; the number of regions as in PartitionOptions.
     planar, curved: as in MeshingOptions and PartitionOptions.
     regularise: snap planes by at most this many degrees; True: by the default angle.
+    snap_sizes: move planes, axes and radii so that sizes are multiples of this length (1.0 in scene units; "1mm" or
+    "1/16in" with `unit`) where their uncertainty allows it; report["sizes"] lists the moves. It turns on planar and
+    regularise.
     texture: keep the scan's texture in an image of this size; True: as dense as the scan's.
     keep_openings: keep all holes and handles; else the ones that the regions can't show are closed in a noisy scan.
     recipe: steps that the add-on exported: a path, or the value of its JSON. Options given here come before its own.
@@ -117,6 +121,7 @@ def simplify(
         "planar": planar or None,
         "curved": curved or None,
         "regularise": _value(regularise, RegulariseOptions().angle),
+        "snap_sizes": snap_sizes,
         "texture": _value(texture, LIKE_THE_SCAN),
         "ao": _value(options.get("ao"), ANY_DISTANCE),
         "keep_openings": keep_openings,

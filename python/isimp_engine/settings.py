@@ -7,6 +7,7 @@ from typing import Any
 
 from ._core import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions, RegulariseOptions, TextureOptions
 from .exporting import UNITS
+from .lengths import length_of
 from .recipe import COUNTS
 from .recipes import Recipe, RecipeLike, recipe_of
 from .recipes import options_of as options_of_recipe
@@ -61,6 +62,7 @@ class Settings:
     partition: PartitionOptions
     meshing: MeshingOptions
     regularise: RegulariseOptions | None  #: None: planes are snapped only as the recipe has it
+    snap_sizes: float | None  #: step of sizes, scene units; None: they are as the recipe has it
     recipe: Recipe | None
     keep_openings: bool
     kept_places: list[Place]  #: places of openings that stay open
@@ -84,7 +86,7 @@ def snapping() -> list[str]:
 
 def option_names() -> frozenset[str]:
     """The names of all options of `settings_of`."""
-    own = {"regularise", "keep_openings", "keep_opening", "clutter", "angle", "texture", "ao", "tiles"}
+    own = {"regularise", "snap_sizes", "keep_openings", "keep_opening", "clutter", "angle", "texture", "ao", "tiles"}
     engine = {name for kind in (PartitionOptions, CleanOptions, MeshingOptions) for name in names(kind)}
     return frozenset({"materials", "crs", "unit", "strict"} | own | engine | set(snapping()))
 
@@ -104,6 +106,8 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
     """
     recipe = None if recipe is None else recipe_of(recipe)
     given = _with_recipe({name: value for name, value in options.items() if value is not None}, recipe)
+    if (step := _step_of(given)) is not None:
+        given = {"regularise": RegulariseOptions().angle} | given | {"planar": True}
     snaps = dict.fromkeys(snapping(), ("regularise", "it is about its planes"))
     for name, (needed, reason) in (_NEEDS | snaps).items():
         if given.get(name, False) is not False and needed not in given:  # 0 is a value
@@ -124,6 +128,7 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
         partition=options_of(given, PartitionOptions),
         meshing=options_of(given, MeshingOptions),
         regularise=_snapping_of(given),
+        snap_sizes=step,
         recipe=recipe,
         keep_openings=bool(given.get("keep_openings")),
         kept_places=[(x, y, z) for x, y, z in given.get("keep_opening", ())],
@@ -134,6 +139,19 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
         unit=given.get("unit", "m"),
         strict=bool(given.get("strict")),
     )
+
+
+def _step_of(options: Mapping[str, Any]) -> float | None:
+    """The step of sizes in scene units; None: they are not snapped."""
+    if (given := options.get("snap_sizes")) is None:
+        return None
+    if options.get("bound") is not None:
+        raise OptionError("{} and {} exclude each other: planes that move may leave the bound", "snap_sizes", "bound")
+    try:
+        return length_of(given, options.get("unit"))
+    except ValueError as error:
+        needs = options.get("unit") is None and "needs the unit" in str(error)
+        raise OptionError(_literal(str(error)) + (": give {}" if needs else ""), "snap_sizes", "unit") from None
 
 
 def _snapping_of(options: Mapping[str, Any]) -> RegulariseOptions | None:

@@ -127,6 +127,19 @@ void RoundAxes::turn(std::size_t group, const Vec3& axis) {
   g.line = g.middle + g.turn * (g.parts[0].first.point - g.middle);
 }
 
+void RoundAxes::place(std::int32_t number, const Vec3& point, const Vec3& axis, double radius) {
+  for (std::size_t k = 0; k < size(); ++k)
+    for (RoundPart& part : groups_[k].parts) {
+      if (part.number != number) continue;
+      if (part.has_radius) part.radius = radius;
+      if (!part.is_on_axis) continue;
+      Group& g = groups_[k];
+      turn(k, axis.dot(g.axis.normal) < 0 ? Vec3(-axis) : axis);
+      g.shift = across(point - g.line, axis);
+      g.line += g.shift;
+    }
+}
+
 void RoundAxes::share(std::span<const double> reach) {
   share_axes(reach);
   share_radii(reach);

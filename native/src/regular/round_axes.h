@@ -31,6 +31,8 @@ class RoundAxes {
 
   /// Turns the axis of a group about the middle of its cells.
   void turn(std::size_t group, const Vec3& axis);
+  /// Moves the group of a part to an axis through a point, and gives the part a radius if it has one of its own.
+  void place(std::int32_t number, const Vec3& point, const Vec3& axis, double radius);
   /// Makes nearly equal axes of turned groups one axis, and nearly equal radii of cylinders and spheres equal.
   /// \param reach  by group: the largest root mean square distance by which its cells may move
   void share(std::span<const double> reach);

@@ -50,6 +50,13 @@ def simplify_options() -> argparse.ArgumentParser:
     angle = RegulariseOptions().angle
     command.add_argument("--regularise", type=float, nargs="?", const=angle, metavar="ANGLE", help=turned)
     add_fields(command, RegulariseOptions, snapping())
+    command.add_argument(
+        "--snap-sizes",
+        metavar="STEP",
+        help="move planes, axes and radii so that distances and diameters are multiples of STEP (1mm, .5mm, 1/16in "
+        "with --unit, or a number of scene units) and angles of 5 degrees, where the uncertainty of a size reaches "
+        "there and is at most a tenth of the step. It turns on --planar and --regularise",
+    )
     for kind in (PartitionOptions, RegulariseOptions, TextureOptions):
         _add_gone(command, kind)
     command.add_argument(
@@ -92,7 +99,7 @@ def simplify_options() -> argparse.ArgumentParser:
         help="the number of the scan's reference system, written to CityJSON and IFC",
     )
     command.add_argument(
-        "--unit", choices=UNITS, default="m", help="unit of the scene in STEP and 3MF. Default: %(default)s"
+        "--unit", choices=UNITS, help="unit of the scene: of STEP and 3MF, and for lengths with a unit. Default: m"
     )
     command.add_argument("--recipe", type=Path, metavar="R.json", help="the steps to do, as the add-on exports them")
     command.add_argument(

@@ -56,7 +56,9 @@ def run(arguments: argparse.Namespace) -> None:
         if missing := [number for number in arguments.angles if number not in known]:
             raise UsageError(f"--angles: there is no region {missing[0]}; they are numbered from 0 to {max(known)}")
         angles = reports.angle_rows(table, arguments.angles)
-    texts = reports.texts_of(arguments.input.name, model.mesh, model.partition, poly, table, settings.crs)
+    texts = reports.texts_of(
+        arguments.input.name, model.mesh, model.partition, poly, table, settings.crs, step=model.step
+    )
     if angles is not None:
         texts[reports.ANGLES] = reports.write_csv(angles, ("region", "other", "angle"))
     arguments.output.mkdir(parents=True, exist_ok=True)

@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
+from ..sizes import ANGLE
+
 _REPAIRS = {
     "non_finite_faces": "dropped: a coordinate is not finite",
     "repeated_index_faces": "dropped: a vertex is used twice",
@@ -21,6 +23,7 @@ _REPAIRS = {
     "filled_holes": "covered",
     "cut_handles": "cut",
 }
+_SIZES = 24  # lines of sizes at most
 _THINGS = {"vertices": "vertex", "edges": "edge", "holes": "hole", "handles": "handle"}
 
 
@@ -142,6 +145,20 @@ def found(partition: dict[str, Any]) -> str:
     text = f"{count(partition['regions'], 'region')} found at a tolerance of {partition['tolerance']:.3g}"
     text += f", noise {partition['noise']:.2g}"
     return text + (", the number of planes it is made of" if partition["snapped"] else "")
+
+
+def snapped(sizes: list[dict[str, Any]], step: float) -> Iterator[str]:
+    """`sizes: 22 of 34 are multiples of 1; angles, of 5 degrees`, and lines of lengths that moved and that stay."""
+    moved = [row for row in sizes if row["snapped"] == "yes"]
+    yield f"  sizes: {len(moved):,} of {len(sizes):,} are multiples of {step:g}; angles, of {ANGLE:g} degrees"
+    lengths = [row for row in sizes if row["kind"] != "angle"]
+    lengths.sort(key=lambda row: row["snapped"] != "yes")
+    for row in lengths[:_SIZES]:
+        sure = "" if row["uncertainty"] is None else f" (+-{row['uncertainty']:.2g})"
+        told = f"{row['kind']} {row['name']}, {row['measured']:.6g}{sure}"
+        yield f"    {told}: {row['value']:.6g}" if row["snapped"] == "yes" else f"    {told}: stays, {row['snapped']}"
+    if len(lengths) > _SIZES:
+        yield f"    and {count(len(lengths) - _SIZES, 'size')} more: the report has all"
 
 
 def round_parts(parts: list[dict[str, Any]], regions: int) -> str:

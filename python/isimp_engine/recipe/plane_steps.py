@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from .checks import check, check_choice, check_options, indices, numbers
@@ -37,6 +38,15 @@ class _Upward(Step):
 @dataclass(frozen=True)
 class Regularise(_Upward, RegulariseFields):
     """Snap the planes of regions: level, upright with right angles, equal slopes, parallel, coplanar."""
+
+    snap_sizes: float = 0.0  #: step that distances and diameters move to, scene units; 0: they do not
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check(
+            not 0 <= self.snap_sizes < math.inf,
+            said("snap_sizes must be a length of at least 0, got {number}", number=self.snap_sizes),
+        )
 
     def describe(self) -> str:
         return "Regularise"

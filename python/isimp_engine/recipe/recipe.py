@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from .checks import RecipeError, check, short
@@ -49,6 +49,8 @@ class Recipe:
             steps = tuple(old for k, old in enumerate(steps) if k < hand or not isinstance(old, Regularise))
         elif isinstance(step, RoundSegments) and steps and isinstance(steps[-1], RoundSegments):
             steps = steps[:-1] if steps[-1].face == step.face else steps  # the same round part once more
+        elif isinstance(step, Mesh) and Recipe(steps).snap_sizes():
+            step = replace(step, planar=True)  # else corners are off the planes
         return Recipe((*steps, step))
 
     def _last_lock(self) -> int:
@@ -91,6 +93,11 @@ class Recipe:
         """The last partition of all faces, which sets the openings to close, and its index; (-1, None) if none."""
         found = [(index, step) for index, step in self.active() if isinstance(step, Partition) and not step.faces]
         return found[-1] if found else (-1, None)
+
+    def snap_sizes(self) -> float | None:
+        """The step of the sizes, scene units; None: they are not snapped."""
+        found = [step.snap_sizes for _, step in self.active() if isinstance(step, Regularise)]
+        return (found[-1] or None) if found else None
 
     def regularised(self, step: Regularise) -> Recipe:
         """The recipe with planes snapped at its end; unchanged if they are snapped already."""

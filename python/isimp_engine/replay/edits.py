@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from .. import _core
 from .. import recipe as rcp
 from .._core import Cancelled, Job, Partition, RegulariseOptions
+from ..snapping import snap_sizes
 from . import smoothing
 from .faces import Faces
 
@@ -43,7 +44,8 @@ def _upward(step: rcp.Regularise | rcp.AlignPlanes, faces: Faces, part: Partitio
 def _regularise(step: rcp.Regularise, faces: Faces, part: Partition, job: Job | None) -> Partition:
     up = _upward(step, faces, part)
     own = rcp.engine_options(step, rcp.REGULARISE) | {"up": "none" if up is None else "z"}
-    return _core.regularise(faces.mesh, part, RegulariseOptions(**own), job=job, up_direction=up)
+    part = _core.regularise(faces.mesh, part, RegulariseOptions(**own), job=job, up_direction=up)
+    return snap_sizes(faces.mesh, part, step.snap_sizes, job=job) if step.snap_sizes else part
 
 
 def _align(step: Any, faces: Faces, part: Partition, job: Job | None) -> Partition:

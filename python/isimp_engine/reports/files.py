@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from .._core import Mesh, Partition, PolygonMesh
 from ..batch import picture
-from ..sizes import SIZE_COLUMNS, size_rows
+from ..sizes import SIZE_COLUMNS, SNAPPED_COLUMNS, size_rows
 from .page import numbers_of, write_page
 from .planes import PlaneTable, write_csv, write_geojson
 from .round_parts import ROUND_COLUMNS
@@ -26,11 +26,13 @@ def texts_of(
     table: PlaneTable,
     crs: int | None = None,
     turn: NDArray[np.float64] | None = None,
+    step: float | None = None,
 ) -> dict[str, str]:
     """Return the content of each file of a report, by name. Round parts and sizes have one if there are some.
 
     table: the planes, as `plane_table` returns them. crs: EPSG number of the coordinates, or None. turn: (3, 3) from
-    the coordinates of the mesh to the coordinates of the pictures; None: the same.
+    the coordinates of the mesh to the coordinates of the pictures; None: the same. step: of snapped sizes, as in
+    `size_rows`.
     """
     scan, model = np.asarray(mesh.vertices), np.asarray(polygons.vertices)
     if turn is not None:
@@ -38,8 +40,8 @@ def texts_of(
     shown = model, polygons.loops, polygons.loop_start, polygons.polygon_region
     seen = picture.beside((scan, np.asarray(mesh.triangles)), shown, _SIDE)
     parts = {_ROUND: write_csv(table.round_parts, ROUND_COLUMNS)} if table.round_parts else {}
-    sizes = size_rows(mesh, part)
-    parts |= {_SIZES: write_csv(sizes, SIZE_COLUMNS)} if sizes else {}
+    sizes = size_rows(mesh, part, step)
+    parts |= {_SIZES: write_csv(sizes, SNAPPED_COLUMNS if step else SIZE_COLUMNS)} if sizes else {}
     return {
         _PLANES: write_csv(table.rows),
         **parts,

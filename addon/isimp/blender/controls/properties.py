@@ -177,6 +177,16 @@ class RegulariseSettings:
         ),
         default=_REGULARISE.up,
     )
+    snap_sizes: FloatProperty(
+        name="Snap Sizes",
+        description="Distances of parallel planes and diameters become multiples of this length, and angles of 5 "
+        "degrees, where their uncertainty allows it. Polygons become exactly flat. 0: off",
+        default=_REGULARISE.snap_sizes,
+        min=0.0,
+        soft_max=0.1,
+        precision=4,
+        unit="LENGTH",
+    )
 
 
 class AlignSettings:

@@ -41,7 +41,7 @@ class ISIMP_PT_regularise(Popover, bpy.types.Panel):
     def draw(self, context):
         layout, panel = self.prepare(context), context.window_manager.isimp
         _draw_limit(layout, panel.regularise)
-        for name in ("angle", "up"):
+        for name in ("angle", "up", "snap_sizes"):
             settings.draw(layout, rcp.Regularise, panel.regularise, name)
         layout.label(text="Planes set by hand:")
         _draw_limit(layout, panel.align)
