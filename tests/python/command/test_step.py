@@ -1,6 +1,7 @@
 """STEP, read back by OpenCASCADE, whose shapes are compared with the shapes that were scanned."""
 
 import json
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -212,8 +213,14 @@ def test_the_command_writes_step_and_reports_true_surfaces(tmp_path: Path, read:
     assert main(command) == 0
     said = capsys.readouterr().out
     assert "STEP: a solid, 3 faces, valid; true surfaces for 1 of 1 round part" in said
-    told = json.loads(report.read_text())["step"]
-    assert told["true_surfaces"] == [{"number": 0, "kind": "cylinder"}]
+    whole = json.loads(report.read_text())
+    assert whole["step"]["true_surfaces"] == [{"number": 0, "kind": "cylinder"}]
+    (wide,) = [row for row in whole["sizes"] if row["kind"] == "diameter"]
+    (high,) = [row for row in whole["sizes"] if row["kind"] == "distance"]
+    names = sorted(re.findall(r"ADVANCED_FACE\('([^']*)'", out.read_text()))
+    assert names == sorted(
+        [f"cylinder {wide['name']} {wide['value']:.6g}", *(f"plane {high[end]}" for end in ("of", "to"))]
+    )
     assert read(out).kinds == ["Cylinder", "Plane", "Plane"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out.step", "report.json", "scan.ply"]
 

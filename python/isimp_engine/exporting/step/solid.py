@@ -45,6 +45,7 @@ class Made:
     surfaces: dict[int, str]  #: the kind of the surface of each round part that has one, by its number
     reasons: dict[int, str]  #: why other round parts are planes
     triangulated: int  #: number of triangulated polygons
+    names: list[str]  #: of the faces, in the order of the shape
 
 
 @dataclass
@@ -283,8 +284,8 @@ class _Attempt:
             return True
         return changed
 
-    def _parts(self) -> list[list[TopoDS_Face]]:
-        """Return the faces in groups that are connected by edges."""
+    def _parts(self) -> list[list[int]]:
+        """Return the groups that have a face, in parts that are connected by edges."""
         parent = {g: g for g in self._faces}
 
         def root(g: int) -> int:
@@ -297,9 +298,9 @@ class _Attempt:
             if chain.left in parent and chain.right in parent:
                 a, b = sorted((root(chain.left), root(chain.right)))
                 parent[b] = a
-        parts: dict[int, list[TopoDS_Face]] = {}
-        for g, face in self._faces.items():
-            parts.setdefault(root(g), []).append(face)
+        parts: dict[int, list[int]] = {}
+        for g in self._faces:
+            parts.setdefault(root(g), []).append(g)
         return list(parts.values())
 
     def _check(self) -> None:
@@ -328,7 +329,7 @@ class _Attempt:
 
     @cached_property
     def _whole(self) -> tuple[Any, int, float | None]:
-        return _assembled(self._parts(), self._given.closed)
+        return _assembled([[self._faces[g] for g in part] for part in self._parts()], self._given.closed)
 
     def result(self) -> Made:
         given = self._given
@@ -352,7 +353,18 @@ class _Attempt:
             kinds,
             reasons,
             len(self._choice.bent),
+            [self._name(group) for part in self._parts() for group in part],
         )
+
+    def _name(self, group: int) -> str:
+        """The face by the numbers in tables of sizes: `plane 3`, `cylinder D1 9.002`, `cone 2`."""
+        if (number := self._key[group]) < PLANES:
+            patch = self._given.patches[number]
+            kind = self._surfaces.round[number].kind
+            wide = kind in ("cylinder", "sphere") and patch["kind"] == kind
+            return f"{kind} D{number} {2 * patch['radius']:.6g}" if wide else f"{kind} {number}"
+        regions = sorted({int(self._given.region[q]) for q in self._members[group]})
+        return f"plane {', '.join(map(str, regions))}"
 
 
 def _from_seam(shape: Turned, loop: Any) -> Any:

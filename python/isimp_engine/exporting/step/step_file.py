@@ -14,8 +14,11 @@ from OCP.IFSelect import IFSelect_RetDone
 from OCP.Interface import Interface_Static
 from OCP.Message import Message, Message_Fail
 from OCP.StepBasic import StepBasic_Product
+from OCP.STEPConstruct import STEPConstruct
 from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
 from OCP.TCollection import TCollection_HAsciiString
+from OCP.TopAbs import TopAbs_FACE
+from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 
 from ... import _core
@@ -56,6 +59,7 @@ def write(
         raise FileError(f"{path}: OpenCASCADE can't write this shape")
     poll(job)
     _name(writer.Model(), name)
+    _name_faces(writer, shape, made.names)
     header = APIHeaderSection_MakeHeader(writer.Model())
     header.SetName(_text(name))
     header.SetTimeStamp(TCollection_HAsciiString("1970-01-01T00:00:00"))
@@ -100,6 +104,17 @@ def _name(model: Any, name: str) -> None:
         if isinstance(entity, StepBasic_Product):
             entity.SetId(_text(name))
             entity.SetName(_text(name))
+
+
+def _name_faces(writer: STEPControl_Writer, shape: Any, names: list[str]) -> None:
+    """Set the names of faces, which CAD programs show."""
+    known = writer.WS().TransferWriter().FinderProcess()
+    walk = TopExp_Explorer(shape, TopAbs_FACE)
+    for name in names:
+        entity = STEPConstruct.FindEntity_s(known, walk.Current())
+        if entity is not None:
+            entity.SetName(_text(name))
+        walk.Next()
 
 
 def report_of(made: Made) -> dict[str, Any]:
