@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from .engine import engine
 from .language import said
 from .outcome import EXACT, Outcome
 from .task import Stopped, Watch
+
+_MOST_REGIONS, _MOST_SIZES = 200, 40  # regions of a scan whose sizes are listed, and sizes in the list
+_RIGHT = 1e-6  # degrees: difference from a right angle
 
 
 def engine_call(watch: Watch, begin: float, end: float, stage: str, function, *args):
@@ -71,6 +75,27 @@ def _round_known(repaired, partition) -> dict:
     return {"round": [[*row, face, cells] for row, face, cells in zip(told, faces, regions, strict=True)]}
 
 
+def _sizes_known(repaired, partition, numbers: dict) -> dict:
+    """Return name, kind, value, uncertainty, measured value, whether it was snapped, and regions of each size.
+
+    Lengths come first, and right angles are left out. Scans of many regions are no machine parts.
+    """
+    if partition.region_count > _MOST_REGIONS:
+        return {}
+    rows = engine.sizes.size_rows(repaired.mesh, partition, numbers.get("size_step"))
+    rows = [row for row in rows if row["kind"] != "angle" or abs(row["value"] - 90) > _RIGHT]
+    rows.sort(key=lambda row: row["kind"] == "angle")
+    cells = {part.number: list(map(int, part.regions)) for part in partition.curved}
+    found = []
+    for row in rows[:_MOST_SIZES]:
+        parts = {"diameter": 1, "axis": 1, "axes": 2}.get(row["kind"], 0)  # `of`, or both, are round parts
+        ends = (row["of"], row["to"])
+        regions = [cells[end] if at < parts else [end] for at, end in enumerate(ends) if end is not None]
+        told = [row[name] for name in ("name", "kind", "value", "uncertainty")]
+        found.append([*told, row.get("measured"), row.get("snapped"), list(chain(*regions))])
+    return {"sizes": found}
+
+
 def defects(report: dict) -> dict:
     """Return {kind of defect: polygons}, without pairs that intersect in the scan itself."""
     found = {}
@@ -99,7 +124,8 @@ def apply_edit(step: rcp.Step, repaired, before, watch, begin, end) -> Outcome:
     args = (kind, step, repaired.faces, before.partition)
     partition = engine_call(watch, begin, end, STAGES[kind], engine.replay.edited, *args)
     if isinstance(step, (rcp.Regularise, rcp.AlignPlanes)):
-        return _with_planes(repaired, before, partition)
+        step_of_sizes = getattr(step, "snap_sizes", before.numbers.get("size_step"))
+        return _with_planes(repaired, before, partition, {"size_step": step_of_sizes} if step_of_sizes else {})
     return with_regions(repaired, partition, _kept_colors(step, repaired, before, partition), {})
 
 
@@ -115,8 +141,8 @@ def _kept_colors(step: rcp.Step, repaired, before: Outcome, partition) -> np.nda
     return carried_colors(before, partition)
 
 
-def _with_planes(repaired, before: Outcome, partition) -> Outcome:
-    """Return the outcome with the same regions and the planes of `partition`."""
+def _with_planes(repaired, before: Outcome, partition, more: dict) -> Outcome:
+    """Return the outcome with the same regions and the planes of `partition`. more: further numbers."""
     names = ("regions", "error", "left_out", "locked", "regions_left_out")
     known = {name: before.numbers[name] for name in names if name in before.numbers}
     return replace(
@@ -125,7 +151,7 @@ def _with_planes(repaired, before: Outcome, partition) -> Outcome:
         polygons=None,
         region_distance=None,
         made=None,
-        numbers=known | planes_known(partition) | _round_known(repaired, partition),
+        numbers=known | planes_known(partition) | _round_known(repaired, partition) | more,
     )
 
 
@@ -192,6 +218,7 @@ def apply_mesh(step: rcp.Mesh, repaired, before, watch, begin, end, threads: int
     away = engine_call(watch, end - 0.1 * (end - begin), end, "measuring", engine.within.scan_distances, *args)
     numbers = _mesh_numbers(found, regions, away, repaired.mesh.report["diagonal"])
     numbers |= {"regions_before": before.numbers["regions"]}
+    numbers |= _sizes_known(repaired, regions.partition, numbers)
     return replace(
         regions,
         polygons=found.polygons,
@@ -207,7 +234,7 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray, diagonal: float) ->
     diagonal: of the scan.
     """
     polygons, report = found.polygons, found.report
-    names = ("regions", "error", "left_out", "regions_left_out", "round")
+    names = ("regions", "error", "left_out", "regions_left_out", "round", "size_step")
     more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
     numbers = {name: regions.numbers[name] for name in names if name in regions.numbers}
     numbers |= planes_known(regions.partition)

@@ -14,6 +14,7 @@ from . import openings as openings
 from . import parts as parts
 from . import regions as regions
 from . import replay as replay
+from . import sizes as sizes
 from . import within as within
 from ._core import (
     Cancelled,

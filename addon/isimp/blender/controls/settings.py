@@ -160,6 +160,15 @@ class _Shown:
         get=_colour,
         set=_set_colour,
     )
+    known_length: FloatProperty(
+        name="Known Length",
+        description="The true length of the chosen size: the distance of two chosen planes, or a diameter",
+        default=1.0,
+        min=1e-6,
+        soft_max=1e4,
+        precision=4,
+        unit="LENGTH",
+    )
     regularise_first: BoolProperty(
         name="Regularise When Meshing",
         description="Mesh regularises the planes first, with these settings",

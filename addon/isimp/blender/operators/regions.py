@@ -68,6 +68,13 @@ class ISIMP_OT_select_region(SelectOperator, bpy.types.Operator):
         min=-1,
         options={"SKIP_SAVE"},
     )
+    size: IntProperty(
+        name="Size",
+        description="Number of a line of Sizes, whose regions are selected; -1: none",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
+    )
     extend: BoolProperty(name="Extend", description="Keep the present selection", options={"SKIP_SAVE"})
 
     _chosen = ()  #: a face of each chosen region, if a button was pressed in Object Mode
@@ -78,7 +85,12 @@ class ISIMP_OT_select_region(SelectOperator, bpy.types.Operator):
 
     def invoke(self, context, event):
         scan, problem = targets.find(context)
-        if self.face < 0 and self.part < 0 and not problem and scan.mode == "OBJECT" and not bpy.app.background:
+        if (
+            max(self.face, self.part, self.size) < 0
+            and not problem
+            and scan.mode == "OBJECT"
+            and not bpy.app.background
+        ):
             self._chosen = pointed.faces(scan)
             self.face = pointed.face(scan)
             if self.face < 0:
@@ -89,9 +101,11 @@ class ISIMP_OT_select_region(SelectOperator, bpy.types.Operator):
     def wanted(self, context):
         scan, _ = targets.find(context)
         selected, regions = selection.selected_faces(scan), mesh_io.read_regions(scan)
-        parts = store.numbers(scan).get("round", [])
+        parts, sizes = (store.numbers(scan).get(name, []) for name in ("round", "sizes"))
         if 0 <= self.part < len(parts):
             faces = np.flatnonzero(np.isin(regions, parts[self.part][5:]))
+        elif 0 <= self.size < len(sizes):
+            faces = np.flatnonzero(np.isin(regions, sizes[self.size][-1]))
         else:
             faces = selected if self.face < 0 else np.array(self._chosen or [self.face])
         if len(faces) == 0 or faces.max() >= len(regions):

@@ -6,6 +6,7 @@ from ... import recipe as rcp
 from ..controls import settings
 from ..scene import store, targets
 from ..texts import text
+from . import sizes
 from .common import Popover, SubPanel, draw_lines, side_by_side
 
 _ROWS = (("level", "upright"), ("parallel", "perpendicular"), ("coplanar", "free"))
@@ -29,6 +30,8 @@ class ISIMP_PT_planes(SubPanel, bpy.types.Panel):
         ticks.use_property_split = False  # their names need the whole width
         ticks.prop(panel, "regularise_first")
         ticks.popover("ISIMP_PT_regularise", text="Regularise", icon="SNAP_ON")
+        if sizes.sizes_of(context):
+            ticks.popover("ISIMP_PT_sizes", text="Sizes", icon="DRIVER_DISTANCE")
         # Below the buttons, since the number of lines varies.
         draw_lines(context, layout, text.planes_line(numbers, unit.system, unit.scale_length), icon="FORWARD")
 

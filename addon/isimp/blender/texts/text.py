@@ -301,6 +301,33 @@ def round_parts(numbers: dict, asked: bool) -> str:
     return f"{told}; {_count(planes, 'plane')}" if planes else told
 
 
+_SIZES = {
+    "distance": own("Distance {value}"),
+    "diameter": own("Diameter {value}"),
+    "axis": own("Axis to plane {value}"),
+    "axes": own("Axis to axis {value}"),
+    "angle": own("Angle {value}"),
+}
+
+
+def size(row: list) -> str:
+    """Return the line about a size: its value, and the uncertainty or, where it was snapped, the measured value."""
+    _, kind, value, sure, measured, snapped, _ = row
+
+    def shown(number: float) -> str:
+        return f"{number:.4g}°" if kind == "angle" else in_scene(number, 5)
+
+    told = said(_SIZES[kind], value=shown(value))
+    if snapped == "yes":
+        return said("{size}, measured {value}", size=told, value=shown(measured))
+    return told if sure is None else f"{told} ± {shown(sure)}"
+
+
+def more_sizes(number: int) -> str:
+    """Return the line about sizes that are not listed."""
+    return said("{sizes} more in the report", sizes=_count(number, noun("size")))
+
+
 def not_flat(numbers: dict) -> str:
     """Return the line about polygons that were not made exactly flat as asked; empty if there are none."""
     if not numbers.get("not_flat"):
