@@ -112,7 +112,9 @@ def report_texts(mesh: Any, outcome: Outcome, place: np.ndarray, name: str, crs:
     reports = import_module(f"{engine.__name__}.reports")
     part, poly = outcome.partition, outcome.polygons
     table = reports.plane_table(mesh, part, poly, place=place)
-    texts: dict[str, str] = reports.texts_of(name, mesh, part, poly, table, crs, place[:3, :3], outcome.numbers.get("size_step"))
+    texts: dict[str, str] = reports.texts_of(
+        name, mesh, part, poly, table, crs, place[:3, :3], outcome.numbers.get("size_step")
+    )
     return texts
 
 

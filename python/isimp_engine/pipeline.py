@@ -1,7 +1,7 @@
 """From a scan to its polygons: the one way of the command, of batches and of `simplify`."""
 
 import json
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from os import PathLike
 from typing import Any
@@ -28,13 +28,15 @@ from .jobs import Steps
 from .marks import Marks
 from .repairs import Meshes, Repaired
 from .replaying import Replay
-from .settings import BOX_CLUTTER, KEEP_CLUTTER, Settings, Texturing
+from .settings import BOX_CLUTTER, KEEP_CLUTTER, OptionError, Settings, Texturing, scaled
 from .sizes import size_rows
 from .snapping import snap_sizes
 from .source import Source, facts, labels
 from .states import refused
 from .texturing import Texture, texture
 from .within import Made, Within, polygonize_within
+
+_MOST_NAMES = 12  # names of sizes in a message
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +51,7 @@ class Regions:
     made: Made | None  #: how the partition was made; None if it was edited since
     #: how faces that a recipe names were found: by "place" or "number", and the steps that are left out; None: no faces
     clicks: dict[str, Any] | None
+    scale: dict[str, Any] | None  #: the factor of the scan, and the size that it follows from
 
     @property
     def source(self) -> Source:
@@ -118,6 +121,7 @@ class Model(Regions):
             "curved": part.report["curved"],
             "dents": dent_rows(self.mesh, part),
             "sizes": size_rows(self.mesh, part, self.step) if sizes or self.step else None,
+            "scale": self.scale,
             "expected": self.expected,
             "output": self.found.report,
             "clicks": self.clicks,
@@ -134,6 +138,12 @@ def make_regions(
 
     meshes: of other runs on this scan; a mesh keeps data of a partition for the next one.
     """
+    if settings.scale is not None:
+        known = scale_of(
+            make_regions(source, replace(settings, scale=None, snap_sizes=None), steps, marks=marks), settings
+        )
+        larger = replace(scaled(settings, known["factor"]), scale=None)
+        return replace(make_regions(source.scaled(known["factor"]), larger, steps, meshes, marks), scale=known)
     recipe, regular = settings.recipe, settings.regularise
     replay = Replay(source, settings, steps, marks or Marks(), meshes or Meshes())
     state = replay.partitioned() if recipe is None else replay.replayed(recipe)
@@ -147,7 +157,24 @@ def make_regions(
         regular = recipes.regularise_options(recipe)
     with steps("mesh") as job:
         expected = expected_polygons(mesh, part, settings.meshing, job=job)
-    return Regions(settings, state.repaired, part, expected, regular, made, replay.clicks)
+    return Regions(settings, state.repaired, part, expected, regular, made, replay.clicks, None)
+
+
+def scale_of(regions: Regions, settings: Settings) -> dict[str, Any]:
+    """The factor by which a size of the regions has its true length."""
+    assert settings.scale is not None
+    name, length = settings.scale
+    if regions.source.mesh is not None:
+        raise OptionError("{} needs arrays or a file: a Mesh keeps its scale", "scale")
+    lengths = {
+        row["name"]: row["value"] for row in size_rows(regions.mesh, regions.partition) if row["kind"] != "angle"
+    }
+    one, _, other = name.partition("-")
+    name = name if name in lengths else f"{other}-{one}"  # in any order
+    if not lengths.get(name):
+        known = ", ".join(f"{other} ({value:.5g})" for other, value in list(lengths.items())[:_MOST_NAMES])
+        raise OptionError(f"{{}}: there is no length '{settings.scale[0]}'; there are {known or 'none'}", "scale")
+    return {"factor": length / lengths[name], "name": name, "measured": lengths[name], "length": length}
 
 
 def make_model(regions: Regions, steps: Steps) -> Model:

@@ -80,6 +80,7 @@ def simplify(
     bound: float | None = None,
     planar: bool = False,
     regularise: float | bool | RegulariseOptions | None = None,
+    scale: str | None = None,
     snap_sizes: float | str | None = None,
     curved: bool = False,
     texture: int | bool | None = None,
@@ -96,6 +97,8 @@ def simplify(
     proxies, triangles, detail, tolerance, bound: at most one; the number of regions as in PartitionOptions.
     planar, curved: as in MeshingOptions and PartitionOptions.
     regularise: snap planes by at most this many degrees; True: by the default angle.
+    scale: scale the scan by one known length: the name of a size in report["sizes"] and its true length, "3-7=40mm".
+    Other lengths in the options are of the scan before.
     snap_sizes: move planes, axes and radii so that sizes are multiples of this length (1.0 in scene units; "1mm" or
     "1/16in" with `unit`) where their uncertainty allows it; report["sizes"] lists the moves. It turns on planar and
     regularise.
@@ -121,6 +124,7 @@ def simplify(
         "planar": planar or None,
         "curved": curved or None,
         "regularise": _value(regularise, RegulariseOptions().angle),
+        "scale": scale,
         "snap_sizes": snap_sizes,
         "texture": _value(texture, LIKE_THE_SCAN),
         "ao": _value(options.get("ao"), ANY_DISTANCE),

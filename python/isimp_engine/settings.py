@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ._core import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions, RegulariseOptions, TextureOptions
@@ -62,6 +62,9 @@ class Settings:
     partition: PartitionOptions
     meshing: MeshingOptions
     regularise: RegulariseOptions | None  #: None: planes are snapped only as the recipe has it
+    scale: (
+        tuple[str, float] | None
+    )  #: the name of a size and its true length in scene units; None: the scan has its own
     snap_sizes: float | None  #: step of sizes, scene units; None: they are as the recipe has it
     recipe: Recipe | None
     keep_openings: bool
@@ -86,7 +89,18 @@ def snapping() -> list[str]:
 
 def option_names() -> frozenset[str]:
     """The names of all options of `settings_of`."""
-    own = {"regularise", "snap_sizes", "keep_openings", "keep_opening", "clutter", "angle", "texture", "ao", "tiles"}
+    own = {
+        "regularise",
+        "scale",
+        "snap_sizes",
+        "keep_openings",
+        "keep_opening",
+        "clutter",
+        "angle",
+        "texture",
+        "ao",
+        "tiles",
+    }
     engine = {name for kind in (PartitionOptions, CleanOptions, MeshingOptions) for name in names(kind)}
     return frozenset({"materials", "crs", "unit", "strict"} | own | engine | set(snapping()))
 
@@ -128,6 +142,7 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
         partition=options_of(given, PartitionOptions),
         meshing=options_of(given, MeshingOptions),
         regularise=_snapping_of(given),
+        scale=_scale_of(given, recipe),
         snap_sizes=step,
         recipe=recipe,
         keep_openings=bool(given.get("keep_openings")),
@@ -147,11 +162,48 @@ def _step_of(options: Mapping[str, Any]) -> float | None:
         return None
     if options.get("bound") is not None:
         raise OptionError("{} and {} exclude each other: planes that move may leave the bound", "snap_sizes", "bound")
+    return _length(given, "snap_sizes", options)
+
+
+def _scale_of(options: Mapping[str, Any], recipe: Recipe | None) -> tuple[str, float] | None:
+    """The name of a size and its true length; None: the scan keeps its scale."""
+    if (given := options.get("scale")) is None:
+        return None
+    if recipe is not None:
+        raise OptionError("{} and {} exclude each other: steps have places in the scan", "scale", "recipe")
+    name, _, length = str(given).rpartition("=")
+    if not name:
+        raise OptionError(f"{{}} must be the name of a size and its length, as 3-7=40mm, got '{given}'", "scale")
+    return name.strip(), _length(length, "scale", options)
+
+
+def _length(given: Any, name: str, options: Mapping[str, Any]) -> float:
+    """The value of an option that is a length with a unit, in scene units."""
+    unit = options.get("unit")
     try:
-        return length_of(given, options.get("unit"))
+        return length_of(given, unit)
     except ValueError as error:
-        needs = options.get("unit") is None and "needs the unit" in str(error)
-        raise OptionError(_literal(str(error)) + (": give {}" if needs else ""), "snap_sizes", "unit") from None
+        if unit is None and str(error).endswith("needs the unit of the scene"):
+            raise OptionError(_literal(str(error)) + ": give {}", name, "unit") from None
+        raise OptionError(_literal(str(error)), name) from None
+
+
+def scaled(settings: Settings, factor: float) -> Settings:
+    """The settings for a scan that is larger by a factor; `scale` and `snap_sizes` are of the larger one already."""
+    kinds = {name: getattr(settings, name) for name in ("clean", "partition", "meshing", "regularise")}
+    larger = {name: _times(options, factor) for name, options in kinds.items() if options is not None}
+    places = [(x * factor, y * factor, z * factor) for x, y, z in settings.kept_places]
+    texture = settings.texture
+    if texture is not None and texture.occlusion:
+        texture = replace(texture, occlusion=texture.occlusion * factor)
+    return replace(settings, **larger, kept_places=places, texture=texture)
+
+
+def _times(options: Any, factor: float) -> Any:
+    """Options with other lengths."""
+    values = options.as_dict()
+    names = [field["name"] for field in options.fields() if field.get("unit") == "length"]
+    return type(options)(**values | {name: values[name] * factor for name in names if values[name] is not None})
 
 
 def _snapping_of(options: Mapping[str, Any]) -> RegulariseOptions | None:

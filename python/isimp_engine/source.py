@@ -1,7 +1,8 @@
 """A scan in any form, as triangles and as a clean mesh, and back to the faces that were given."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -37,6 +38,14 @@ class Source:
         """Its triangles with their faces."""
         face = self.polygon if self.mesh is None else self.mesh.source_face
         return Surface(self.vertices, self.triangles, face, self.faces)
+
+    def scaled(self, factor: float) -> "Source":
+        """The scan, larger by a factor."""
+        soup = self.soup
+        if soup is not None:
+            soup = copy(soup)
+            object.__setattr__(soup, "vertices", np.asarray(soup.vertices, np.float64) * factor)
+        return replace(self, vertices=np.asarray(self.vertices, np.float64) * factor, soup=soup, digest="")
 
     def as_dict(self) -> dict[str, Any]:
         """Its file and numbers, for reports."""

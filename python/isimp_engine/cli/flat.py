@@ -25,6 +25,8 @@ _OTHERS = {
     "lods": "--lods",
     "recipe": "--recipe",
     "regularise": "--regularise",
+    "scale": "--scale",
+    "snap_sizes": "--snap-sizes",
     "planar": "--planar",
     "proxies": "--proxies",
     "detail": "--detail",

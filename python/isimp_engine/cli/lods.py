@@ -31,6 +31,8 @@ def check(arguments: argparse.Namespace) -> None:
     given = [flag for flag in COUNTS if getattr(arguments, flag) is not None]
     if given:
         raise UsageError(f"--lods sets the number of regions of each level: leave out --{given[0]}")
+    if arguments.scale is not None:
+        raise UsageError("--lods and --scale exclude each other: the sizes of each level differ")
 
 
 def levels(task: Simplification) -> list[Simplification]:

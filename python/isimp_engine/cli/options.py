@@ -51,6 +51,13 @@ def simplify_options() -> argparse.ArgumentParser:
     command.add_argument("--regularise", type=float, nargs="?", const=angle, metavar="ANGLE", help=turned)
     add_fields(command, RegulariseOptions, snapping())
     command.add_argument(
+        "--scale",
+        metavar="NAME=LENGTH",
+        help="scale the scan by one known length, as 3-7=40mm: NAME is a size of sizes.csv or of the report (3-7: the "
+        "distance of the regions 3 and 7, D1: the diameter of round part 1). Other lengths in options are of the scan "
+        "before",
+    )
+    command.add_argument(
         "--snap-sizes",
         metavar="STEP",
         help="move planes, axes and radii so that distances and diameters are multiples of STEP (1mm, .5mm, 1/16in "

@@ -174,6 +174,8 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
         yield from words.more_proxies(part.region_count, part.proxies_asked)
     if report["options"]["curved"]:
         yield f"  {words.round_parts(report['curved'], out['regions'])}"
+    if report["scale"] is not None:
+        yield f"  {words.scaled(report['scale'])}"
     if report["options"]["snap_sizes"]:
         yield from words.snapped(report["sizes"], report["options"]["snap_sizes"])
     yield words.polygons(out, out["regions"])

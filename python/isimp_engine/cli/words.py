@@ -147,6 +147,12 @@ def found(partition: dict[str, Any]) -> str:
     return text + (", the number of planes it is made of" if partition["snapped"] else "")
 
 
+def scaled(scale: dict[str, Any]) -> str:
+    """`scaled by 1.0004: size 0-35 was 39.984 and is 40`."""
+    told = f"size {scale['name']} was {scale['measured']:.6g} and is {scale['length']:.6g}"
+    return f"scaled by {scale['factor']:.6g}: {told}"
+
+
 def snapped(sizes: list[dict[str, Any]], step: float) -> Iterator[str]:
     """`sizes: 22 of 34 are multiples of 1; angles, of 5 degrees`, and lines of lengths that moved and that stay."""
     moved = [row for row in sizes if row["snapped"] == "yes"]

@@ -1,4 +1,4 @@
-"""`--snap-sizes`: sizes that become multiples of a step, on parts with the noise of a scanner."""
+"""`--snap-sizes` and `--scale`: multiples of a step, and one known length, on parts with the noise of a scanner."""
 
 import csv
 import json
@@ -38,8 +38,8 @@ def bracket(seed=1, thick=12.4):
 
 
 def lengths(rows):
-    """Lengths of the model by their true values, to the tenth."""
-    return {round(row["measured"], 1): row for row in rows if row["kind"] == "distance"}
+    """Distances by their true values, to the tenth."""
+    return {round(row.get("measured", row["value"]), 1): row for row in rows if row["kind"] == "distance"}
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -138,3 +138,35 @@ def test_planes_are_held_where_a_caller_wants_them():
     assert np.array_equal(again.face_region, part.face_region)
     assert not np.array_equal(again.region_offset, part.region_offset)
     assert {row["snapped"] for row in reports.size_rows(mesh, again, 1.0)} >= {"yes", "no multiple is near"}
+
+
+def test_one_known_length_scales_the_model_and_its_report(tmp_path):
+    vertices, triangles = bracket()
+    name = lengths(engine.simplify((vertices, triangles)).report["sizes"])[40]["name"]
+    for given in (name, "-".join(reversed(name.split("-")))):
+        made = engine.simplify((vertices / 25.4, triangles), scale=f"{given}=4cm", unit="mm", snap_sizes="1mm")
+        rows = lengths(made.report["sizes"])
+        assert made.report["scale"]["factor"] == pytest.approx(25.4, rel=1e-3)
+        assert [rows[true]["value"] for true in (6, 15, 40)] == pytest.approx([6, 15, 40], abs=1e-9)
+        assert rows[12.4]["value"] == pytest.approx(12.4, abs=0.03)
+    size = np.linalg.norm(np.ptp(np.asarray(made.polygons.vertices), axis=0))
+    assert size == pytest.approx(np.linalg.norm(np.ptp(vertices, axis=0)), rel=0.02)
+    scan, out = tmp_path / "bracket.ply", tmp_path / "out.obj"
+    meshfiles.ply_binary(scan, vertices / 25.4, triangles.tolist())
+    done = isimp("simplify", scan, out, "--scale", f"{name}=40")
+    assert f"size {name} was 1.57" in done.stdout
+    check_line(isimp("simplify", scan, out, "--scale", "98-99=40"), 2, "there is no length '98-99'", name)
+    check_line(isimp("simplify", scan, out, "--scale", "40"), 2, "as 3-7=40mm")
+    check_line(isimp("simplify", scan, out, "--scale", f"{name}=40", "--lods", "10,5"), 2, "exclude each other")
+
+
+def test_a_scale_changes_lengths_of_options_too():
+    vertices, triangles = bracket()
+    with_tolerance = {"tolerance": 0.02, "leave_out": 0.001}
+    before = engine.simplify((vertices / 25.4, triangles), **with_tolerance)
+    name = lengths([row | {"measured": 25.4 * row["value"]} for row in before.report["sizes"]])[40]["name"]
+    made = engine.simplify((vertices / 25.4, triangles), scale=f"{name}=40", **with_tolerance)
+    assert made.report["options"]["tolerance"] == pytest.approx(25.4 * 0.02, rel=1e-3)
+    assert made.partition.region_count == before.partition.region_count
+    with pytest.raises(engine.InvalidInput, match="a Mesh keeps its scale"):
+        engine.simplify(made.mesh, scale=f"{name}=40")
