@@ -175,7 +175,7 @@ def options_of(asked):
     if asked.preset is None:
         return {}
     sys.path.insert(0, str(Path(__file__).parents[2] / "addon"))
-    from isimp.presets import BY_NAME
+    from isimp.recipe.presets import BY_NAME
 
     preset = BY_NAME[asked.preset]
     step = preset.partition_for(is_scanned=bool(asked.grid) or asked.noise > 0)

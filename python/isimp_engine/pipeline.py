@@ -15,6 +15,7 @@ from ._core import (
     Job,
     Mesh,
     Partition,
+    PartitionOptions,
     PolygonMesh,
     RegulariseOptions,
     TextureOptions,
@@ -26,7 +27,8 @@ from .clutter import Clutter, clutter, without_clutter
 from .dents import dent_rows
 from .jobs import Steps
 from .marks import Marks
-from .repairs import Meshes, Repaired
+from .regions import is_drawn
+from .repairs import Meshes, Repair, Repaired
 from .replaying import Replay
 from .settings import BOX_CLUTTER, KEEP_CLUTTER, OptionError, Settings, Texturing, scaled
 from .sizes import size_rows
@@ -144,8 +146,12 @@ def make_regions(
         )
         larger = replace(scaled(settings, known["factor"]), scale=None)
         return replace(make_regions(source.scaled(known["factor"]), larger, steps, meshes, marks), scale=known)
+    meshes = meshes or Meshes()
+    if settings.scanned_detail and not is_drawn(meshes.repaired(source, Repair.by(settings.clean), steps).mesh):
+        given = settings.partition.as_dict() | {"detail": settings.scanned_detail}
+        settings = replace(settings, partition=PartitionOptions(**given))
     recipe, regular = settings.recipe, settings.regularise
-    replay = Replay(source, settings, steps, marks or Marks(), meshes or Meshes())
+    replay = Replay(source, settings, steps, marks or Marks(), meshes)
     state = replay.partitioned() if recipe is None else replay.replayed(recipe)
     mesh, part, made = state.repaired.mesh, state.partition, state.made
     if regular is not None:
@@ -201,9 +207,14 @@ def openings_of(mesh: Mesh) -> list[dict[str, Any]]:
     return sorted(found, key=lambda opening: -opening["length"])
 
 
+def has_texture(source: Source) -> bool:
+    """Whether a scan was read with images or colours."""
+    return source.soup is not None and source.soup.has_texture
+
+
 def require_texture(source: Source) -> None:
     """Raises InvalidInput for a scan without a texture."""
-    if source.soup is None or not source.soup.has_texture:
+    if not has_texture(source):
         raise InvalidInput(
             "has neither an image nor colours, so there is no texture to keep; leave out the option "
             "`texture`, or the recipe's texture step"

@@ -85,6 +85,7 @@ def simplify(
     curved: bool = False,
     texture: int | bool | None = None,
     keep_openings: bool = False,
+    preset: str | None = None,
     recipe: RecipeLike | None = None,
     strict: bool = False,
     job: Job | None = None,
@@ -104,6 +105,7 @@ def simplify(
     regularise.
     texture: keep the scan's texture in an image of this size; True: as dense as the scan's.
     keep_openings: keep all holes and handles; else the ones that the regions can't show are closed in a noisy scan.
+    preset: settings for a kind of scan: "figure", "building", "room", "cad", "city", "drawn", "generated", "low_poly".
     recipe: steps that the add-on exported: a path, or the value of its JSON. Options given here come before its own.
     Clicks act at their places, so they can be done on another version of their scan.
     strict: raise InvalidInput where a click finds no face; else it is left out, and the report has it (`clicks`).
@@ -126,6 +128,7 @@ def simplify(
         "regularise": _value(regularise, RegulariseOptions().angle),
         "scale": scale,
         "snap_sizes": snap_sizes,
+        "preset": preset,
         "texture": _value(texture, LIKE_THE_SCAN),
         "ao": _value(options.get("ao"), ANY_DISTANCE),
         "keep_openings": keep_openings,

@@ -9,6 +9,7 @@ from ._core import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions,
 from .exporting import UNITS
 from .lengths import length_of
 from .recipe import COUNTS
+from .recipe.presets import BY_NAME
 from .recipes import Recipe, RecipeLike, recipe_of
 from .recipes import options_of as options_of_recipe
 
@@ -18,7 +19,7 @@ Kind = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions] | type
 LIKE_THE_SCAN = 0  #: size of a texture
 ANY_DISTANCE = 0.0  #: limit of ambient occlusion
 KEEP_CLUTTER, LEAVE_OUT_CLUTTER, BOX_CLUTTER = CLUTTER = ("keep", "leave-out", "box")
-CHOICES = {"clutter": CLUTTER, "unit": UNITS}
+CHOICES = {"clutter": CLUTTER, "unit": UNITS, "preset": tuple(BY_NAME)}
 #: options of an engine's class that have another name here, as another class has the name too
 RENAMED: dict[tuple[Kind, str], str] = {(RegulariseOptions, "angle"): "regularise"}
 _NEEDS = {
@@ -52,6 +53,7 @@ class Texturing:
     tiles: int | None = None  #: number of images; None: as many as the density of the scan needs
     materials: bool = False  #: images of their own for each of the scan's materials
     occlusion: float | None = None  #: largest distance of the faces that keep light off; ANY_DISTANCE; None: no image
+    needed: bool = True  #: whether a scan without a texture is refused; else the result has none
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,7 @@ class Settings:
     texture: Texturing | None
     crs: int | None  #: EPSG number
     unit: str
+    scanned_detail: float = 0.0  #: the detail of a preset for a scan with noise; 0: the same
     strict: bool = False  #: refuse a scan on which a click of the recipe finds no face
 
 
@@ -92,6 +95,7 @@ def option_names() -> frozenset[str]:
     own = {
         "regularise",
         "scale",
+        "preset",
         "snap_sizes",
         "keep_openings",
         "keep_opening",
@@ -118,7 +122,10 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
 
     Raises OptionError, RecipeError or OSError.
     """
-    recipe = None if recipe is None else recipe_of(recipe)
+    preset = BY_NAME.get(options.get("preset") or "")
+    if preset is not None and recipe is not None:
+        raise OptionError("{} and {} exclude each other: a preset is a recipe", "preset", "recipe")
+    recipe = preset.recipe if preset is not None else None if recipe is None else recipe_of(recipe)
     given = _with_recipe({name: value for name, value in options.items() if value is not None}, recipe)
     if (step := _step_of(given)) is not None:
         given = {"regularise": RegulariseOptions().angle} | given | {"planar": True}
@@ -142,7 +149,7 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
         partition=options_of(given, PartitionOptions),
         meshing=options_of(given, MeshingOptions),
         regularise=_snapping_of(given),
-        scale=_scale_of(given, recipe),
+        scale=_scale_of(given, None if preset is not None else recipe),
         snap_sizes=step,
         recipe=recipe,
         keep_openings=bool(given.get("keep_openings")),
@@ -152,6 +159,7 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
         texture=texture,
         crs=given.get("crs"),
         unit=given.get("unit", "m"),
+        scanned_detail=preset.scanned_detail if preset and not any(options.get(name) for name in COUNTS) else 0.0,
         strict=bool(given.get("strict")),
     )
 

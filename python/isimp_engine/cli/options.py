@@ -9,7 +9,7 @@ from typing import Any
 
 from .. import CleanOptions, MeshingOptions, PartitionOptions, RegulariseOptions, TextureOptions, recipes, settings
 from ..exporting import UNITS
-from ..settings import ANY_DISTANCE, CLUTTER, LIKE_THE_SCAN, Kind, OptionError, Settings, names, snapping
+from ..settings import ANY_DISTANCE, CHOICES, CLUTTER, LIKE_THE_SCAN, Kind, OptionError, Settings, names, snapping
 from . import closing, guiding, texturing
 from .errors import UsageError, flag
 
@@ -107,6 +107,12 @@ def simplify_options() -> argparse.ArgumentParser:
     )
     command.add_argument(
         "--unit", choices=UNITS, help="unit of the scene: of STEP and 3MF, and for lengths with a unit. Default: m"
+    )
+    command.add_argument(
+        "--preset",
+        choices=CHOICES["preset"],
+        help="settings for a kind of scan, as in the add-on's panel; options given beside it come first. A texture or "
+        "colours of the scan are kept in GLB, glTF and OBJ",
     )
     command.add_argument("--recipe", type=Path, metavar="R.json", help="the steps to do, as the add-on exports them")
     command.add_argument(

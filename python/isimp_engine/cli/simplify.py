@@ -12,9 +12,9 @@ from typing import Any
 from .. import FileError, MeshingOptions, Partition, exporting
 from ..cache import Cache
 from ..drafts import save_array
-from ..pipeline import Model, make_model, make_regions, require_texture
+from ..pipeline import Model, has_texture, make_model, make_regions, require_texture
 from ..repairs import Meshes
-from ..settings import Settings
+from ..settings import LIKE_THE_SCAN, Settings, Texturing
 from ..source import Source, load
 from ..texturing.writing import files_of
 from . import closing, lods, texturing, words
@@ -37,6 +37,8 @@ class Done:
 def task_of(arguments: argparse.Namespace) -> Simplification:
     """The run that a command line describes."""
     settings = settings_of(vars(arguments), arguments.recipe)
+    if arguments.preset and settings.texture is None and exporting.kind_of(arguments.output) in exporting.TEXTURED:
+        settings = replace(settings, texture=Texturing(LIKE_THE_SCAN, needed=False))
     if arguments.lods is not None:
         lods.check(arguments)
     return Simplification(
@@ -56,9 +58,13 @@ def run(task: Simplification) -> Done:
     beside = [check_places(level) for level in levels]
     steps = Steps(wanted(task.quiet))
     done: list[Done] = []
-    textured = task.settings.texture is not None
+    texture = task.settings.texture
+    textured = texture is not None
     with steps("read") as job:
         source = load(task.input, job, task.settings.partition.threads, textured=textured)
+    if texture is not None and not (texture.needed or has_texture(source)):
+        textured = False
+        levels = [replace(each, settings=replace(each.settings, texture=None)) for each in levels]
     if textured:
         texturing.check_source(source, [path for files in beside for path in files])
         require_texture(source)

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from isimp.recipe.presets import BY_NAME, PRESETS
 
 import shapes
 from bench.generators import houses, real_scans, scanned
 from isimp import recipe as rcp
 from isimp.engine import engine
 from isimp.outcome import EXACT
-from isimp.presets import BY_NAME, PRESETS
 from isimp.recipe import Recipe
 from isimp.session import Session
 from session_scans import scan_of

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 import scans
 
-from isimp import presets as given
 from isimp import recipe as rcp
 from isimp.blender.controls import presets, settings
 from isimp.blender.work import panel_changes
+from isimp.recipe import presets as given
 
 pytestmark = pytest.mark.usefixtures("scene")
 

@@ -46,7 +46,7 @@ def test_what_the_add_on_writes_is_read():
 
 
 def test_every_preset_of_the_add_on_can_be_used():
-    presets = pytest.importorskip("isimp.presets").PRESETS
+    presets = pytest.importorskip("isimp.recipe.presets").PRESETS
     assert len(presets) > 3
     for preset in presets:
         settings_of({}, recipe(*preset.recipe.steps))

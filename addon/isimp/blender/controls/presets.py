@@ -4,9 +4,9 @@ import bpy
 from bl_operators.presets import AddPresetBase
 from bpy.props import EnumProperty
 
-from ... import presets
 from ... import recipe as rcp
 from ...language import said
+from ...recipe import presets
 from ..scene import mesh_io, runtime, targets
 from ..texts.text import in_scene
 from . import settings

@@ -48,7 +48,7 @@ class User(Student):
 
     def chooses(self, kind):
         """Clicks the icon of a kind of scan."""
-        from isimp import presets
+        from isimp.recipe import presets
 
         kinds = [preset.name for preset in presets.PRESETS if preset.is_kind]
         self.does(f"**{presets.BY_NAME[kind].label}**")

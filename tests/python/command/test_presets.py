@@ -1,0 +1,86 @@
+"""`--preset`: the settings of the panel in one command, with the texture or the colours of the scan."""
+
+import json
+import struct
+
+import numpy as np
+
+import isimp_engine as engine
+import meshfiles
+import shapes
+from isimp_engine.recipe.presets import BY_NAME
+from test_cli import called, check_line
+
+
+def colored(path, vertices, triangles, colors):
+    """A GLB file with COLOR_0."""
+    arrays = [vertices.astype("<f4"), colors.astype(np.uint8), triangles.astype("<u4")]
+    parts = [array.tobytes() for array in arrays]
+    starts = np.cumsum([0, *map(len, parts)]).tolist()
+    kinds = [(5126, len(vertices), "VEC3"), (5121, len(colors), "VEC4"), (5125, triangles.size, "SCALAR")]
+    accessors = [
+        {"bufferView": k, "componentType": kind, "count": count, "type": shape, "normalized": k == 1}
+        for k, (kind, count, shape) in enumerate(kinds)
+    ]
+    accessors[0] |= {"min": vertices.min(axis=0).tolist(), "max": vertices.max(axis=0).tolist()}
+    scene = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "scene": 0,
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOR_0": 1}, "indices": 2}]}],
+        "accessors": accessors,
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": at, "byteLength": len(part)} for at, part in zip(starts, parts, strict=False)
+        ],
+        "buffers": [{"byteLength": starts[-1]}],
+    }
+    text, data = json.dumps(scene).encode(), b"".join(parts)
+    text, data = text + b" " * (-len(text) % 4), data + b"\0" * (-len(data) % 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data
+    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
+
+
+def shares(path):
+    """Shares of red and of blue pixels of the base colour."""
+    (image,) = engine.read_textured(path).images
+    pixels = image[..., :3].reshape(-1, 3).astype(int)
+    return [(pixels[:, k] > 200).mean() for k in (0, 2)]
+
+
+def test_a_generated_mesh_keeps_its_colours_and_then_its_texture(tmp_path):
+    vertices, triangles = shapes.cube(12)
+    colors = np.where(vertices[:, :1] < vertices[:, 0].mean(), [[255, 0, 0, 255]], [[0, 0, 255, 255]])
+    scan, first, second = (tmp_path / name for name in ("scan.glb", "first.glb", "second.glb"))
+    colored(scan, vertices, triangles, colors)
+    for source, out in ((scan, first), (first, second)):
+        done = called("simplify", source, out, "--preset", "generated")
+        assert done.returncode == 0, done.stderr
+        assert "6 polygons of 6 regions" in done.stdout
+        assert "texture:" in done.stdout
+        assert min(shares(out)) > 0.25, "the rest is space between charts, and the seam of both"
+
+
+def test_a_scan_without_a_texture_has_none_and_options_come_first(tmp_path):
+    vertices, triangles = shapes.cube(12)
+    scan, out, report = tmp_path / "scan.ply", tmp_path / "out.glb", tmp_path / "report.json"
+    meshfiles.ply_binary(scan, vertices, triangles.tolist())
+    done = called("simplify", scan, out, "--preset", "generated", "--detail", "0.02", "--report", report)
+    assert done.returncode == 0, done.stderr
+    assert "texture:" not in done.stdout
+    options = json.loads(report.read_text())["options"]
+    assert options["detail"] == 0.02
+    assert options["leave_out"] == BY_NAME["generated"].partition.leave_out
+    recipe = tmp_path / "recipe.json"
+    recipe.write_text(BY_NAME["generated"].recipe.to_json())
+    check_line(called("simplify", scan, out, "--preset", "cad", "--recipe", recipe), 2, "exclude each other")
+
+
+def test_a_machine_part_has_the_detail_of_its_noise():
+    vertices, triangles = shapes.cube(24)
+    preset = BY_NAME["cad"]
+    noisy = vertices + np.random.default_rng(1).normal(0, 0.002, vertices.shape)
+    for scan, detail in ((vertices, preset.partition.detail), (noisy, preset.scanned_detail)):
+        made = engine.simplify((scan, triangles), preset="cad")
+        assert made.report["options"]["detail"] == detail
+        assert made.partition.region_count == 6
