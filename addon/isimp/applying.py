@@ -143,7 +143,7 @@ def _kept_colors(step: rcp.Step, repaired, before: Outcome, partition) -> np.nda
 
 def _with_planes(repaired, before: Outcome, partition, more: dict) -> Outcome:
     """Return the outcome with the same regions and the planes of `partition`. more: further numbers."""
-    names = ("regions", "error", "left_out", "locked", "regions_left_out")
+    names = ("regions", "error", "left_out", "locked", "regions_left_out", "not_round")
     known = {name: before.numbers[name] for name in names if name in before.numbers}
     return replace(
         before,
@@ -234,7 +234,7 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray, diagonal: float) ->
     diagonal: of the scan.
     """
     polygons, report = found.polygons, found.report
-    names = ("regions", "error", "left_out", "regions_left_out", "round", "size_step")
+    names = ("regions", "error", "left_out", "regions_left_out", "round", "not_round", "size_step")
     more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
     numbers = {name: regions.numbers[name] for name in names if name in regions.numbers}
     numbers |= planes_known(regions.partition)

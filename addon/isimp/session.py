@@ -214,6 +214,8 @@ class Session:
         if barriers is not None:
             inside = engine.guided.inside_regions(repaired.mesh, partition, barriers)
             numbers |= {"barriers": len(barriers), "barriers_inside": inside}
+        if wanted.options.curved and not partition.curved:
+            numbers["not_round"] = engine.regions.why_not_round(repaired.mesh, partition)
         return replace(with_regions(repaired, partition, kept, numbers), made=made)
 
     def _expected(self, repaired, partition, watch, at: float) -> dict[str, int]:

@@ -27,7 +27,7 @@ from .clutter import Clutter, clutter, without_clutter
 from .dents import dent_rows
 from .jobs import Steps
 from .marks import Marks
-from .regions import is_drawn
+from .regions import is_drawn, why_not_round
 from .repairs import Meshes, Repair, Repaired
 from .replaying import Replay
 from .settings import BOX_CLUTTER, KEEP_CLUTTER, OptionError, Settings, Texturing, scaled
@@ -122,6 +122,7 @@ class Model(Regions):
             "partition": part.report | {"warnings": [*(recipe.gone if recipe else ()), *self.found.warnings]},
             "curved": part.report["curved"],
             "dents": dent_rows(self.mesh, part),
+            "not_round": why_not_round(self.mesh, part) if settings.partition.curved and not part.curved else None,
             "sizes": size_rows(self.mesh, part, self.step) if sizes or self.step else None,
             "scale": self.scale,
             "expected": self.expected,

@@ -2,8 +2,11 @@
 
 import math
 
+import numpy as np
+
 from ._core import (
     Mesh,
+    Partition,
     _tile_measure,
     all_statistics,
     barrier_faces,
@@ -17,6 +20,7 @@ from ._core import (
     round_part_at,
     triangulate,
 )
+from .sizes import borders
 
 __all__ = [
     "all_statistics",
@@ -31,7 +35,16 @@ __all__ = [
     "region_statistics",
     "round_part_at",
     "triangulate",
+    "why_not_round",
 ]
+
+FLAT, ROUGH, FREE_FORM = "flat", "noise", "free"  #: reasons of `why_not_round`
+
+_LEAST_BEND = math.radians(2)
+_BENDS = math.radians(35), math.radians(65)  # largest angles of neighbours on a bent surface, and on a rough one
+_LEAST_BENT = 0.01  # share of the area that bends in a part with round surfaces
+_ROUGH = 0.01  # share of the diagonal: noise that hides any bend
+_DEEP = 2.0  # a bend is seen where its height in a region is this many times the noise
 
 _LEAST_NOISE = 0.005  # share of the mean edge: scans have .01 and more, drawn models .001 and less
 
@@ -40,3 +53,37 @@ def is_drawn(mesh: Mesh) -> bool:
     """Whether a mesh was drawn and not scanned: it has no noise. Cost: O(F)."""
     edge = math.sqrt(mesh.report["area"] / len(mesh.triangles) * 4 / math.sqrt(3))
     return bool(_tile_measure(mesh, None)[3] < _LEAST_NOISE * edge)
+
+
+def why_not_round(mesh: Mesh, part: Partition) -> str:
+    """Why a partition that looked for round parts has none: FLAT, ROUGH or FREE_FORM. Cost: O(F).
+
+    A region bends if it meets two others at small angles. FREE_FORM: some do, but not as cylinders, cones, spheres,
+    turned parts or extrusions. ROUGH: the noise hides the height of their bends; then angles may be larger, as few
+    regions are left of a rough round part. FLAT: neither, all regions meet at edges.
+    """
+    label, triangles = np.asarray(part.face_region), np.asarray(mesh.triangles)
+    at, regions = np.asarray(mesh.vertices, np.float64), part.region_count
+    pairs, ends = borders(label, triangles)
+    length = np.linalg.norm(at[ends[:, 0]] - at[ends[:, 1]], axis=1)
+    around = np.bincount(pairs.ravel(), np.repeat(length, 2), regions)
+    pairs, normal = np.unique(pairs, axis=0), np.asarray(part.region_normal, np.float64)
+    angle = np.arccos(np.clip((normal[pairs[:, 0]] * normal[pairs[:, 1]]).sum(axis=1), -1, 1))
+    corners = at[triangles[label >= 0]]
+    size = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    area = np.bincount(label[label >= 0], size, regions)
+    for most in _BENDS:
+        some = (angle > _LEAST_BEND) & (angle < most)
+        times = np.bincount(pairs[some].ravel(), minlength=regions)
+        turn = np.bincount(pairs[some].ravel(), np.repeat(angle[some], 2), regions) / np.maximum(times, 1)
+        bent = times >= 2
+        if area[bent].sum() < _LEAST_BENT * area.sum():
+            continue
+        height = 2 * area[bent] / around[bent] * turn[bent] / 8  # of an arc as wide as the region over its chord
+        order = np.argsort(height)
+        middle = order[np.searchsorted(np.cumsum(area[bent][order]), area[bent].sum() / 2)]
+        if part.noise > height[middle] / _DEEP:
+            return ROUGH
+        if most == _BENDS[0]:
+            return FREE_FORM
+    return ROUGH if part.noise > _ROUGH * mesh.report["diagonal"] else FLAT

@@ -106,8 +106,8 @@ class Measured:
     def touching(self) -> set[tuple[int, int]]:
         """Pairs of large regions with a common edge, the lower number first."""
         at_border = (self._region[self._triangles] < 0).sum(axis=1) > 1
-        found = _touching(self._label[at_border], self._triangles[at_border])
-        return found & set(combinations(sorted(self.large), 2))
+        pairs, _ = borders(self._label[at_border], self._triangles[at_border])
+        return set(map(tuple, np.unique(pairs, axis=0).tolist())) & set(combinations(sorted(self.large), 2))
 
 
 def size_rows(mesh: Mesh, part: Partition, step: float | None = None) -> list[dict[str, Any]]:
@@ -327,12 +327,12 @@ def _sure(variance: float) -> float | None:
     return float(SURE * np.sqrt(variance)) if np.isfinite(variance) else None
 
 
-def _touching(label: NDArray[np.int32], triangles: NDArray[np.int32]) -> set[tuple[int, int]]:
-    """Pairs of regions with a common edge, the lower number first."""
+def borders(label: NDArray[np.int32], triangles: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """(E, 2) the regions at each edge between two, the lower number first, and (E, 2) its vertices."""
     edges = np.sort(np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1).astype(np.int64)
     key = edges[:, 0] * (int(triangles.max(initial=0)) + 1) + edges[:, 1]
     order = np.argsort(key, kind="stable")
-    of = np.tile(label, 3)[order]
-    same = key[order][1:] == key[order][:-1]
-    pairs = np.sort(np.stack([of[1:], of[:-1]], axis=1)[same & (of[1:] != of[:-1])], axis=1)
-    return {(a, b) for a, b in np.unique(pairs, axis=0).tolist() if a >= 0}
+    of = np.tile(label, 3)[order].astype(np.int64)
+    pairs = np.sort(np.stack([of[1:], of[:-1]], axis=1), axis=1)
+    found = (key[order][1:] == key[order][:-1]) & (pairs[:, 0] != pairs[:, 1]) & (pairs[:, 0] >= 0)
+    return pairs[found], edges[order][1:][found]

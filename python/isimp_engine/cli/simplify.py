@@ -179,7 +179,7 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     if report["options"]["triangles"] is None:  # else the search asked
         yield from words.more_proxies(part.region_count, part.proxies_asked)
     if report["options"]["curved"]:
-        yield f"  {words.round_parts(report['curved'], out['regions'])}"
+        yield f"  {words.round_parts(report['curved'], out['regions'], report['not_round'])}"
     if report["scale"] is not None:
         yield f"  {words.scaled(report['scale'])}"
     if report["options"]["snap_sizes"]:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
+from ..regions import FLAT, FREE_FORM, ROUGH
 from ..sizes import ANGLE
 
 _REPAIRS = {
@@ -167,10 +168,17 @@ def snapped(sizes: list[dict[str, Any]], step: float) -> Iterator[str]:
         yield f"    and {count(len(lengths) - _SIZES, 'size')} more: the report has all"
 
 
-def round_parts(parts: list[dict[str, Any]], regions: int) -> str:
+_NOT_ROUND = {
+    FLAT: "no surface bends, all regions meet at edges",
+    ROUGH: "the noise hides how surfaces bend; a larger --detail finds those of rougher scans",
+    FREE_FORM: "surfaces bend, but fit no cylinder, cone, sphere, surface of revolution or extrusion",
+}
+
+
+def round_parts(parts: list[dict[str, Any]], regions: int, why: str | None = None) -> str:
     """`round: 2 cylinders, 1 cone; 6 planes`, or `round: 1 cylinder, diameter 0.0997, 28 segments; 6 planes`."""
     if not parts:
-        return "no round parts found: a larger --detail finds those of rougher scans"
+        return f"no round parts found: {_NOT_ROUND[why or FREE_FORM]}"
     kinds = [part["kind"] for part in parts]
     named = {kind: kind for kind in ("cylinder", "cone", "sphere")}
     named |= {"revolution": "surface of revolution", "extrusion": "extrusion"}

@@ -94,3 +94,4 @@ def test_round_parts_are_told(parts, told):
 def test_round_parts_that_were_asked_for_and_not_found_are_told():
     assert text.round_parts({}, False) == ""
     assert text.round_parts({}, True) == "No round part found: try a larger Smallest Feature"
+    assert text.round_parts({"not_round": "flat"}, True) == "No round part found: no surface bends"

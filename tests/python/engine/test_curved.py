@@ -11,6 +11,7 @@ import isimp_engine as engine
 import shapes
 from bench.generators import more_round_shapes, round_shapes
 from isimp_engine import cli
+from isimp_engine.cli import words
 from isimp_engine.dents import dent_rows
 
 
@@ -502,3 +503,23 @@ def test_strips_of_a_scanned_can_are_parallel(data):
     assert off_axis[-1] < 6
     planar = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
     assert (np.bincount(planar.polygon_region)[found.regions] == 1).mean() > 0.85
+
+
+@pytest.mark.parametrize(
+    ("made", "why"),
+    [
+        (lambda: shapes.cube(16), "flat"),
+        (lambda: shapes.bumpy(60), "free"),
+        (lambda: noisy_cylinder(0.03), "noise"),
+    ],
+)
+def test_the_reason_why_no_round_part_is_found_is_known(made, why):
+    result = engine.simplify(made(), curved=True)
+    assert not result.partition.curved
+    assert result.report["not_round"] == why
+    assert words.round_parts([], 6, why).startswith("no round parts found: ")
+
+
+def noisy_cylinder(share):
+    vertices, triangles = round_shapes.made(round_shapes.shapes()["capped"])
+    return round_shapes.with_noise(vertices, share, 1), triangles

@@ -277,6 +277,12 @@ _ROUND = {
     "revolution": noun("turned part"),
     "extrusion": noun("extrusion"),
 }
+_NOT_ROUND = {
+    "": own("No round part found: try a larger Smallest Feature"),
+    "noise": own("No round part found: noise hides how surfaces bend. Try a larger Smallest Feature"),
+    "flat": own("No round part found: no surface bends"),
+    "free": own("No round part found: surfaces bend, but not as cylinders, cones, spheres or turned parts"),
+}
 _WIDE = ("cylinder", "sphere")  # have one diameter
 
 
@@ -287,7 +293,7 @@ def round_parts(numbers: dict, asked: bool) -> str:
     """
     parts = numbers.get("round", [])
     if not parts:
-        return said("No round part found: try a larger Smallest Feature") if asked else ""
+        return said(_NOT_ROUND[numbers.get("not_round", "")]) if asked else ""
     kinds = [part[0] for part in parts]
     told = ", ".join(_count(kinds.count(kind), _ROUND[kind]) for kind in _ROUND if kind in kinds)
     if len(parts) == 1:
