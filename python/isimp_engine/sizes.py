@@ -47,6 +47,12 @@ class Planes:
         width = along @ self.spread[region] @ along
         return float(self.noise[region] ** 2 / self.count[region] / width) if width > 0 else np.inf
 
+    def foot(self, region: int) -> Array:
+        """(3,) the middle of the vertices on the plane of the model."""
+        mean, normal = self.mean[region], self.normal[region]
+        found: Array = mean + (self.offset[region] - normal @ mean) * normal
+        return found
+
     def shift(self, region: int) -> float:
         """The variance of the place of a plane at its middle."""
         return float(self.noise[region] ** 2 / self.count[region])

@@ -9,7 +9,7 @@ import numpy as np
 from ._core import Job, Mesh, Partition, _hold_planes
 from .sizes import ANGLE, CLEAR, EXACT, LEAST, SURE, Array, Measured, Planes, Round
 
-_BY_HAND = 2  # value of Partition.region_held: set by a person
+_SNAPPED, _BY_HAND = 1, 2  # values of Partition.region_held: snapped by `regularise`, set by a person
 _ONE_LINE = 1e-7  # share of the diagonal: distance of two axes that are one
 
 
@@ -119,13 +119,15 @@ def _directions(measured: Measured, lines: list[_Line]) -> list[_Group]:
 
     Axes turn with their planes.
     """
-    planes = measured.planes
+    planes, known = measured.planes, set(measured.large)
     groups = _grouped([_Group(planes.normal[r], {r: 1.0}, planes.held[r] > 0) for r in measured.large
                        if planes.held[r] != _BY_HAND])  # fmt: skip
-    for r in measured.flat:  # small regions stay on the planes of large ones
-        mine = [group for group in groups if group.held and group.has(planes.normal[r])] if planes.held[r] == 1 else []
-        if mine:
-            mine[0].signs.setdefault(r, float(np.sign(mine[0].normal @ planes.normal[r])))
+    small = [r for r in measured.flat if planes.held[r] == _SNAPPED and r not in known]
+    for group in groups:  # small regions stay on the planes of large ones
+        if group.held and small:
+            away = np.linalg.norm(np.cross(planes.normal[small], group.normal), axis=1)
+            mine = [small[k] for k in np.flatnonzero(away <= EXACT)]
+            group.signs.update({r: float(np.sign(group.normal @ planes.normal[r])) for r in mine})
     groups.sort(key=lambda group: -sum(planes.count[r] for r in group.signs))
     frame, found = _frame(groups, planes), []
     for group in groups:
@@ -207,7 +209,7 @@ def _members(group: _Group, planes: Planes, one: float) -> list[_Member]:
             runs.append([r])
     return [
         _Member.of(
-            float(np.mean([at[r] for r in run])),
+            float(np.mean([group.normal @ planes.foot(r) for r in run])),  # a turned plane keeps its middle
             [(float(group.normal @ planes.mean[r]), planes.shift(r)) for r in run if planes.count[r] >= LEAST],
             run,
         )

@@ -61,6 +61,10 @@ def test_sizes_become_multiples_within_their_uncertainty_and_others_stay(seed):
     wide = [np.ptp(places @ np.asarray(made.partition.region_normal[row["of"]])) for row in (rows[15], rows[40])]
     assert wide == pytest.approx([15, 40], abs=1e-6)
     assert made.report["output"]["planarity_max"] < 1e-6
+    part, triangles = made.partition, np.asarray(made.mesh.triangles)
+    for region, (normal, offset) in enumerate(zip(part.region_normal, part.region_offset, strict=True)):
+        middle = np.asarray(made.mesh.vertices)[triangles[part.face_region == region]].mean(axis=(0, 1))
+        assert abs(normal @ middle - offset) < 0.03, "sloped planes turn about their middle"
 
 
 def test_sizes_that_are_not_sure_enough_stay_with_the_reason():
@@ -170,3 +174,18 @@ def test_a_scale_changes_lengths_of_options_too():
     assert made.partition.region_count == before.partition.region_count
     with pytest.raises(engine.InvalidInput, match="a Mesh keeps its scale"):
         engine.simplify(made.mesh, scale=f"{name}=40")
+
+
+@pytest.mark.parametrize(
+    ("planes", "parts", "message"),
+    [
+        ([(99, (1, 0, 0), 0)], [], r"region must be in \[0, 8\), got 99"),
+        ([(0, (2, 0, 0), 0)], [], "the plane of region 0 is none"),
+        ([(0, (1, 0, 0), np.nan)], [], "the plane of region 0 is none"),
+        ([], [(0, (0, 0, 0), (0, 0, 1), 1)], r"the round part must be in \[0, 0\), got 0"),
+    ],
+)
+def test_planes_that_can_not_be_held_are_refused(planes, parts, message):
+    mesh = engine.clean(*bracket())
+    with pytest.raises(engine.InvalidInput, match=message):
+        engine._core._hold_planes(mesh, engine.partition(mesh), planes, parts)
