@@ -264,7 +264,7 @@ def _distance(planes: Planes, a: int, b: int) -> dict[str, Any]:
     if length > 0 and not planes.held[a]:
         variance += length**2 * planes.turn(a, beside / length)
     model = value
-    if planes.held[a] and planes.held[b]:
+    if planes.held[a] and planes.held[b] and np.linalg.norm(np.cross(planes.normal[a], planes.normal[b])) <= EXACT:
         model = planes.offset[b] * np.sign(planes.normal[a] @ planes.normal[b]) - planes.offset[a]
     return _row(f"{a}-{b}", ("distance", a, b), abs(value), variance, abs(model))
 

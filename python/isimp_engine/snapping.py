@@ -176,7 +176,7 @@ def _turned(group: _Group, planes: Planes, frame: list[Array]) -> Array | None:
         to = ANGLE * round(angle / ANGLE)
         normal = flat if abs(angle - to) <= EXACT else _at(to, x, y)
         tips = abs(rise) <= EXACT or _may_turn(group, planes, normal, square)
-        turns = abs(angle - to) <= EXACT or _may_turn(group, planes, normal, np.cross(square, flat), np.radians(ANGLE))
+        turns = abs(angle - to) <= EXACT or _may_turn(group, planes, normal, np.cross(square, flat))
         if tips and turns:
             return normal
     return None
@@ -190,12 +190,12 @@ def _at(degrees: float, x: Array, y: Array) -> Array:
     return x if rest == 0 else _unit(np.cos(np.radians(rest)) * x + np.sin(np.radians(rest)) * y)
 
 
-def _may_turn(group: _Group, planes: Planes, to: Array, along: Array, step: float = np.inf) -> bool:
-    """Whether planes may turn along a direction to a normal: by no more than their uncertainty. step: radians."""
+def _may_turn(group: _Group, planes: Planes, to: Array, along: Array) -> bool:
+    """Whether planes may turn along a direction to a normal: by no more than their uncertainty."""
     away, variance = _pooled([(float(along @ (to - sign * planes.best[r])), planes.turn(r, along)) for r, sign in
                               group.signs.items()])  # fmt: skip
     sure = SURE * np.sqrt(variance)
-    return bool(np.isfinite(sure) and abs(away) <= sure and CLEAR * sure <= step)
+    return bool(np.isfinite(sure) and abs(away) <= sure and CLEAR * sure <= np.radians(ANGLE))
 
 
 def _members(group: _Group, planes: Planes, one: float) -> list[_Member]:
@@ -221,7 +221,7 @@ def _on_lattice(members: Sequence[_Member], step: float) -> list[float]:
     """The places of members along their direction, so that as many distances as possible are multiples of a step.
 
     Sets of members grow by the distance that is known best. Each distance in a set is within its uncertainty of a
-    multiple. The set as a whole moves least, and a member alone stays.
+    multiple. The set as a whole moves least, and a member alone is where the vertices are.
     """
     best, variance = np.array([m.best for m in members]), np.array([m.variance for m in members])
     apart = best[:, None] - best
@@ -234,7 +234,7 @@ def _on_lattice(members: Sequence[_Member], step: float) -> list[float]:
             sets[a] += sets[b]
             for k in sets[b]:
                 sets[k] = sets[a]
-    places = [member.model for member in members]
+    places = best.tolist()
     for some in sets:
         if len(some) > 1:
             whole = step * np.round((best[some] - best[some[0]]) / step)
