@@ -178,9 +178,9 @@ def _of_faces(region: NDArray[np.int64], triangles: NDArray[np.int32]) -> NDArra
 
 
 def _deeper(region: NDArray[np.int64], deep: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The regions of vertices without those next to the border, where at least half of a region's stay."""
+    """The regions of vertices without the ones next to the border, where three quarters of a region's stay."""
     counts = [np.bincount(of[of >= 0], minlength=int(region.max(initial=-1)) + 1) for of in (region, deep)]
-    keeps = np.append(2 * counts[1] < counts[0], False)
+    keeps = np.append(4 * counts[1] < 3 * counts[0], False)
     return np.where(keeps[region], region, deep)
 
 
