@@ -71,6 +71,14 @@ def test_all_levels_of_detail_are_made_at_once():
         OPS.make_lods(counts=(0, 0, 0))
 
 
+def test_levels_end_at_one_that_fails():
+    scans.activate(scans.cube("Small", 1))
+    with pytest.raises(RuntimeError, match="At most 12 regions"):
+        OPS.make_lods(counts=(40, 6, 0))
+    assert "Small_LOD1" in bpy.data.objects
+    assert "Small_LOD0" not in bpy.data.objects
+
+
 def test_the_image_of_each_level_is_half_as_wide():
     scan = textured_cube()
     for image in bpy.data.images:

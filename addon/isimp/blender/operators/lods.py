@@ -48,7 +48,7 @@ class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
         super()._gather(context, first)
         wanted = sorted({count for count in self.counts if count}, reverse=True)
         self._levels = list(enumerate(wanted))  # the coarsest is made first, so that the finest is seen at the end
-        self._made, self._size = [], 0
+        self._made, self._size, self._ended = [], 0, 0
         if first.scan is not None and wanted:
             self._remove_former(first.scan)
             self._size = self._finest_image(context, first.scan)
@@ -107,8 +107,9 @@ class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
     def _next_target(self, context):
         made = [bpy.data.objects.get(name) for name in self._made]
         scan = targets.scan_of(made[-1]) if made and made[-1] is not None else None
-        if not self._levels or scan is None:
+        if not self._levels or scan is None or len(self._made) == self._ended:  # the last level failed
             return None
+        self._ended = len(self._made)
         scene_outcome.bring_to_front(context, scan, made[-1])
         return Target(context)
 
