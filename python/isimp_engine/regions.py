@@ -63,7 +63,7 @@ def why_not_round(mesh: Mesh, part: Partition) -> str:
     regions are left of a rough round part. FLAT: neither, all regions meet at edges.
     """
     label, triangles = np.asarray(part.face_region), np.asarray(mesh.triangles)
-    at, regions = np.asarray(mesh.vertices, np.float64), part.region_count
+    at, regions, noise = np.asarray(mesh.vertices, np.float64), part.region_count, part.noise or 0.0
     pairs, ends = borders(label, triangles)
     length = np.linalg.norm(at[ends[:, 0]] - at[ends[:, 1]], axis=1)
     around = np.bincount(pairs.ravel(), np.repeat(length, 2), regions)
@@ -82,8 +82,8 @@ def why_not_round(mesh: Mesh, part: Partition) -> str:
         height = 2 * area[bent] / around[bent] * turn[bent] / 8  # of an arc as wide as the region over its chord
         order = np.argsort(height)
         middle = order[np.searchsorted(np.cumsum(area[bent][order]), area[bent].sum() / 2)]
-        if part.noise > height[middle] / _DEEP:
+        if noise > height[middle] / _DEEP:
             return ROUGH
         if most == _BENDS[0]:
             return FREE_FORM
-    return ROUGH if part.noise > _ROUGH * mesh.report["diagonal"] else FLAT
+    return ROUGH if noise > _ROUGH * mesh.report["diagonal"] else FLAT

@@ -127,6 +127,7 @@ CHANGES = [
     ("regularise", rounded, {"angle": 8.0}, {"angle": 2.0}),
     ("align", parted, {"face": 0, "to": "upright"}, {"face": 0, "to": "free"}),
     ("align", parted, {"face": 0, "to": "upright"}, {"face": 0, "to": "upright", "length": 0.5}),
+    ("set_length", meshed, {"chosen": "0,50", "length": 3.0}, {"chosen": "0,50", "length": 5.0}),
     ("merge_slivers", slivered, {"share": 10.0}, {"share": 50.0}),
     ("merge_flat", rounded, {"angle": 0.001}, {"angle": 1.0}),
     ("colliders", meshed, {"names": "unreal"}, {"names": "godot"}),
@@ -182,7 +183,7 @@ def seen():
         obj.data.polygons.foreach_get("select", chosen)
         found += [chosen.tolist(), scans.coordinates(obj.data).tolist()]
         found += [[list(polygon.vertices) for polygon in obj.data.polygons]]
-    found += [scans.regions(scan).tolist(), len(bpy.context.object.data.polygons)]
+    found += [scans.regions(scan).tolist(), tuple(scan.scale), len(bpy.context.object.data.polygons)]
     found.append(sorted(tuple(image.size) for image in bpy.data.images if image.users))
     found.append(sorted(obj.name for obj in bpy.data.objects))
     return found

@@ -30,7 +30,8 @@ class ISIMP_PT_sizes(Popover, bpy.types.Panel):
 
 def sizes_of(context) -> list:
     """Return the sizes of the polygons; empty before Mesh."""
-    return store.numbers(targets.seen(context)[0]).get("sizes", [])
+    scan, problem = targets.seen(context)
+    return [] if problem else store.numbers(scan).get("sizes", [])
 
 
 CLASSES = (ISIMP_PT_sizes,)
