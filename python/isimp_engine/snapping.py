@@ -39,9 +39,8 @@ def snap_sizes(mesh: Mesh, part: Partition, step: float, *, job: Job | None = No
 
 @dataclass(frozen=True)
 class _Member:
-    """A plane or an axis: its place along a direction, by the model and by the vertices of the scan."""
+    """A plane or an axis: its place along a direction, by the vertices of the scan, or if they are few of the model."""
 
-    model: float
     best: float
     variance: float
     regions: tuple[int, ...] = ()
@@ -50,7 +49,7 @@ class _Member:
     def of(cls, model: float, found: Sequence[tuple[float, float]], regions: Sequence[int] = ()) -> "_Member":
         """found: place and variance of each of its parts."""
         best, variance = _pooled(found)
-        return cls(model, best if np.isfinite(variance) else model, variance, tuple(regions))
+        return cls(best if np.isfinite(variance) else model, variance, tuple(regions))
 
 
 @dataclass(frozen=True)
@@ -234,7 +233,7 @@ def _on_lattice(members: Sequence[_Member], step: float) -> list[float]:
             sets[a] += sets[b]
             for k in sets[b]:
                 sets[k] = sets[a]
-    places = best.tolist()
+    places: list[float] = best.tolist()
     for some in sets:
         if len(some) > 1:
             whole = step * np.round((best[some] - best[some[0]]) / step)
