@@ -23,7 +23,7 @@ import numpy as np
 
 import isimp_engine as engine
 
-NEAR = 2e-3  # share of the diagonal: points at this distance from a primitive's surface beside it belong to it too
+NEAR = 2e-3  # share of the diagonal: points of a neighbour at this distance from a primitive's surface belong to it too
 BALLS = (1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0)  # radii in gaps: medians of the distance of the sixth neighbour
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
@@ -123,7 +123,7 @@ def distance(surface, points):
 
 
 def primitives_of(points, triangles, made):
-    """The points of each plane and round part of a result. Points beside a part that lie on its surface are of both."""
+    """The points of each plane and round part of a result. Points on a neighbour too belong to both."""
     part, label = made.partition, np.asarray(made.labels)
     of_region, surfaces = np.arange(part.region_count + 1), {}
     for patch in part.curved:

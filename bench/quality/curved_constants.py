@@ -4,8 +4,8 @@
         [--folder DIR] [--json OUT.json]
     python -m bench.quality.curved_constants --tables OUT.json
 
-Needs what bench.quality.constants needs. The tree is copied, and each constant of its native/src/curved becomes a
-variable, so that one build and one process measure all values. The constants are those of the sources, with their
+Needs the packages of bench.quality.constants. The tree is copied, and each constant of its native/src/curved becomes a
+variable, so that one build and one process measure all values. The constants are read from the sources, with their
 comments as meanings.
 
 A value is halved and doubled; of shares and cosines from .6 to 1, and of factors from 1 to 1.5, the difference from 1.
@@ -41,7 +41,7 @@ from bench.quality.constants import ROOT, Build, cell
 
 FOLDER = "native/src/curved"
 COLUMNS = ("found", "kinds", "radius", "polygons", "distance", "far", "quads", "other", "time")
-TIMES = 2  # the least processor time of so many partitions counts
+TIMES = 2  # partitions, of whose processor times the least counts
 NOISES = (0.001, 0.003)
 TYPES = {"double": "double", "int": "int", "std::int32_t": "int", "std::size_t": "std::size_t"}
 # Limits of arithmetic and of the interface, units, and sizes of arrays.
