@@ -50,6 +50,7 @@ OPTIONS = {
 UNKNOWN = "own trials, not recorded"
 SHAPES = "own trials for short borders and convex polygons, trials.md"
 JOINS = "six scans at 300 regions, thirteen others at 100, trials.md"
+CURVED = "bench.quality.curved at noise .1 %, seeds 77 and 78"
 NEEDLES = "four scans at 100, 300 and 1,000 regions, trials.md"
 PLACES = "own trials of one energy of places (bench/quality/fit.py), trials.md"
 REAL = "open buildings, cartons, chunks (bench/quality/real.py)"
@@ -187,7 +188,9 @@ TUNED = (
     Tuned(MESHING + "repair/junctions.cpp", "kOfEdge", "price of an edge, in square deviations of the scan", JOINS),
     Tuned(MESHING + "repair/junctions.cpp", "kOfReflex", "price of a full turn of reflex corners, in edges", JOINS),
     Tuned(MESHING + "repair/junctions.cpp", "kOfSharp", "price of a full turn that sharp corners lack", JOINS),
+    Tuned(MESHING + "repair/junctions.cpp", "kOfCell", "worth of an edge at a cell of a round part, in edges", CURVED),
     Tuned(MESHING + "repair/junctions.cpp", "kLeastSine", "least square sine at borders of long chords", JOINS),
+    Tuned(MESHING + "repair/junctions.cpp", "kShort", "a short chord, of sqrt(area / charts)", JOINS),
     Tuned(MESHING + "repair/junctions.cpp", "kMisses", "miss of a plane at a joint vertex, in bounds of bends", JOINS),
     Tuned(MESHING + "complex/placement.cpp", "kJoined", "share of the tie at joint vertices", JOINS),
     Tuned(MESHING + "place/slide.cpp", "kFar", "way of a sliding corner, of sqrt(area / charts)", SHAPES),
