@@ -114,7 +114,7 @@ def test_the_same_bits_on_every_run(sheet):
 
 def test_the_same_bits_on_any_number_of_threads():
     vertices, triangles = shapes.torus(60, 40)
-    mesh = engine.Mesh(vertices + np.random.default_rng(3).normal(0, 0.01, vertices.shape), triangles)
+    mesh = engine.Mesh(vertices + np.random.default_rng(3).normal(0, 0.02, vertices.shape), triangles)
     part = engine.partition(mesh, engine.PartitionOptions(proxies=200))
     one = engine.polygonize(mesh, part, engine.MeshingOptions(threads=1))
     assert one.report["repair_rounds"] > 3

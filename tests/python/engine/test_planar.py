@@ -207,7 +207,7 @@ def test_snapped_planes_add_no_defect(name: str) -> None:
     assert off(after) < 0.85 * off(before)
 
 
-@pytest.mark.parametrize("seed", [2, 3, 5, 12])
+@pytest.mark.parametrize("seed", [1, 2, 5, 12])
 def test_corners_of_released_planes_move_no_further_than_others(seed: int) -> None:
     house = houses.make(0.003, seed)
     mesh = engine.Mesh(house.vertices, house.triangles)
