@@ -60,8 +60,9 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
         if not chosen.any():
             self.report({"INFO"}, said(_NONE[self.kind]))
             return {"FINISHED"}
-        bpy.ops.object.mode_set(mode="EDIT")
+        # Before the mode: it also selects polygons whose corners are all selected, unless polygons are what is selected.
         context.tool_settings.mesh_select_mode = (False, False, True)
+        bpy.ops.object.mode_set(mode="EDIT")
         found = messages.count(int(np.count_nonzero(chosen)), "polygon")
         self.report({"INFO"}, said("{polygons} selected: View > Frame Selected zooms to them.", polygons=found))
         return {"FINISHED"}
