@@ -188,7 +188,7 @@ TUNED = (
     Tuned(MESHING + "repair/junctions.cpp", "kOfEdge", "price of an edge, in square deviations of the scan", JOINS),
     Tuned(MESHING + "repair/junctions.cpp", "kOfReflex", "price of a full turn of reflex corners, in edges", JOINS),
     Tuned(MESHING + "repair/junctions.cpp", "kOfSharp", "price of a full turn that sharp corners lack", JOINS),
-    Tuned(MESHING + "repair/junctions.cpp", "kOfCell", "worth of an edge at a cell of a round part, in edges", CURVED),
+    Tuned(MESHING + "repair/junctions.cpp", "kOfCell", "worth of an edge where round parts meet", CURVED),
     Tuned(MESHING + "repair/junctions.cpp", "kLeastSine", "least square sine at borders of long chords", JOINS),
     Tuned(MESHING + "repair/junctions.cpp", "kShort", "a short chord, of sqrt(area / charts)", JOINS),
     Tuned(MESHING + "repair/junctions.cpp", "kMisses", "miss of a plane at a joint vertex, in bounds of bends", JOINS),

@@ -60,7 +60,7 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
         if not chosen.any():
             self.report({"INFO"}, said(_NONE[self.kind]))
             return {"FINISHED"}
-        # Before the mode: it also selects polygons whose corners are all selected, unless polygons are what is selected.
+        # Before the mode, which in other modes of selection also selects polygons whose corners are all selected.
         context.tool_settings.mesh_select_mode = (False, False, True)
         bpy.ops.object.mode_set(mode="EDIT")
         found = messages.count(int(np.count_nonzero(chosen)), "polygon")

@@ -28,7 +28,8 @@ constexpr double kParallel = 1e-6,
 // corners lack is worth kOfSharp edges.
 constexpr double kOfEdge = 15, kOfReflex = 15, kOfSharp = 300;
 constexpr double kMisses = 1.5;  ///< bounds of bent polygons: planes that a place misses by more do not meet there
-/// An edge at a cell of a round part is worth so many others, at a side of sqrt(area / charts): cells are to be quads.
+/// An edge where cells of several round parts meet is worth so many others, so that they are quads. At cells of one part too,
+/// the side is sqrt(area / charts).
 constexpr double kOfCell = 2;
 /// A chord is short up to this times sqrt(area / charts). At cells of round parts longer ones stay. Elsewhere borders that
 /// move by the removal of a longer one count where both planes are one too, by this square sine.
@@ -296,7 +297,7 @@ class Joiner {
     const double angles_before = price(net_.angles(all));
     double side = size_;
     for (const std::int32_t l : all) side = std::min(side, std::sqrt(planes_[l].area));
-    const double edge = edge_ * (any_cell ? kOfCell * size_ : side);  // scene units^3
+    const double edge = edge_ * (any_cell ? (holds_cells(all) ? 1 : kOfCell) * size_ : side);  // scene units^3
     Vec3 best = from;
     double least = 0;  // change of the energy, in edges
     for (const Vec3& near : {from, to, Vec3((from + to) / 2)}) {
