@@ -24,7 +24,6 @@ With --step the planes are made regular and polygons planar.
 import argparse
 import csv
 import json
-import sys
 import tarfile
 import tempfile
 import time
@@ -43,6 +42,7 @@ from bench.generators.real_scans import marching_cubes
 from bench.generators.solid_grids import distances, dual_contouring, smoothed, with_defects
 from bench.quality.step import read, solid_of
 from bench.timer.run import data_folder
+from isimp_engine.recipe.presets import BY_NAME
 
 EDGE = 0.015
 MARGIN = 9  # cells outside the box of a part
@@ -171,12 +171,9 @@ def widths(corners, face):
 
 
 def options_of(asked):
-    """The options of `simplify` for a preset of the add-on, with the detail that it takes for a scan."""
+    """The options of `simplify` for a preset, with the detail that it takes for a scan."""
     if asked.preset is None:
         return {}
-    sys.path.insert(0, str(Path(__file__).parents[2] / "addon"))
-    from isimp.recipe.presets import BY_NAME
-
     preset = BY_NAME[asked.preset]
     step = preset.partition_for(is_scanned=bool(asked.grid) or asked.noise > 0)
     names = ("detail", "adaptivity", "leave_out", "sharp_edges", "curved", "snap", "noise", "outside_only")
