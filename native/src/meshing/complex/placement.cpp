@@ -19,7 +19,7 @@ constexpr double kTruncate = 0.2;
 constexpr double kParallel = 1e-6;
 /// Shares of the shortest edge: the furthest move of a corner to where cells meet; the distance at which planes meet.
 constexpr double kOfShortest = 0.5, kMeets = 1e-6;
-/// Share of the tie at a corner of more than three polygons, whose vertex is that of one of the junctions that were joined.
+/// The tie is this share of the usual one at a corner of more than three polygons: its vertex is one of two junctions.
 constexpr double kJoined = 0.5;
 // The least work that is worth another thread:
 constexpr std::int32_t kTogether = 64;  ///< corners that are placed

@@ -28,8 +28,8 @@ constexpr double kParallel = 1e-6,
 // corners lack is worth kOfSharp edges.
 constexpr double kOfEdge = 15, kOfReflex = 15, kOfSharp = 300;
 constexpr double kMisses = 1.5;  ///< bounds of bent polygons: planes that a place misses by more do not meet there
-/// An edge where cells of several round parts meet is worth so many others, so that they are quads. At cells of one part too,
-/// the side is sqrt(area / charts).
+/// The price of an edge where cells of several round parts meet, in edges, so that these cells are quads. At any cell the
+/// side is sqrt(area / charts).
 constexpr double kOfCell = 2;
 /// A chord is short up to this times sqrt(area / charts). At cells of round parts longer ones stay. Elsewhere borders that
 /// move by the removal of a longer one count where both planes are one too, by this square sine.
