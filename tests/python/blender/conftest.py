@@ -35,7 +35,10 @@ def scene(addon):
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.context.preferences.edit.use_global_undo = True
     bpy.ops.ed.undo_push(message="start")
-    return bpy.context.scene
+    yield bpy.context.scene
+    # In Blender 3.4 `bpy.context.tool_settings` makes this scene the owner of `bpy.context.window` for the rest of the
+    # session. When another file is open, the export of a GLB file then writes into the freed scene.
+    assert bpy.context.id_data is None, "use bpy.context.scene.tool_settings"
 
 
 @pytest.hookimpl(trylast=True)

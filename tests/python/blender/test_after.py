@@ -37,7 +37,7 @@ def test_problem_polygons_are_shown(monkeypatch):
     bpy.ops.isimp.swap()
     bpy.ops.isimp.show_problems()
     assert (bpy.context.object, result.mode, selected(result)) == (result, "EDIT", [1, 4])
-    assert tuple(bpy.context.tool_settings.mesh_select_mode) == (False, False, True)
+    assert tuple(bpy.context.scene.tool_settings.mesh_select_mode) == (False, False, True)
 
 
 def test_no_problem_polygons_is_said_too():
@@ -79,7 +79,7 @@ def test_selecting_a_region_without_a_face_has_a_remedy():
 
 def edit(result, face):
     scans.mode("EDIT")
-    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
+    bpy.context.scene.tool_settings.mesh_select_mode = (False, False, True)
     scans.select_faces(result, face)
 
 
@@ -148,7 +148,7 @@ def test_two_polygons_dissolve_into_one(sculpture):
     edge = sculpture.data.edges[0].key
     pair = [face.index for face in sculpture.data.polygons if edge in face.edge_keys]
     scans.mode("EDIT")
-    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
+    bpy.context.scene.tool_settings.mesh_select_mode = (False, False, True)
     scans.select_faces(sculpture, *pair)
     bpy.ops.mesh.dissolve_faces()
     scans.mode("OBJECT")

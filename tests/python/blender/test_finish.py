@@ -27,7 +27,7 @@ def test_make_editable_ends_in_edit_mode_with_faces_to_select():
     assert store.numbers(scan)["regions"] == 7
     assert OPS.make_editable() == {"FINISHED"}
     assert bpy.context.mode == "EDIT_MESH"
-    assert tuple(bpy.context.tool_settings.mesh_select_mode) == (False, False, True)
+    assert tuple(bpy.context.scene.tool_settings.mesh_select_mode) == (False, False, True)
     assert store.numbers(scan)["regions"] == 6, "the sliver is merged"
     scans.mode("OBJECT")
     assert len(bpy.context.object.data.polygons) == 6

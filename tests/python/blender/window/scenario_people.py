@@ -82,7 +82,7 @@ def designer(hand):
     yield from hand.into_view()
     yield from hand.key("TAB")
     yield 0.3
-    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
+    bpy.context.scene.tool_settings.mesh_select_mode = (False, False, True)
     edit = bmesh.from_edit_mesh(made.data)
     front = min(edit.faces, key=lambda face: face.normal.y)
     corners = len(front.verts)
