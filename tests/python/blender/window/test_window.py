@@ -13,13 +13,14 @@ import pytest
 HERE = Path(__file__).parent
 ROOT = HERE.parents[3]
 OUT = Path(os.environ.get("ISIMP_WINDOW_OUT", ROOT / "out" / "window"))
-SIZE = 1200, 1150  # pixels: the whole panel is visible
-SMALL = 800, 640  # for scenarios without buttons: less to draw
+SIZE = 640, 1150  # pixels: the whole panel is visible
+SMALL = 640, 512  # for scenarios without buttons: less to draw
 WITHOUT_BUTTONS = {"far", "gestures", "live", "off_scan", "openings", "paint", "pieces", "result", "texture", "tools"}
-# For scenarios with few buttons and much drawing.
-NARROW = {
+OTHER_SIZES = {
     "buttons": (480, 1180),
     "compare": (900, 900),
+    "imports": (1200, 900),
+    "scale": (1200, 900),
     "quick_start": (1000, 1000),
     "people": (800, 960),
     "jobs": (800, 960),
@@ -44,7 +45,7 @@ def test_scenario(scenario):
     if missing:
         pytest.skip(f"needs {', '.join(missing)} (Debian: blender, xvfb, imagemagick)")
     OUT.mkdir(parents=True, exist_ok=True)
-    size = SMALL if scenario in WITHOUT_BUTTONS else NARROW.get(scenario, SIZE)
+    size = SMALL if scenario in WITHOUT_BUTTONS else OTHER_SIZES.get(scenario, SIZE)
     blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", *map(str, size)]
     script = ["--python", str(HERE / "drive.py"), "--", str(HERE / f"scenario_{scenario}.py"), str(OUT)]
     command = ["xvfb-run", "-a", "-s", f"-screen 0 {size[0]}x{size[1]}x24", *blender, *script]
