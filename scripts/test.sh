@@ -11,11 +11,11 @@
 set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-# The first stages run one after another. Then two lanes run side by side: one that compiles, one that runs Blender.
+# The first stages run one after another. The others run two at a time, in this order: window waits for screens while
+# the engine is compiled, and the short ones fill the end.
 first=(format lint mypy wheel)
-compiling=(cpp cuda asan tsan tidy)
-blending=(python blender bpy50 window)
-at_night=(bpy45) # as blending, but only on request
+beside=(window cpp asan python tsan tidy cuda blender bpy50)
+at_night=(bpy45) # only on request
 by_name=(quick changed all-tidy bench) # only on request
 tests_venv=$root/.venv-test
 
@@ -56,8 +56,6 @@ stage_cpp() { # the C++ tests, including the benchmarks'; the engine as the whee
 }
 
 stage_python() { # the package as installed
-  use_tests_venv
-  install_wheel "$tests_venv"
   python_tests tests/python --ignore tests/python/blender
 }
 
@@ -74,9 +72,6 @@ stage_blender() { # the add-on as packed, inside Debian's Blender, 3.4 on Debian
 }
 
 stage_window() { # the add-on's buttons, pressed in a window of that Blender
-  apt_install "${blender_packages[@]}" xvfb xauth imagemagick
-  use_tests_venv
-  install_wheel "$tests_venv"
   timeout 3600 "$tests_venv/bin/python" -m pytest tests/python/blender/window --junitxml "$results/pytest.xml"
 }
 
@@ -212,11 +207,14 @@ use_tests_venv() { # without cjio, which makes all JSON of a process round its n
 cpp_build() { # BUILD_DIR CMAKE_OPTION...
   apt_install "${build_packages[@]}" libgtest-dev
   use_tests_venv
-  local build=$1
+  local build=$1 lock
   shift
+  exec {lock}>"$out/test/$build.lock" # tidy reads the folder that cpp builds
+  flock "$lock"
   cmake -S . -B "$build" -G Ninja -DISIMP_TESTS=ON -DISIMP_WERROR=ON \
     -DPython_EXECUTABLE="$tests_venv/bin/python" "$@"
   ninja -C "$build" -j2
+  exec {lock}>&-
 }
 
 cpp_tests() { # BUILD_DIR CMAKE_OPTION...
@@ -250,7 +248,21 @@ run_stages() { # the requested ones of STAGE...
   done
 }
 
-# Installs packages that the lanes would install at the same time, one of them waiting for the other's lock.
+run_beside() { # as run_stages, two at a time
+  local name running=0
+  for name; do
+    case " ${asked[*]} " in *" $name "*) ;; *) continue ;; esac
+    if [ $running = 2 ]; then
+      wait -n
+      running=1
+    fi
+    run_stage "$name" &
+    running=$((running + 1))
+  done
+  wait
+}
+
+# Installs what two stages would install at the same time.
 prepare() {
   case " ${asked[*]} " in *" blender "* | *" bpy"* | *" window "*)
     apt_install "${blender_packages[@]}" libsm6 xvfb xauth imagemagick
@@ -261,16 +273,17 @@ prepare() {
     ;;
   esac
   use_tests_venv
+  case " ${asked[*]} " in *" python "* | *" window "*) install_wheel "$tests_venv" ;; esac
 }
 
 for name; do
-  case " ${first[*]} ${compiling[*]} ${blending[*]} ${at_night[*]} ${by_name[*]} " in
+  case " ${first[*]} ${beside[*]} ${at_night[*]} ${by_name[*]} " in
     *" $name "*) ;;
-    *) echo "no stage is called $name; there are: ${first[*]} ${compiling[*]} ${blending[*]} ${at_night[*]} ${by_name[*]}" >&2 && exit 2 ;;
+    *) echo "no stage is called $name; there are: ${first[*]} ${beside[*]} ${at_night[*]} ${by_name[*]}" >&2 && exit 2 ;;
   esac
 done
 asked=("$@")
-[ $# = 0 ] && asked=("${first[@]}" "${compiling[@]}" "${blending[@]}")
+[ $# = 0 ] && asked=("${first[@]}" "${beside[@]}")
 apt_install python3 python3-venv || exit 1
 mkdir -p "$out/test"
 rm -f "$out"/test/*.counts
@@ -279,9 +292,7 @@ case " ${asked[*]} " in *" bpy50 "*) bpy_venv 5.0.1 >"$out/test/downloads.log" 2
 run_stages "${by_name[@]}" "${first[@]}"
 prepare >"$out/test/prepare.log" 2>&1 </dev/null || { cat "$out/test/prepare.log"; exit 1; }
 wait
-run_stages "${blending[@]}" "${at_night[@]}" &
-run_stages "${compiling[@]}"
-wait
+run_beside "${beside[@]}" "${at_night[@]}"
 read -ra total < <(cat "$out"/test/*.counts | awk '{ p += $1; f += $2; s += $3 } END { print p + 0, f + 0, s + 0 }')
 [ "${total[2]}" = 0 ] && more= || more=", ${total[2]} skipped"
 echo "${total[0]} passed, ${total[1]} failed$more"
