@@ -147,7 +147,7 @@ class Task:
         """Return one line for the user: stage, completed share, remaining time."""
         left = self.seconds_left()
         stage = said(self.watch.stage.capitalize() or own("Working"))
-        text = f"{stage} {self.watch.progress:.0%}"
+        text = f"{stage} {min(self.watch.progress, 0.99):.0%}"  # 100 % is the end of the work
         return (
             text if left is None else said("{progress}, {seconds} s left", progress=text, seconds=max(1, round(left)))
         )

@@ -83,10 +83,10 @@ def test_a_task_that_fails_keeps_the_reason():
 
 
 def test_time_left_is_described_once_it_is_known():
-    now, go = [0.0], threading.Event()
+    now, go, job = [0.0], threading.Event(), Job(0.25)
 
     def work(watch):
-        with watch.part("flooding", 0.0, 1.0, Job(0.25)):
+        with watch.part("flooding", 0.0, 1.0, job):
             go.wait(10)
 
     task = Task(work, clock=lambda: now[0])
@@ -96,5 +96,7 @@ def test_time_left_is_described_once_it_is_known():
     now[0] = 2.0
     assert task.seconds_left() == pytest.approx(6.0)
     assert task.describe() == "Flooding 25%, 6 s left"
+    job.progress = 0.998
+    assert task.describe() == "Flooding 99%, 1 s left", "100 % is the end"
     go.set()
     assert task.wait(10) is Status.DONE
