@@ -31,7 +31,7 @@ def beside(scan: tuple[Array, Array], model: tuple[Array, Array, Array, Array], 
     camera = _camera(scan[0], scan[1], side)
     gray = np.full((1, 3), 0.8)
     colors = _COLORS[(region[polygon] * 5) % len(_COLORS)] if len(polygon) else gray
-    left, right = draw(*scan, gray, camera, side), draw(vertices, triangles, colors, camera, side)
+    left, right = draw(*scan, gray, camera, side), draw(vertices, triangles, colors, camera, side, polygon)
     return png(np.concatenate([left, np.full((side, 4, 3), _BACK, np.uint8), right], axis=1))
 
 
@@ -57,19 +57,24 @@ def _camera(vertices: Array, triangles: Array, side: int = SIDE) -> tuple[Array,
 
 
 def draw(
-    vertices: Array, triangles: Array, colors: Array, camera: tuple[Array, Array, float], side: int = SIDE
+    vertices: Array,
+    triangles: Array,
+    colors: Array,
+    camera: tuple[Array, Array, float],
+    side: int = SIDE,
+    polygon: Array | None = None,
 ) -> Array:
     """Draw an image (side, side, 3) uint8: spread points over the triangles, and keep the nearest in each pixel.
 
-    colors: (T, 3) or (1, 3), in [0, 1].
+    colors: (T, 3) or (1, 3), in [0, 1]. polygon: (T,) of each triangle: polygons have one shade, thin triangles too.
     """
     image = np.full((side * side, 3), _BACK, np.uint8)
     middle, axes, scale = camera
     with np.errstate(invalid="ignore", over="ignore"):  # values that are not finite are left out below
         corners = (((vertices - middle) @ axes.T) * scale).astype(np.float32)[triangles]
         normals = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        lengths = np.sqrt(np.einsum("ij,ij->i", normals, normals))
-    seen = np.flatnonzero(np.isfinite(lengths) & (lengths > 0))
+        areas = np.sqrt(np.einsum("ij,ij->i", normals, normals)) / 2
+    seen = np.flatnonzero(np.isfinite(areas) & (areas > 0))
     if not len(seen):
         return image.reshape(side, side, 3)
     triangle, points = _spread(corners, seen, np.abs(normals[seen, 2]) / 2, _SAMPLES * side**2 // SIDE**2)
@@ -81,7 +86,9 @@ def draw(
     nearest = _filled(nearest.reshape(side, side), depth.reshape(side, side)).ravel()
     drawn = np.flatnonzero(nearest >= 0)
     face = nearest[drawn]
-    light = np.abs((normals[face] / lengths[face, None]) @ _LIGHT)
+    if polygon is not None:
+        normals = np.stack([np.bincount(polygon, axis) for axis in normals.T], axis=1)[polygon]
+    light = np.abs(normals[face] @ _LIGHT) / np.linalg.norm(normals[face], axis=1).clip(1e-30)
     shade = (colors if len(colors) == 1 else colors[face]) * (0.35 + 0.65 * light.clip(0, 1))[:, None]
     image[drawn] = (255 * shade).astype(np.uint8)
     return image.reshape(side, side, 3)
