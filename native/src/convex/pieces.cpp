@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "isimp/core/check.h"
 #include "isimp/core/forest.h"
 
 namespace isimp::detail {
@@ -131,7 +132,10 @@ Piece Pieces::joined(const Piece& a, const Piece& b) const {
 
 std::vector<std::array<std::int32_t, 2>> Pieces::touching(const std::vector<Piece>& pieces) const {
   for (std::int32_t p = 0; p < std::ssize(pieces); ++p)
-    for (const std::int32_t c : pieces[p].cells) place_[c] = p;
+    for (const std::int32_t c : pieces[p].cells) {
+      ISIMP_ASSERT(place_[c] == kNone, "a cell is of one piece");
+      place_[c] = p;
+    }
   std::vector<std::array<std::int32_t, 2>> pairs;
   for (const Contact& contact : contacts_) {
     if (contact.below == kNone) continue;  // it was divided

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "flood.h"
+#include "isimp/core/check.h"
 #include "isimp/core/to_integer.h"
 #include "sampler.h"
 #include "samples.h"
@@ -164,6 +165,8 @@ BakeMap bake_map(const Mesh& mesh, const Partition& partition, const PolygonMesh
           const auto x = static_cast<float>(texel.x) + 0.5F, y = static_cast<float>(texel.y) + 0.5F;
           const Hit hit = texel.closest > 0.5F ? texel.hit : index == kNone ? view.closest(x, y) : view.at(index, x, y);
           const std::size_t pixel = static_cast<std::size_t>(map.rows - 1 - texel.y) * map.side + texel.x;
+          ISIMP_ASSERT(texel.closest >= 0 && texel.closest <= 1, "the weight of the closest point is a share");
+          ISIMP_ASSERT(hit.face >= 0, "every texel of a polygon has a face of the scan");
           map.face[pixel] = hit.face;
           map.barycentric[2 * pixel] = hit.b;
           map.barycentric[2 * pixel + 1] = hit.c;

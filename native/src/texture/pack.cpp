@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "isimp/core/check.h"
 #include "layout.h"
 #include "profile.h"
 
@@ -85,8 +86,10 @@ class Packer {
 
   void settle(const Spot& spot, Pile& pile) const {
     const Profile& p = profile_[spot.turn];
+    ISIMP_ASSERT(spot.x + p.width() <= cells_.count() && spot.y + p.height <= cells_.count(), "a chart is in its tile");
     for (std::int32_t k = 0; k < p.width(); ++k) {
       Cell& top = pile.top[spot.x + k];
+      ISIMP_ASSERT(spot.y + p.low[k] >= top, "a chart lies on those below it");
       top = std::max(top, static_cast<Cell>(spot.y + p.high[k] + 1));
       pile.used = std::max<std::int32_t>(pile.used, top);
     }

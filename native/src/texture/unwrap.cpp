@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "isimp/core/check.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/to_integer.h"
 #include "layout.h"
@@ -52,6 +53,7 @@ void put(const Layout& layout, const Packing& packing, std::int32_t q, Atlas& at
   };
   for (std::int32_t i = layout.start[q]; i < layout.start[q + 1]; ++i) {
     const Vec2 at = texel(layout.flat[i]);
+    ISIMP_ASSERT(at.minCoeff() >= 0 && at.x() <= atlas.side && at.y() <= atlas.height(), "corners are in the atlas");
     atlas.corner[i] = {at.x(), at.y()};
   }
   const Eigen::Matrix2d back = (chart.turn * layout.place[q].turn).transpose() / packing.scale;

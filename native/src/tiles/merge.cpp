@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "checks.h"
 #include "components.h"
 #include "hierarchy/greedy.h"
+#include "isimp/core/check.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/forest.h"
 
@@ -61,6 +63,7 @@ MergeGraph rows_of(const JoinedGraph& graph, double price) {
       if (price > 0) rows.border[at] = price * graph.length[e];
     }
   }
+  ISIMP_ASSERT(std::ranges::equal(next, std::span(rows.first).subspan(1)), "each node has all its neighbours");
   return rows;
 }
 

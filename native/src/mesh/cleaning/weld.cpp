@@ -1,4 +1,7 @@
 // Welds vertices on borders within a distance.
+#include <algorithm>
+
+#include "isimp/core/check.h"
 #include "isimp/mesh/hash_grid.h"
 #include "surface/soup.h"
 
@@ -20,6 +23,7 @@ std::vector<std::int32_t> border_vertices(const Soup& soup, const EdgeGroups& ed
 }
 
 bool weld(Soup& soup, const std::vector<std::int32_t>& border, double tolerance, Job& job) {
+  ISIMP_ASSERT(std::ranges::is_sorted(border), "the first vertex of a place stands for the others");
   HashGrid grid(border.size(), tolerance);
   std::vector<std::int32_t> stands_for;  // (V) filled once the first pair is found
   for (std::size_t i = 0; i < border.size(); ++i) {

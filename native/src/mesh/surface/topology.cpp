@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "isimp/core/check.h"
 #include "isimp/core/prefetch.h"
 #include "isimp/mesh/mesh.h"
 #include "surface/edge_groups.h"
@@ -333,6 +334,13 @@ Topology find_topology(std::size_t vertex_count, std::span<const Triangle> trian
   if (!find_fans(topology, vertex_count, triangles, threads, job)) {
     topology.defect = describe_bad_vertex(topology, triangles);
   }
+  ISIMP_ASSERT(std::ranges::is_sorted(topology.border), "half-edges on the border rise");
+  ISIMP_ASSERT(std::ranges::all_of(topology.opposite,
+                                   [&, h = 0](std::int32_t other) mutable {
+                                     const std::int32_t own = h++;
+                                     return other == kNone || topology.opposite[other] == own;
+                                   }),
+               "the opposite of the opposite is the half-edge itself");
   return topology;
 }
 
