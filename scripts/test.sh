@@ -19,17 +19,15 @@ at_night=(bpy45) # only on request
 by_name=(quick changed all-tidy bench) # only on request
 tests_venv=$root/.venv-test
 
-# Each stage is a function that runs with `set -e` and installs its own requirements. Test runners leave their JUnit
-# files in $results. A stage without any counts as one check; one that fails with no failed test, as one failed.
+# Each stage is a function that runs with `set -e`. `prepare` installs what the requested ones need. Test runners leave
+# their JUnit files in $results. A stage without any counts as one check; one that fails with no failed test, as one
+# failed.
 
 stage_format() {
-  apt_install clang-format
   git ls-files '*.h' '*.cpp' '*.cu' | xargs clang-format --dry-run -Werror
 }
 
 stage_lint() {
-  apt_install shellcheck
-  use_tests_venv
   shellcheck -x -P SCRIPTDIR scripts/*.sh .ci/run
   "$tests_venv/bin/check-jsonschema" --builtin-schema vendor.github-workflows .github/workflows/*.yml
   "$tests_venv/bin/check-jsonschema" --builtin-schema vendor.citation-file-format CITATION.cff
@@ -41,13 +39,10 @@ stage_lint() {
 }
 
 stage_mypy() { # types, strict, for the files in pyproject.toml
-  use_tests_venv
   "$tests_venv/bin/mypy"
 }
 
 stage_wheel() { # the wheel of `pip install .`, kept for the stages that follow
-  apt_install "${build_packages[@]}"
-  use_tests_venv
   build_wheel "$tests_venv" --config-settings cmake.define.ISIMP_WERROR=ON
 }
 
@@ -60,7 +55,6 @@ stage_python() { # the package as installed
 }
 
 stage_blender() { # the add-on as packed, inside Debian's Blender, 3.4 on Debian 12
-  apt_install "${blender_packages[@]}"
   make_addon
   local site=$out/blender/site
   rm -rf "$site"
@@ -88,7 +82,6 @@ bpy_venv() { # VERSION
 }
 
 bpy_tests() { # VERSION: the add-on inside Blender as a Python module
-  apt_install "${blender_packages[@]}" libsm6
   local venv=$root/.venv-bpy-$1
   bpy_venv "$1"
   install_wheel "$venv"
@@ -96,7 +89,6 @@ bpy_tests() { # VERSION: the add-on inside Blender as a Python module
 }
 
 stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and run where there is a device
-  use_tests_venv
   local tools=$tests_venv
   if ! PATH=$PATH:/usr/local/cuda/bin command -v nvcc; then
     tools=$root/.venv-cuda
@@ -120,8 +112,6 @@ stage_asan() { # the C++ tests under the address and undefined-behaviour sanitiz
 }
 
 stage_tsan() { # the data of threads, under the thread sanitizer, which can't see OpenMP's; so without the thesis
-  apt_install "${build_packages[@]}" libgtest-dev
-  use_tests_venv
   cmake -S . -B build-tsan -G Ninja -DISIMP_TESTS=ON -DISIMP_ASSERTIONS=ON -DISIMP_WERROR=ON -DISIMP_THESIS=OFF \
     -DISIMP_SANITIZE=thread -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1 \
     -DPython_EXECUTABLE="$tests_venv/bin/python"
@@ -148,15 +138,12 @@ stage_all-tidy() { # clang-tidy, on all of the engine's own sources
 }
 
 stage_bench() { # made scans, by the wheel; instructions are counted by valgrind, so times do not matter
-  apt_install "${build_packages[@]}" valgrind
-  use_tests_venv
   build_wheel "$tests_venv" --config-settings cmake.define.ISIMP_CUDA=OFF
   install_wheel "$tests_venv"
   "$tests_venv/bin/python" -m bench.public small --against bench/public.json --json "$results/small.json"
 }
 
 prepare_tidy() {
-  apt_install clang-tidy libomp-dev # for omp.h, which the CPU back end includes
   cpp_build build-test -DISIMP_BENCH=ON -DISIMP_CUDA=OFF
 }
 
@@ -205,8 +192,6 @@ use_tests_venv() { # without cjio, which makes all JSON of a process round its n
 }
 
 cpp_build() { # BUILD_DIR CMAKE_OPTION...
-  apt_install "${build_packages[@]}" libgtest-dev
-  use_tests_venv
   local build=$1 lock
   shift
   exec {lock}>"$out/test/$build.lock" # tidy reads the folder that cpp builds
@@ -244,14 +229,14 @@ run_stage() { # NAME: writes its output to a log, its counts to out/test/NAME.co
 run_stages() { # the requested ones of STAGE...
   local name
   for name; do
-    case " ${asked[*]} " in *" $name "*) run_stage "$name" ;; esac
+    if requested "$name"; then run_stage "$name"; fi
   done
 }
 
 run_beside() { # as run_stages, two at a time
   local name running=0
   for name; do
-    case " ${asked[*]} " in *" $name "*) ;; *) continue ;; esac
+    requested "$name" || continue
     if [ $running = 2 ]; then
       wait -n
       running=1
@@ -262,18 +247,26 @@ run_beside() { # as run_stages, two at a time
   wait
 }
 
-# Installs what two stages would install at the same time.
+requested() { # whether one of STAGE... is
+  local name
+  for name; do
+    case " ${asked[*]} " in *" $name "*) return 0 ;; esac
+  done
+  return 1
+}
+
+# Installs what the requested stages need, Debian's packages beside Python's.
 prepare() {
-  case " ${asked[*]} " in *" blender "* | *" bpy"* | *" window "*)
-    apt_install "${blender_packages[@]}" libsm6 xvfb xauth imagemagick
-    ;;
-  esac
-  case " ${asked[*]} " in *" cpp "* | *" asan "* | *" tsan "* | *" tidy "*)
-    apt_install "${build_packages[@]}" libgtest-dev clang-tidy libomp-dev
-    ;;
-  esac
-  use_tests_venv
-  case " ${asked[*]} " in *" python "* | *" window "*) install_wheel "$tests_venv" ;; esac
+  local packages=() pip
+  use_tests_venv &
+  pip=$!
+  requested format quick changed && packages+=(clang-format)
+  requested lint quick changed && packages+=(shellcheck)
+  requested wheel cpp cuda asan tsan tidy "${by_name[@]}" && packages+=("${build_packages[@]}" libgtest-dev)
+  requested tidy all-tidy && packages+=(clang-tidy libomp-dev) # for omp.h, which the CPU back end includes
+  requested bench && packages+=(valgrind)
+  requested blender window bpy50 bpy45 && packages+=("${blender_packages[@]}" libsm6 xvfb xauth imagemagick)
+  apt_install "${packages[@]}" && wait "$pip"
 }
 
 for name; do
@@ -287,10 +280,11 @@ asked=("$@")
 apt_install python3 python3-venv || exit 1
 mkdir -p "$out/test"
 rm -f "$out"/test/*.counts
-# The big download runs while the engine is compiled.
-case " ${asked[*]} " in *" bpy50 "*) bpy_venv 5.0.1 >"$out/test/downloads.log" 2>&1 </dev/null & ;; esac
-run_stages "${by_name[@]}" "${first[@]}"
 prepare >"$out/test/prepare.log" 2>&1 </dev/null || { cat "$out/test/prepare.log"; exit 1; }
+# The big download runs while the engine is compiled.
+if requested bpy50; then bpy_venv 5.0.1 >"$out/test/downloads.log" 2>&1 </dev/null & fi
+run_stages "${by_name[@]}" "${first[@]}"
+if requested python window; then install_wheel "$tests_venv"; fi # once, as both read it
 wait
 run_beside "${beside[@]}" "${at_night[@]}"
 read -ra total < <(cat "$out"/test/*.counts | awk '{ p += $1; f += $2; s += $3 } END { print p + 0, f + 0, s + 0 }')
