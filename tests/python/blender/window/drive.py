@@ -59,6 +59,12 @@ class Hand:
         self.event("MOUSEMOVE", "NOTHING")
         yield
 
+    def jump(self, x, y):
+        """As `move`, in half the time. A drag that turns the view does not notice it."""
+        for self.at in ((x - 1, y), (x, y)):
+            self.event("MOUSEMOVE", "NOTHING")
+        yield
+
     def click(self, x, y, button="LEFTMOUSE", **held):
         yield from self.move(x, y)
         self.event(button, "PRESS", **held)
@@ -127,7 +133,7 @@ class Hand:
         seen = set()
         for y in self.rows(at[1] if full else side.y + side.height):
             for share in (0.3, 0.62):
-                yield from self.move(side.x + (side.width - 20) * share, y)
+                yield from self.jump(side.x + (side.width - 20) * share, y)
                 under = self.under_mouse()
                 if under:
                     seen.add(under)
