@@ -11,6 +11,8 @@
 namespace isimp::curved {
 namespace {
 
+constexpr double kMostFlat = 0.7;  ///< share of the area in planes: with more it is a box with rounded edges
+
 class Extrusions {
  public:
   Extrusions(const Faces& faces, const Points& points, const std::vector<Found>& found, const std::vector<bool>& kept,
@@ -100,10 +102,13 @@ class Extrusions {
   }
 
   [[nodiscard]] std::optional<Found> fitted(const Some& group) const {
-    if (group.size() < 2) return std::nullopt;
     Found now;
-    for (const std::int32_t k : group)
+    double flat = 0;
+    for (const std::int32_t k : group) {
+      if (found_[k].is_plane()) flat += found_[k].area;
       now.points.insert(now.points.end(), found_[k].points.begin(), found_[k].points.end());
+    }
+    if (group.size() < 2 || flat > kMostFlat * p_.area_of(now.points)) return std::nullopt;
     for (std::size_t before = 0; before < now.points.size();) {
       before = now.points.size();
       const Samples s = samples(now.points);
