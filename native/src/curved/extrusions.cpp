@@ -11,13 +11,11 @@
 namespace isimp::curved {
 namespace {
 
-constexpr double kMostFlat = 0.7;  ///< share of the area in planes: with more it is a box with rounded edges
-
 class Extrusions {
  public:
   Extrusions(const Faces& faces, const Points& points, const std::vector<Found>& found, const std::vector<bool>& kept,
-             const Nearness& near)
-      : f_(faces), p_(points), found_(found), kept_(kept), near_(near), own_(points.area.size(), kNone) {
+             const Some& label, const Nearness& near)
+      : f_(faces), p_(points), found_(found), kept_(kept), label_(label), near_(near), own_(points.area.size(), kNone) {
     for (std::size_t k = 0; k < found.size(); ++k)
       for (const std::int32_t i : found[k].points) own_[i] = static_cast<std::int32_t>(k);
   }
@@ -26,10 +24,9 @@ class Extrusions {
     std::vector<bool> is_used(found_.size(), false);
     std::vector<Found> made, out;
     for (std::size_t k = 0; k < found_.size(); ++k) {
-      if (is_used[k] || !is_open(k)) continue;
-      Some group = group_of(k, is_used, true);
+      if (is_used[k] || found_[k].surface.kind != CurvedKind::cylinder) continue;
+      const Some group = group_of(k, is_used);
       std::optional<Found> one = fitted(group);
-      if (Some fewer = group_of(k, is_used, false); !one && fewer != group) one = fitted(group = std::move(fewer));
       if (!one) continue;
       for (const std::int32_t i : group) is_used[i] = true;
       made.push_back(std::move(*one));
@@ -42,19 +39,8 @@ class Extrusions {
   }
 
  private:
-  /// Whether a surface is a cylinder that may be part of an extrusion: one that no gate kept, or one that no plane
-  /// continues. A kept one that planes continue, as a fillet, stays.
-  [[nodiscard]] bool is_open(std::size_t k) const {
-    if (found_[k].surface.kind != CurvedKind::cylinder) return false;
-    return !kept_[k] || std::none_of(found_[k].points.begin(), found_[k].points.end(), [&](std::int32_t i) {
-      return std::any_of(p_.near[i].begin(), p_.near[i].end(),
-                         [&](std::int32_t j) { return own_[j] != kNone && found_[own_[j]].is_plane(); });
-    });
-  }
-
   /// The surfaces that continue a cylinder smoothly along one direction, from one to the next, also over free points.
-  /// \param all  also cylinders that would stay; the extrusion must be a ring then
-  [[nodiscard]] Some group_of(std::size_t first, const std::vector<bool>& is_used, bool all) const {
+  [[nodiscard]] Some group_of(std::size_t first, const std::vector<bool>& is_used) const {
     const Vec3& axis = found_[first].surface.axis;
     std::vector<bool> is_in = is_used, is_met(p_.area.size(), false);
     Some group, points;
@@ -71,7 +57,7 @@ class Extrusions {
         is_met[j] = true;
         if (other == kNone)
           points.push_back(j);
-        else if (!is_in[other] && is_along(other, axis, all))
+        else if (!is_in[other] && is_along(other, axis))
           add(other);
       }
     std::sort(group.begin(), group.end());
@@ -80,38 +66,35 @@ class Extrusions {
 
   /// Whether a surface is a plane along a direction, or a curved one whose normals are square to it. A part of a cylinder
   /// may pass for a sphere.
-  [[nodiscard]] bool is_along(std::int32_t k, const Vec3& axis, bool all) const {
+  [[nodiscard]] bool is_along(std::int32_t k, const Vec3& axis) const {
     const Found& f = found_[k];
     if (f.is_plane()) return std::abs(f.surface.axis.dot(axis)) < kSquare;
-    if (kept_[k] && !is_open(k) && !(all && f.surface.kind == CurvedKind::cylinder)) return false;
     double square = 0;
     for (const std::int32_t i : f.points) square += std::abs(p_.normal[i].dot(axis)) < kSquare ? p_.area[i] : 0;
     return square > kMost * f.area;
   }
 
-  /// Faces of some points, at equal steps.
-  [[nodiscard]] Samples samples(const Some& points) const {
-    std::vector<bool> is_in(p_.area.size(), false);
-    for (const std::int32_t i : points) is_in[i] = true;
+  /// Some faces, at equal steps.
+  template <class IsIn>
+  [[nodiscard]] Samples samples(IsIn is_in) const {
     Some all, some;
     for (std::int32_t i = 0; i < f_.size(); ++i)
-      if (p_.of_face[i] != kNone && is_in[p_.of_face[i]]) all.push_back(i);
+      if (is_in(i)) all.push_back(i);
     const std::size_t step = all.size() / kMostSamples + 1;
     for (std::size_t k = 0; k < all.size(); k += step) some.push_back(all[k]);
     return samples_of(f_, some);
   }
 
   [[nodiscard]] std::optional<Found> fitted(const Some& group) const {
+    if (group.size() < 2) return std::nullopt;
     Found now;
-    double flat = 0;
-    for (const std::int32_t k : group) {
-      if (found_[k].is_plane()) flat += found_[k].area;
+    for (const std::int32_t k : group)
       now.points.insert(now.points.end(), found_[k].points.begin(), found_[k].points.end());
-    }
-    if (group.size() < 2 || flat > kMostFlat * p_.area_of(now.points)) return std::nullopt;
     for (std::size_t before = 0; before < now.points.size();) {
       before = now.points.size();
-      const Samples s = samples(now.points);
+      std::vector<bool> is_in(p_.area.size(), false);
+      for (const std::int32_t i : now.points) is_in[i] = true;
+      const Samples s = samples([&](std::int32_t i) { return p_.of_face[i] != kNone && is_in[p_.of_face[i]]; });
       auto surface = fit(CurvedKind::extrusion, s);
       if (!surface) return std::nullopt;
       now.surface = std::move(*surface);
@@ -125,9 +108,20 @@ class Extrusions {
     }
     const bool has_kept =
         std::any_of(group.begin(), group.end(), [&](std::int32_t k) { return kept_[k] && !found_[k].is_plane(); });
-    if (has_kept && !now.surface.closed) return std::nullopt;
+    if (has_kept && !is_nearer(now.surface, group)) return std::nullopt;
     now.area = p_.area_of(now.points);
     return now;
+  }
+
+  /// Whether an extrusion is nearer than surfaces to their faces, even if each of these is fitted to its own.
+  [[nodiscard]] bool is_nearer(const CurvedSurface& extrusion, const Some& group) const {
+    double its = 0, theirs = 0;
+    for (const std::int32_t k : group) {
+      const Samples s = samples([&](std::int32_t i) { return label_[i] == k; });
+      its += found_[k].area * std::pow(rms(extrusion, s), 2);
+      theirs += found_[k].area * std::pow(rms(fit(found_[k].surface.kind, s).value_or(found_[k].surface), s), 2);
+    }
+    return its < theirs;
   }
 
   /// Adds free points that are on an extrusion and next to its points.
@@ -152,6 +146,7 @@ class Extrusions {
   const Points& p_;
   const std::vector<Found>& found_;
   const std::vector<bool>& kept_;
+  const Some& label_;
   const Nearness& near_;
   Some own_;  // by point: its surface
 };
@@ -160,8 +155,8 @@ class Extrusions {
 
 std::optional<std::vector<Found>> with_extrusions(const Faces& faces, const Points& points,
                                                   const std::vector<Found>& found, const std::vector<bool>& kept,
-                                                  const Nearness& near) {
-  return Extrusions(faces, points, found, kept, near).run();
+                                                  const Some& label, const Nearness& near) {
+  return Extrusions(faces, points, found, kept, label, near).run();
 }
 
 }  // namespace isimp::curved

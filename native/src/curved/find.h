@@ -39,13 +39,14 @@ std::vector<Found> find_surfaces(const Points& points, const Nearness& near, Job
 /// sphere or a cone, or two of these, to a revolution that they fit nearly as well. (join.cpp)
 std::vector<Found> joined(std::vector<Found> found, const Points& points, const Nearness& near, Job& job);
 
-/// Joins adjacent cylinders and planes of one direction to extrusions. A kept cylinder with a plane next to it stays.
-/// \param kept  of each surface whether the gates keep it
+/// Joins adjacent cylinders and planes of one direction to extrusions. Kept ones stay if they are nearer to their faces.
+/// \param kept   of each surface whether the gates keep it
+/// \param label  the surface of each face; it may be empty if none is kept
 /// \return the surfaces with the extrusions last, in the place of their parts; none if there is no extrusion
 /// (extrusions.cpp)
 std::optional<std::vector<Found>> with_extrusions(const Faces& faces, const Points& points,
                                                   const std::vector<Found>& found, const std::vector<bool>& kept,
-                                                  const Nearness& near);
+                                                  const Some& label, const Nearness& near);
 
 /// Adds the bends between pipes of one radius whose axes meet; surfaces there lose their points. (bends.cpp)
 std::vector<Found> with_bends(std::vector<Found> found, const Points& points, const Nearness& near);

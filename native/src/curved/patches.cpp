@@ -131,7 +131,7 @@ void fit_planes(const Faces& faces, Scene& scene) {
 
 /// Joins surfaces to extrusions, if the gates keep one of these; else the scene stays as it is.
 void add_extrusions(const Faces& faces, Scene& scene, std::vector<bool>& kept, Job& job) {
-  auto found = with_extrusions(faces, scene.points, scene.found, kept, scene.near);
+  auto found = with_extrusions(faces, scene.points, scene.found, kept, scene.label, scene.near);
   if (!found) return;
   Scene next{scene.points, scene.near, std::move(*found), {}, {}};
   next.label = face_labels(faces, next.points, next.found, next.near, job);
@@ -167,7 +167,7 @@ Scene find_patches(const Faces& faces, const Partition& part, std::span<const st
   scene.found = joined(std::move(scene.found), scene.points, near, job);
   if (const std::vector<bool> perhaps = perhaps_kept(scene.points, scene.found);
       std::find(perhaps.begin(), perhaps.end(), true) == perhaps.end() &&
-      !with_extrusions(faces, scene.points, scene.found, perhaps, near))
+      !with_extrusions(faces, scene.points, scene.found, perhaps, {}, near))
     return scene;
   scene.label = face_labels(faces, scene.points, scene.found, near, job);
   fit_planes(faces, scene);

@@ -193,10 +193,11 @@ def test_cells_of_a_noisy_part_meet_on_their_planes(name, seed):
     assert (np.bincount(planar.polygon_region)[cells] == 1).all()
 
 
-def test_a_box_with_rounded_edges_is_no_extrusion():
-    vertices, triangles = round_shapes.made(round_shapes.shapes()["fillet"])
+@pytest.mark.parametrize(("name", "kind"), [("fillet", "cylinder"), ("moulding", "extrusion")])
+def test_rounded_edges_stay_cylinders_and_waves_are_extrusions(name, kind):
+    vertices, triangles = round_shapes.made((round_shapes.shapes() | round_shapes.extruded())[name])
     mesh = engine.clean(round_shapes.with_noise(vertices, 0.001, 203), triangles)
-    assert {p.kind for p in engine.partition(mesh, engine.PartitionOptions(curved=True)).curved} == {"cylinder"}
+    assert {p.kind for p in engine.partition(mesh, engine.PartitionOptions(curved=True)).curved} == {kind}
 
 
 @pytest.mark.parametrize("seed", [1, 2])
