@@ -200,7 +200,7 @@ def test_rounded_edges_stay_cylinders_and_waves_are_extrusions(name, kind):
     assert {p.kind for p in engine.partition(mesh, engine.PartitionOptions(curved=True)).curved} == {kind}
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, 2, 23])
 def test_a_torus_is_one_part(seed):
     vertices, triangles = round_shapes.made(round_shapes.shapes()["torus"], 48)
     mesh = engine.clean(round_shapes.with_noise(vertices, 0.001, seed), triangles)
