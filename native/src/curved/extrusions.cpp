@@ -21,11 +21,12 @@ class Extrusions {
   }
 
   std::optional<std::vector<Found>> run() {
-    std::vector<bool> is_used(found_.size(), false);
+    std::vector<bool> is_used(found_.size(), false), is_tried = is_used;
     std::vector<Found> made, out;
     for (std::size_t k = 0; k < found_.size(); ++k) {
-      if (is_used[k] || found_[k].surface.kind != CurvedKind::cylinder) continue;
+      if (is_tried[k] || found_[k].surface.kind != CurvedKind::cylinder) continue;
       const Some group = group_of(k, is_used);
+      for (const std::int32_t i : group) is_tried[i] = true;
       std::optional<Found> one = fitted(group);
       if (!one) continue;
       for (const std::int32_t i : group) is_used[i] = true;
@@ -90,13 +91,16 @@ class Extrusions {
     Found now;
     for (const std::int32_t k : group)
       now.points.insert(now.points.end(), found_[k].points.begin(), found_[k].points.end());
+    const bool has_kept =
+        std::any_of(group.begin(), group.end(), [&](std::int32_t k) { return kept_[k] && !found_[k].is_plane(); });
+    const std::size_t first = now.points.size();
     for (std::size_t before = 0; before < now.points.size();) {
       before = now.points.size();
       std::vector<bool> is_in(p_.area.size(), false);
       for (const std::int32_t i : now.points) is_in[i] = true;
       const Samples s = samples([&](std::int32_t i) { return p_.of_face[i] != kNone && is_in[p_.of_face[i]]; });
       auto surface = fit(CurvedKind::extrusion, s);
-      if (!surface) return std::nullopt;
+      if (!surface || (has_kept && before == first && !is_nearer(*surface, group))) return std::nullopt;
       now.surface = std::move(*surface);
       now.rms = rms(now.surface, s);
       double near = 0;
@@ -106,9 +110,6 @@ class Extrusions {
       if (near < kMost) return std::nullopt;
       take_in(now);
     }
-    const bool has_kept =
-        std::any_of(group.begin(), group.end(), [&](std::int32_t k) { return kept_[k] && !found_[k].is_plane(); });
-    if (has_kept && !is_nearer(now.surface, group)) return std::nullopt;
     now.area = p_.area_of(now.points);
     return now;
   }
