@@ -98,6 +98,8 @@ class Measured:
 
     def _round_parts(self, part: Partition, places: Array, origin: Array) -> list[Round]:
         patches = [patch for patch in part.curved if patch["kind"] in ("cylinder", "sphere")]
+        if not patches:
+            return []
         number = np.full(part.region_count + 1, -1, np.int32)  # the last one is for faces without a region
         for k, patch in enumerate(patches):
             number[patch["regions"]] = k
@@ -111,7 +113,7 @@ class Measured:
     @cached_property
     def touching(self) -> set[tuple[int, int]]:
         """Pairs of large regions with a common edge, the lower number first."""
-        at_border = (self._region[self._triangles] < 0).sum(axis=1) > 1
+        at_border = sum(self._region[corners] < 0 for corners in self._triangles.T) > 1
         pairs, _ = borders(self._label[at_border], self._triangles[at_border])
         return set(map(tuple, np.unique(pairs, axis=0).tolist())) & set(combinations(sorted(self.large), 2))
 
@@ -165,16 +167,18 @@ def _snapped(row: dict[str, Any], step: float) -> str:
 
 def _regions_of_vertices(label: NDArray[np.int32], triangles: NDArray[np.int32], count: int) -> NDArray[np.int64]:
     """The region of all faces at a vertex; -1: of several, or none."""
-    corners, each = triangles.ravel(), np.repeat(label.astype(np.float64), 3)
-    times, total = np.bincount(corners, minlength=count), np.bincount(corners, each, count)
-    same = times * np.bincount(corners, each * each, count) == total * total
-    return np.where(same & (times > 0), np.round(total / np.maximum(times, 1)), -1).astype(np.int64)
+    region = np.full(count, -1, np.int64)
+    for corners in triangles.T:
+        region[corners] = label
+    for corners in triangles.T:
+        region[corners[region[corners] != label]] = -1
+    return region
 
 
 def _of_faces(region: NDArray[np.int64], triangles: NDArray[np.int32]) -> NDArray[np.int32]:
     """(F,) the region of all three corners of a face; -1: of several, or none."""
-    of = region[triangles]
-    return np.where((of == of[:, :1]).all(axis=1), of[:, 0], -1).astype(np.int32)
+    a, b, c = (region[corners] for corners in triangles.T)
+    return np.where((a == b) & (b == c), a, -1).astype(np.int32)
 
 
 def _deeper(region: NDArray[np.int64], deep: NDArray[np.int64]) -> NDArray[np.int64]:
