@@ -23,6 +23,16 @@ from ..scene import runtime, targets, weights
 from . import units
 from .properties import AlignSettings, MeshSettings, PartitionSettings, RegulariseSettings, TextureSettings
 
+KNOWN_LENGTH = FloatProperty(
+    name="Known Length",
+    description="The true length of the chosen size: the distance of two chosen planes, or a diameter",
+    default=1.0,
+    min=1e-6,
+    soft_max=1e4,
+    precision=4,
+    unit="LENGTH",
+)
+
 
 def changed(self, context) -> None:
     """Reports a changed setting of the panel to `live`. `to_panel` and other code suppress this by `live.quiet`."""
@@ -160,15 +170,7 @@ class _Shown:
         get=_colour,
         set=_set_colour,
     )
-    known_length: FloatProperty(
-        name="Known Length",
-        description="The true length of the chosen size: the distance of two chosen planes, or a diameter",
-        default=1.0,
-        min=1e-6,
-        soft_max=1e4,
-        precision=4,
-        unit="LENGTH",
-    )
+    known_length: KNOWN_LENGTH
     regularise_first: BoolProperty(
         name="Regularise When Meshing",
         description="Mesh regularises the planes first, with these settings",

@@ -1,9 +1,9 @@
 """Operator that scales a scan by a known length."""
 
 import bpy
-from bpy.props import FloatProperty
 
 from ...language import own, said
+from ..controls import settings
 from ..scene import mesh_io, store
 from .edits import _Edit
 
@@ -15,15 +15,7 @@ class ISIMP_OT_set_length(_Edit, bpy.types.Operator):
     bl_label = "Set Length"
     adjusted = ("length",)
 
-    length: FloatProperty(
-        name="Length",
-        description="The true length",
-        default=1.0,
-        min=1e-6,
-        soft_max=1e4,
-        precision=4,
-        unit="LENGTH",
-    )
+    length: settings.KNOWN_LENGTH
 
     _scaled = ("", ())  #: the scan and its former scale
     _factor = 1.0
