@@ -103,11 +103,6 @@ class Extrusions {
       if (!surface || (has_kept && before == first && !is_nearer(*surface, group))) return std::nullopt;
       now.surface = std::move(*surface);
       now.rms = rms(now.surface, s);
-      double near = 0;
-      const Locator on(now.surface);
-      for (std::size_t i = 0; i < s.size(); ++i)
-        if (std::abs(on.residual(s.place[i]).distance) < kReach * near_.distance) near += s.weight[i];
-      if (near < kMost) return std::nullopt;
       take_in(now);
     }
     now.area = p_.area_of(now.points);

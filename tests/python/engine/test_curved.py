@@ -159,6 +159,14 @@ def test_an_oval_can_is_an_extrusion():
     assert engine.make_round(mesh, plain, side, "extrusion").curved[0].full
 
 
+def test_the_wall_of_a_dented_can_is_one_extrusion():
+    vertices, triangles = round_shapes.made(round_shapes.extruded()["oval"], 48)
+    x, y, z = round_shapes.with_noise(vertices, 0.001, 1).T
+    y = y - 0.04 * np.exp(-(z**2) / 0.2) * (np.abs(z) < 1.15) * (y > 0)
+    part = engine.partition(engine.clean(np.stack([x, y, z], 1), triangles), engine.PartitionOptions(curved=True))
+    assert [patch.kind for patch in part.curved] == ["extrusion"]
+
+
 def test_few_segments_are_planar_and_keep_the_volume(mesh, part):
     """The planes of six segments meet a tenth of the radius outside the scan."""
     six = engine.set_segments(mesh, part, int(part.region_seed[part.curved[0].regions[0]]), 6)
