@@ -109,12 +109,13 @@ class Extrusions {
     return now;
   }
 
-  /// Whether an extrusion is nearer than surfaces to their faces, even if each of these is fitted to its own.
+  /// Whether an extrusion is nearer than surfaces to their faces, even if each of these is fitted to its own. A surface
+  /// that it misses counts as near, since the profile may lack an end.
   [[nodiscard]] bool is_nearer(const CurvedSurface& extrusion, const Some& group) const {
     double its = 0, theirs = 0;
     for (const std::int32_t k : group) {
       const Samples s = samples([&](std::int32_t i) { return label_[i] == k; });
-      its += found_[k].area * std::pow(rms(extrusion, s), 2);
+      its += found_[k].area * std::pow(std::min(rms(extrusion, s), near_.distance), 2);
       theirs += found_[k].area * std::pow(rms(fit(found_[k].surface.kind, s).value_or(found_[k].surface), s), 2);
     }
     return its < theirs;

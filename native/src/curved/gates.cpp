@@ -88,7 +88,7 @@ class Gates {
       std::size_t worst = found_.size();
       double least = 0;
       for (std::size_t k = 0; k < found_.size(); ++k) {
-        // A ring all round is closed, whatever is at its border.
+        // A ring all round is closed: its border does not matter.
         if (found_[k].is_plane() || !kept[k] || (found_[k].surface.closed && round[k] > kFullTurn)) continue;
         const bool is_sphere = found_[k].surface.kind == CurvedKind::sphere;
         const bool is_easier = is_sphere || found_[k].surface.closed || along_planes(k, kept) > kHalf;
