@@ -70,6 +70,7 @@ class Extrusions {
   [[nodiscard]] bool is_along(std::int32_t k, const Vec3& axis) const {
     const Found& f = found_[k];
     if (f.is_plane()) return std::abs(f.surface.axis.dot(axis)) < kSquare;
+    if (kept_[k] && f.surface.kind != CurvedKind::cylinder) return false;
     double square = 0;
     for (const std::int32_t i : f.points) square += std::abs(p_.normal[i].dot(axis)) < kSquare ? p_.area[i] : 0;
     return square > kMost * f.area;
@@ -91,8 +92,6 @@ class Extrusions {
     Found now;
     for (const std::int32_t k : group)
       now.points.insert(now.points.end(), found_[k].points.begin(), found_[k].points.end());
-    const bool has_kept =
-        std::any_of(group.begin(), group.end(), [&](std::int32_t k) { return kept_[k] && !found_[k].is_plane(); });
     const std::size_t first = now.points.size();
     for (std::size_t before = 0; before < now.points.size();) {
       before = now.points.size();
@@ -100,7 +99,7 @@ class Extrusions {
       for (const std::int32_t i : now.points) is_in[i] = true;
       const Samples s = samples([&](std::int32_t i) { return p_.of_face[i] != kNone && is_in[p_.of_face[i]]; });
       auto surface = fit(CurvedKind::extrusion, s);
-      if (!surface || (has_kept && before == first && !is_nearer(*surface, group))) return std::nullopt;
+      if (!surface || (before == first && !is_nearer(*surface, group))) return std::nullopt;
       now.surface = std::move(*surface);
       now.rms = rms(now.surface, s);
       take_in(now);
@@ -109,16 +108,17 @@ class Extrusions {
     return now;
   }
 
-  /// Whether an extrusion is nearer than surfaces to their faces, even if each of these is fitted to its own. A surface
+  /// Whether an extrusion is nearer than kept cylinders to their faces, even if each of these is fitted to its own. One
   /// that it misses counts as near, since the profile may lack an end.
   [[nodiscard]] bool is_nearer(const CurvedSurface& extrusion, const Some& group) const {
     double its = 0, theirs = 0;
     for (const std::int32_t k : group) {
+      if (!kept_[k] || found_[k].is_plane()) continue;
       const Samples s = samples([&](std::int32_t i) { return label_[i] == k; });
       its += found_[k].area * std::pow(std::min(rms(extrusion, s), near_.distance), 2);
       theirs += found_[k].area * std::pow(rms(fit(found_[k].surface.kind, s).value_or(found_[k].surface), s), 2);
     }
-    return its < theirs;
+    return its <= theirs;
   }
 
   /// Adds free points that are on an extrusion and next to its points.
