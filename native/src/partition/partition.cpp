@@ -12,6 +12,7 @@
 #include "isimp/core/threads.h"
 #include "isimp/partition/regions.h"
 #include "make_partition.h"
+#include "parts.h"
 
 namespace isimp {
 
@@ -85,35 +86,20 @@ Partition partition_from(const Surface& surface, std::span<const std::int32_t> f
   if (face_region.size() != static_cast<std::size_t>(graph.size()))
     throw InvalidInput("there are " + std::to_string(face_region.size()) + " labels, but the mesh has " +
                        std::to_string(graph.size()) + " faces: give one for each");
+  for (std::size_t f = 0; f < face_region.size(); ++f)
+    if (face_region[f] < kNone)
+      throw InvalidInput("the label of face " + std::to_string(f) + " is " + std::to_string(face_region[f]) +
+                         "; labels are at least 0, or -1 for a face in no region");
+  const Parts parts = parts_of(
+      graph, [&](std::int32_t f) { return face_region[f]; }, job);
+  if (parts.count == 0) throw InvalidInput("no face is in a region");
   Regions regions;
   regions.label.assign(graph.faces.size(), kNone);
-  std::vector<std::int32_t> stack;
-  std::int32_t count = 0;
-  for (std::int32_t f = 0; f < graph.size(); ++f) {
-    if ((f & 0xffff) == 0) job.poll();
-    const std::int32_t region = face_region[f];
-    if (region < kNone)
-      throw InvalidInput("the label of face " + std::to_string(f) + " is " + std::to_string(region) +
-                         "; labels are at least 0, or -1 for a face in no region");
-    if (region == kNone || regions.label[graph.graph_face[f]] != kNone) continue;
-    regions.label[graph.graph_face[f]] = count;
-    stack.push_back(graph.graph_face[f]);
-    while (!stack.empty()) {
-      const std::int32_t i = stack.back();
-      stack.pop_back();
-      for (const std::int32_t j : graph.neighbours[i]) {
-        if (j == graph.size() || regions.label[j] != kNone || face_region[graph.mesh_face[j]] != region) continue;
-        regions.label[j] = count;
-        stack.push_back(j);
-      }
-    }
-    ++count;
-  }
-  if (count == 0) throw InvalidInput("no face is in a region");
-  regions.sum.resize(static_cast<std::size_t>(count));
+  for (std::int32_t f = 0; f < graph.size(); ++f) regions.label[graph.graph_face[f]] = parts.of_face[f];
+  regions.sum.resize(static_cast<std::size_t>(parts.count));
   sum_regions(graph, regions, job);
   Components components = find_components(surface, 1, 0.0, job);
-  components.asked = count;
+  components.asked = parts.count;
   return make_partition(surface, components, regions, {regions.error()}, Threads(1), job);
 }
 

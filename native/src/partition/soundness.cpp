@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "parts.h"
+
 namespace isimp {
 namespace {
 
@@ -83,26 +85,15 @@ std::string broken_region(const Partition& p, std::int32_t r, std::int32_t faces
 }  // namespace
 
 std::int32_t find_unconnected(const Surface& surface, std::span<const std::int32_t> face_region, std::int32_t regions) {
-  const FaceGraph& graph = surface.graph();
-  std::vector<std::uint8_t> met(static_cast<std::size_t>(regions), 0), seen(face_region.size(), 0);
-  std::vector<std::int32_t> stack;
-  for (std::int32_t f = 0; f < graph.size(); ++f) {
+  const Job job;
+  const Parts parts = parts_of(
+      surface.graph(), [&](std::int32_t f) { return face_region[f]; }, job);
+  std::vector<std::int32_t> part(static_cast<std::size_t>(regions), kNone);
+  for (std::size_t f = 0; f < face_region.size(); ++f) {
     const std::int32_t region = face_region[f];
-    if (region == kNone || seen[f] != 0) continue;
-    if (met[region] != 0) return region;
-    met[region] = seen[f] = 1;
-    stack.push_back(graph.graph_face[f]);
-    while (!stack.empty()) {
-      const std::int32_t i = stack.back();
-      stack.pop_back();
-      for (const std::int32_t j : graph.neighbours[i]) {
-        if (j == graph.size()) continue;
-        const std::int32_t g = graph.mesh_face[j];
-        if (seen[g] != 0 || face_region[g] != region) continue;
-        seen[g] = 1;
-        stack.push_back(j);
-      }
-    }
+    if (region == kNone) continue;
+    if (part[region] == kNone) part[region] = parts.of_face[f];
+    if (part[region] != parts.of_face[f]) return region;
   }
   return kNone;
 }

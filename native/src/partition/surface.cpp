@@ -8,6 +8,7 @@
 
 #include "isimp/core/errors.h"
 #include "isimp/mesh/find_edge.h"
+#include "parts.h"
 
 namespace isimp {
 namespace {
@@ -52,28 +53,6 @@ void weigh(GuidedGraph& guided, std::span<const float> weights) {
   graph.area *= total;
 }
 
-std::vector<std::int32_t> find_components(const FaceGraph& graph, std::int32_t& count, Job& job) {
-  std::vector<std::int32_t> component(static_cast<std::size_t>(graph.size()), kNone), stack;
-  count = 0;
-  for (std::int32_t f = 0; f < graph.size(); ++f) {
-    if ((f & 0xffff) == 0) job.poll();
-    if (component[f] != kNone) continue;
-    component[f] = count;
-    stack.push_back(graph.graph_face[f]);
-    while (!stack.empty()) {
-      const std::int32_t i = stack.back();
-      stack.pop_back();
-      for (const std::int32_t j : graph.neighbours[i]) {
-        if (j == graph.size() || component[graph.mesh_face[j]] != kNone) continue;
-        component[graph.mesh_face[j]] = count;
-        stack.push_back(j);
-      }
-    }
-    ++count;
-  }
-  return component;
-}
-
 void cut(const Mesh& mesh, std::span<const std::array<std::int32_t, 2>> barriers, GuidedGraph& guided, Job& job) {
   FaceGraph& graph = guided.graph;
   for (std::size_t k = 0; k < barriers.size(); ++k) {
@@ -86,7 +65,10 @@ void cut(const Mesh& mesh, std::span<const std::array<std::int32_t, 2>> barriers
     for (const std::int32_t side : {h, mesh.opposite(h)})
       if (side != kNone) graph.neighbours[graph.graph_face[Mesh::face(side)]][side % 3] = graph.size();
   }
-  guided.component = find_components(graph, guided.component_count, job);
+  Parts parts = parts_of(
+      graph, [](std::int32_t) { return 0; }, job);
+  guided.component = std::move(parts.of_face);
+  guided.component_count = parts.count;
 }
 
 }  // namespace
