@@ -419,8 +419,8 @@ _FEWER = own("{number} fewer without area")
 def why_more(numbers: dict[str, Any]) -> str:
     """Return why there are more polygons than regions; empty if there are not. The figures add up to the difference.
 
-    The remainder after all counted causes is attributed to bent regions. Their repair splits regions and adds
-    diagonals, and later removes some of both, so its own counts do not add up.
+    The remainder after all counted causes is attributed to bent regions. Their repair splits regions and
+    later joins some again, so its own count does not add up.
     """
     more, split = numbers["polygons"] - numbers["regions"], numbers.get("split", {})
     if more <= 0 or not split:

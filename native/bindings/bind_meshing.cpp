@@ -60,7 +60,7 @@ py::dict report_of(const MeshingReport& r) {
       "planarity_max"_a = r.planarity_max, "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max,
       "crossing"_a = r.crossing, "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting,
       "excused"_a = r.excused, "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area,
-      "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
+      "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
       "work"_a = py::dict("faces"_a = r.work.faces, "corners"_a = r.work.corners, "polygons"_a = r.work.polygons),
       "imperfect"_a = listed_defects(r), "planes_let_go"_a = r.planes_let_go, "planar"_a = r.planar.planar,
       "rims"_a = py::dict("reach"_a = r.rims.reach, "edges"_a = r.rims.edges, "area_added"_a = r.rims.area_added,
@@ -109,8 +109,7 @@ polygons, corners, vertices, regions; regions_split (regions that became more th
 closed, manifold, euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex),
 scene units; crossing, flipped, bent: polygons with these defects; intersecting: pairs of polygons that intersect,
 excused: such pairs whose regions intersect in the scan itself (excused_at_least: there are more, counting stopped);
-without_area: polygons that are a face of the scan without area; diagonals that the repair put across regions,
-repair_rounds, and repair_capped: whether defects are left whose repair would take more than options.repair_budget; work:
+without_area: polygons that are a face of the scan without area; repair_rounds, and repair_capped: whether defects are left whose repair would take more than options.repair_budget; work:
 numbers of faces walked over, corners placed and polygons judged, the same on every machine; imperfect: all of these by
 polygon, of each kind the first 1,000;
 planar: whether every polygon is planar to a millionth of the diagonal. With options.planar also whole, the share of the

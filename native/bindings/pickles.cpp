@@ -157,33 +157,32 @@ py::tuple pack_report(const MeshingReport& report) {
   const auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
                distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
-               diagonals, rounds, work, capped, planar, concave, convex_cuts, rims, boxes, let_go] = report;
+               rounds, work, capped, planar, concave, convex_cuts, rims, boxes, let_go] = report;
   const auto& [work_faces, work_corners, work_polygons] = work;
   const auto& [rim_reach, rim_edges, rim_added, rim_lost] = rims;
   const auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting, left_off] = planar;
   return pack_all(polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                   closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
                   distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area,
-                  imperfect, diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar,
-                  whole, added, apart, crossed, turned, meeting, left_off, rim_reach, rim_edges, rim_added, rim_lost,
-                  boxes, let_go, concave, convex_cuts);
+                  imperfect, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar, whole, added,
+                  apart, crossed, turned, meeting, left_off, rim_reach, rim_edges, rim_added, rim_lost, boxes, let_go,
+                  concave, convex_cuts);
 }
 
 MeshingReport unpack_report(const py::tuple& packed) {
   MeshingReport report;
   auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches, closed_regions,
          repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean, distance_max, crossing,
-         flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds, work,
-         capped, planar, concave, convex_cuts, rims, boxes, let_go] = report;
+         flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, rounds, work, capped, planar,
+         concave, convex_cuts, rims, boxes, let_go] = report;
   auto& [work_faces, work_corners, work_polygons] = work;
   auto& [rim_reach, rim_edges, rim_added, rim_lost] = rims;
   auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting, left_off] = planar;
   unpack_all(packed, polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
              closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
              distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
-             diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar, whole, added, apart,
-             crossed, turned, meeting, left_off, rim_reach, rim_edges, rim_added, rim_lost, boxes, let_go, concave,
-             convex_cuts);
+             rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar, whole, added, apart, crossed,
+             turned, meeting, left_off, rim_reach, rim_edges, rim_added, rim_lost, boxes, let_go, concave, convex_cuts);
   check(all_finite(planarity_max, planarity_mean, distance_max, whole, rim_reach, rim_added, rim_lost));
   for (const ListedDefect& i : imperfect)
     check(i.kind <= Defect::excused && i.polygon >= 0 && i.polygon < polygons && i.other >= kNone &&

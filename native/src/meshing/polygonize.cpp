@@ -83,7 +83,6 @@ void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> p
   report.excused = outcome.excused;
   report.without_area = outcome.without_area;
   report.joined_junctions = outcome.joined;
-  report.diagonals = outcome.diagonals;
   report.repair_rounds = outcome.rounds;
   report.repair_capped = outcome.capped;
   report.work = outcome.work;

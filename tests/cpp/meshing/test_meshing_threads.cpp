@@ -48,7 +48,7 @@ std::function<Partition(const Mesh&)> voronoi(int count) {
 std::vector<Case> cases() {
   return {
       {"bent", [] { return shapes::mesh(bumpy(shapes::sphere(5), 0.2)); }, voronoi(300),
-       [](const MeshingReport& r) { return r.diagonals + r.split_for_repair; }},
+       [](const MeshingReport& r) { return r.split_for_repair; }},
       {"rough", [] { return shapes::mesh(shapes::noisy(shapes::torus(120, 60), 0.02, 5)); }, voronoi(250),
        [](const MeshingReport& r) { return r.repair_rounds - 3; }},
       {"holes", [] { return shapes::mesh(pierced(bumpy(shapes::torus(120, 60), 0.05), 231)); }, voronoi(40),

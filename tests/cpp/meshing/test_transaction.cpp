@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "complex/diagonal.h"
 #include "complex/transaction.h"
 #include "labelled.h"
 #include "shapes.h"
@@ -151,10 +150,10 @@ class Hands {
       s_.add_corner(v);
   }
   void add_diagonal(std::int32_t l) {
-    const std::array<std::int32_t, 2> d = best_diagonal(s_, s_.polygons.first_of(l), s_.planes[l].normal);
-    if (d[0] == kNone) return;
+    const auto loop = s_.polygons.of(s_.polygons.first_of(l));
+    if (loop.size() < 4) return;
     std::vector<std::array<std::int32_t, 2>> all = s_.diagonals[l];
-    all.push_back(d);
+    all.push_back({s_.corners.vertex[loop[0]], s_.corners.vertex[loop[2]]});
     s_.set_diagonals(l, all);
   }
 

@@ -50,9 +50,8 @@ def test_the_causes_of_more_polygons_than_regions_add_up(planar):
     step = rcp.Partition(proxies=20, count_by="proxies", snap=False, smooth=0.0, close_openings=False)
     outcome = Session().replay(scan_of(vertices, triangles), rcp.Recipe((step, rcp.Mesh(planar=planar))))
     numbers, said = outcome.numbers, messages.why_more(outcome.numbers)
-    assert outcome.polygons.report["diagonals"] > 0
     more, *causes = [int(number) for number in re.findall(r"\d+", said)]
     assert more == numbers["polygons"] - numbers["regions"] == sum(causes) > 0, said
-    assert more > sum(number for name, number in numbers["split"].items() if name.startswith("split_for_"))
+    assert numbers["split"]["split_for_repair"] > 0
     assert "split because they bend" in said
     assert ("corners cut to keep faces flat" in said) == planar

@@ -71,8 +71,9 @@ constexpr auto fields(const MeshingOptions*) {
             "are split. Where a tolerance found the number of regions, the tolerance if that is more. 0: no "
             "limit."),
       field("repair_budget", &O::repair_budget, between(0, 1000), Unit::none,
-            "Largest number of splits and diagonals of the repair, as a multiple of the number of polygons; a border "
-            "or a handle of the scan counts as 4. Those that prove unnecessary are undone."),
+            "Largest number of splits of the repair, as a multiple of the number of polygons; a border or a handle of "
+            "the "
+            "scan counts as 4. Those that prove unnecessary are undone."),
       field("planar", &O::planar,
             "Make every polygon planar to a millionth of the diagonal: planes and corners are moved together, and a "
             "corner that can't be on its polygon's plane is cut off as a triangle.")

@@ -81,7 +81,6 @@ struct MeshingReport {
   std::int32_t without_area = 0;  ///< polygons that are a face of the scan that has no area itself
   std::vector<ListedDefect>
       imperfect;  ///< the first 1,000 defects of each kind, by polygon, in rising order; a pair is listed under both
-  std::int32_t diagonals = 0;  ///< edges that repair put across a region
   std::int32_t repair_rounds = 0;
   MeshingWork work;
   bool repair_capped = false;  ///< a remaining defect needs more splits than repair_budget allows

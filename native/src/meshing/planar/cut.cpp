@@ -143,7 +143,6 @@ Cuts::Cuts(State& state, const Defects& defects, Draft& draft)
     : s_(state),
       draft_(draft),
       thickness_(defects.bounds().thickness),
-      diagonals_(state.diagonals),
       edges_(state.corners.count()),
       own_(draft.units.size()),
       cuts_(draft.units.size()),
@@ -157,7 +156,7 @@ Cuts::Cuts(State& state, const Defects& defects, Draft& draft)
     for (const Facet& f : defects.of(static_cast<std::int32_t>(l)).facets.facets)
       for (std::size_t k = 0; k < 3; ++k) {
         const Edge e{f.corner[k], f.corner[(k + 1) % 3]};
-        if (e[0] < e[1] && !edges_.has(e)) own_[draft.first[l] + f.part].push_back(e);
+        if (e[0] < e[1] && !edges_.has(e)) own_[draft.first[l]].push_back(e);
       }
 }
 
@@ -193,7 +192,7 @@ std::vector<std::int32_t> Cuts::renew() {
   }
   sort_unique(charts);
   for (const std::int32_t l : charts) {
-    std::vector<std::array<std::int32_t, 2>> diagonals = diagonals_[l];
+    std::vector<std::array<std::int32_t, 2>> diagonals;
     for (std::int32_t u = draft_.first[l]; u < draft_.first[l + 1]; ++u)
       for (const auto& [a, b] : cuts_[u]) diagonals.push_back({s_.corners.vertex[a], s_.corners.vertex[b]});
     if (diagonals == s_.diagonals[l]) continue;

@@ -47,7 +47,6 @@ class Cuts {
   State& s_;
   Draft& draft_;
   const double thickness_;  // scene units; a thinner triangle has no area
-  const std::vector<std::vector<std::array<std::int32_t, 2>>> diagonals_;  // by chart: at the start
   Edges edges_;
   std::vector<std::vector<Edge>> own_;   // by unit: the edges across it of the triangles that the judge saw first
   std::vector<std::vector<Edge>> cuts_;  // by unit: the edges across it, by corners

@@ -69,14 +69,4 @@ void Draft::ask(std::int32_t unit) {
   dirty.add(unit);
 }
 
-std::int32_t Draft::unit_of(const Polygons& polygons, std::int32_t chart, std::int32_t part) const {
-  const auto loop = polygons.of(polygons.first_of(chart) + part);
-  for (std::int32_t u = first[chart]; u + 1 < first[chart + 1]; ++u) {
-    const auto& all = units[u].loop;
-    const auto has = [&](std::int32_t c) { return std::find(all.begin(), all.end(), c) != all.end(); };
-    if (std::all_of(loop.begin(), loop.end(), has)) return u;
-  }
-  return first[chart + 1] - 1;
-}
-
 }  // namespace isimp::meshing::planar

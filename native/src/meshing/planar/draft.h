@@ -47,8 +47,8 @@ struct Draft {
   void ask(std::int32_t unit);
   /// The distance of a corner from its start.
   [[nodiscard]] double moved(std::int32_t corner) const { return (at[corner] - places.start[corner]).norm(); }
-  /// The unit that a polygon of a chart is cut from.
-  [[nodiscard]] std::int32_t unit_of(const Polygons& polygons, std::int32_t chart, std::int32_t part) const;
+  /// The unit that the polygons of a chart are cut from.
+  [[nodiscard]] std::int32_t unit_of(std::int32_t chart) const { return first[chart]; }
 
   std::vector<Unit> units;          ///< in the order of their charts
   std::vector<std::int32_t> first;  ///< by chart: its first unit

@@ -51,8 +51,8 @@ class HoldBack {
         continue;
       }
       const std::span<const std::int32_t> corners(h.corners);
-      const bool a = give_up(h.a, h.part_a, corners.first(3), Cause::meeting, firmly);
-      const bool b = give_up(h.b, h.part_b, corners.last(3), Cause::meeting, firmly);
+      const bool a = give_up(h.a, corners.first(3), Cause::meeting, firmly);
+      const bool b = give_up(h.b, corners.last(3), Cause::meeting, firmly);
       if (!a && !b) stuck_.insert(stuck_.end(), {h.a, h.b});
       any = any || a || b;
     }
@@ -90,11 +90,12 @@ class HoldBack {
     for (std::int32_t part = 0; part < s_.polygons.count_of(l); ++part) {
       const auto loop = s_.polygons.of(s_.polygons.first_of(l) + part);
       const std::uint8_t kinds = new_kinds(l, f_.of(l).polygons[part]);
-      if (kinds == 0 && (is_flat(loop, draft_.at, draft_.places.diagonal) || unit_at(l, part).left)) continue;
+      if (kinds == 0 && (is_flat(loop, draft_.at, draft_.places.diagonal) || draft_.units[draft_.unit_of(l)].left))
+        continue;
       const Cause cause = kinds & (kCrossing | kNoArea) ? Cause::crossing : kinds ? Cause::flipped : Cause::apart;
       const auto is_mended = [&] { return new_kinds(l, f_.defects_now(l, part)) == 0; };
-      if ((kinds != 0 && !firmly && settle(loop, {draft_.unit_of(s_.polygons, l, part)}, cause, is_mended)) ||
-          give_up(l, part, loop, cause, firmly)) {
+      if ((kinds != 0 && !firmly && settle(loop, {draft_.unit_of(l)}, cause, is_mended)) ||
+          give_up(l, loop, cause, firmly)) {
         any = true;
       } else {
         stuck_.push_back(l);
@@ -143,8 +144,8 @@ class HoldBack {
   bool settle(const Hit& h) {
     std::vector<std::int32_t> corners(h.corners.begin(), h.corners.end());
     sort_unique(corners);
-    return settle(corners, {draft_.unit_of(s_.polygons, h.a, h.part_a), draft_.unit_of(s_.polygons, h.b, h.part_b)},
-                  Cause::meeting, [&] { return !f_.meet_now(h.a, h.b); });
+    return settle(corners, {draft_.unit_of(h.a), draft_.unit_of(h.b)}, Cause::meeting,
+                  [&] { return !f_.meet_now(h.a, h.b); });
   }
 
   /// Replaces `best` if a shorter move of a corner mends a defect at a lower cost.
@@ -177,16 +178,12 @@ class HoldBack {
     return sum;
   }
 
-  [[nodiscard]] Unit& unit_at(std::int32_t l, std::int32_t part) {
-    return draft_.units[draft_.unit_of(s_.polygons, l, part)];
-  }
-
   /// Applies the next step against a defect of a polygon: triangulates its unit, moves its corners less, or changes its
   /// triangles.
   /// \param corners  the corners of the defect
   /// \return whether there was a step left
-  bool give_up(std::int32_t l, std::int32_t part, std::span<const std::int32_t> corners, Cause cause, bool firmly) {
-    const std::int32_t u = draft_.unit_of(s_.polygons, l, part);
+  bool give_up(std::int32_t l, std::span<const std::int32_t> corners, Cause cause, bool firmly) {
+    const std::int32_t u = draft_.unit_of(l);
     return acted_[u] || (take_step(draft_.units[u], corners, cause, firmly) && note(u, cause));
   }
 

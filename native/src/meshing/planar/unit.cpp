@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "complex/outline.h"
-#include "discs/polyline.h"
 #include "isimp/core/sorted.h"
 
 namespace isimp::meshing::planar {
@@ -20,47 +19,6 @@ constexpr double kMostToHeld = 6;  ///< replaces kMost if given planes are furth
 constexpr double kThin = 0.25;
 /// The cosine between the direction of least spread and that of the outline below which the former is not trusted.
 constexpr double kAgree = 0.8;
-
-/// Whether a point is inside a loop as seen along an axis: an odd number of edges on one side of it.
-bool is_inside(const Vec3& p, std::span<const std::int32_t> loop, std::span<const Vec3> at, int axis) {
-  const int x = (axis + 1) % 3, y = (axis + 2) % 3;
-  bool inside = false;
-  for (std::size_t i = 0; i < loop.size(); ++i) {
-    const Vec3 &a = at[loop[i]], &b = at[loop[i + 1 < loop.size() ? i + 1 : 0]];
-    if ((a[y] > p[y]) == (b[y] > p[y])) continue;
-    inside ^= p[x] < a[x] + (b[x] - a[x]) * (p[y] - a[y]) / (b[y] - a[y]);
-  }
-  return inside;
-}
-
-/// Sets the plane of each of a chart's units from the faces of the scan that are nearest to it.
-void share_out(State& state, std::span<Unit> units) {
-  const Mesh& mesh = state.mesh;
-  const auto& at = state.corners.position;
-  int axis = 0;
-  state.planes[units[0].chart].normal.cwiseAbs().maxCoeff(&axis);
-  std::vector<std::vector<std::int32_t>> faces(units.size());
-  for (const std::int32_t f : state.labels.faces_of(units[0].chart)) {
-    const Triangle& t = mesh.triangles()[f];
-    const Vec3 middle = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
-    std::size_t best = 0;
-    double nearest = std::numeric_limits<double>::infinity();
-    for (std::size_t u = 0; u < units.size(); ++u) {
-      const auto& loop = units[u].loop;
-      double distance = is_inside(middle, loop, at, axis) ? -1 : nearest;
-      for (std::size_t i = 0; distance >= 0 && i < loop.size(); ++i)
-        distance = std::min(distance, squared_distance(middle, at[loop[i]], at[loop[(i + 1) % loop.size()]]));
-      if (distance >= nearest) continue;
-      nearest = distance;
-      best = u;
-    }
-    faces[best].push_back(f);
-  }
-  for (std::size_t u = 0; u < units.size(); ++u) {
-    units[u].scan = faces[u].empty() ? Plane{} : plane_of(mesh, faces[u]);
-    hold(units[u].scan, state.partition, state.labels.charts[units[u].chart].region, mesh.origin());
-  }
-}
 
 /// Sets the plane that fits the scan best, or the plane of the corners if the scan is too thin a strip to define one.
 void find_plane(Unit& unit, std::span<const Vec3> at, double least_area) {
@@ -131,25 +89,21 @@ bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, do
   return bend_of(numbers_below(static_cast<std::int32_t>(polygon.size())), rounded) <= kPlanar * diagonal;
 }
 
-std::vector<Unit> units_of(State& state) {
+std::vector<Unit> units_of(const State& state) {
   std::vector<Unit> units;
   double area = 0;
   for (std::int32_t l = 0; l < state.labels.chart_count(); ++l) {
-    const std::size_t first = units.size();
     if (state.polygons.count_of(l) == 0) continue;
     const std::vector<Vec3> beyond = areas_beyond_chords(state, l);
-    state.polygons.for_each_of(l, [&](std::int32_t q) {
-      Unit& u = units.emplace_back();
-      u.chart = l;
-      u.loop.assign(state.polygons.of(q).begin(), state.polygons.of(q).end());
-      for (const std::int32_t c : u.loop) u.home.push_back(state.mesh.vertices()[state.corners.vertex[c]]);
-      for (const std::int32_t k : chords_of(state, l, u.loop))
-        u.beyond.push_back(k == kNone ? Vec3::Zero() : beyond[k]);
-      u.scan = state.planes[l];
-      hold(u.scan, state.partition, state.labels.charts[l].region, state.mesh.origin());
-    });
-    if (units.size() - first > 1) share_out(state, std::span(units).subspan(first));
-    for (std::size_t u = first; u < units.size(); ++u) area += units[u].scan.area;
+    const auto loop = state.polygons.of(state.polygons.first_of(l));
+    Unit& u = units.emplace_back();
+    u.chart = l;
+    u.loop.assign(loop.begin(), loop.end());
+    for (const std::int32_t c : u.loop) u.home.push_back(state.mesh.vertices()[state.corners.vertex[c]]);
+    for (const std::int32_t k : chords_of(state, l, u.loop)) u.beyond.push_back(k == kNone ? Vec3::Zero() : beyond[k]);
+    u.scan = state.planes[l];
+    hold(u.scan, state.partition, state.labels.charts[l].region, state.mesh.origin());
+    area += u.scan.area;
   }
   const double least = 1e-9 * area / static_cast<double>(std::max<std::size_t>(units.size(), 1));
   for (Unit& u : units) find_plane(u, state.corners.position, least);

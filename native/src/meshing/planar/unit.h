@@ -69,8 +69,8 @@ double distance_to(const Vec3& p, const std::array<Vec3, 3>& t);
 /// float32.
 bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double diagonal);
 
-/// The polygons of a state as units, in the order of their charts. A chart that has several is shared out among them.
-std::vector<Unit> units_of(State& state);
+/// The polygons of a state as units, in the order of their charts. A chart has at most one.
+std::vector<Unit> units_of(const State& state);
 
 /// The largest move of each corner: `base`; more if its edges are long, as it slides along its planes, or if given
 /// planes are further off; less if its edges are short.

@@ -27,22 +27,17 @@ constexpr double kFarTooBent = 3;
 /// Whether a union may hold with its corners where they are, at other places only, or not at all.
 enum class Forecast { possible, bent, hopeless };
 
-/// The actions of the repair that may turn out to be unnecessary.
-enum class Act : std::int32_t { diagonal, split };
-
+/// A union that may turn out to need no split.
 struct Candidate {
-  double score;  ///< the higher, the sooner it is tried
-  Act act;
+  double score;        ///< the higher, the sooner it is tried
   std::int32_t chart;  ///< the chart that keeps its number
-  std::int32_t other;  ///< split: the chart that is absorbed
-  int version = 0;     ///< split: that of the unions of `other`
+  std::int32_t other;  ///< the chart that is absorbed
+  int version = 0;     ///< that of the unions of `other`
   /// Whether another one is tried sooner.
   bool operator<(const Candidate& c) const {
-    return std::tuple(score, c.other, c.act, c.chart) < std::tuple(c.score, other, act, chart);
+    return std::tuple(score, c.other, c.chart) < std::tuple(c.score, other, chart);
   }
 };
-
-using Key = std::array<std::int32_t, 4>;  ///< an act, and the numbers that identify it within its kind
 
 class Coarsener {
  public:
@@ -67,21 +62,6 @@ class Coarsener {
   }
 
  private:
-  [[nodiscard]] bool tried(Act act, std::int32_t a, std::int32_t b = kNone, std::int32_t c = kNone) const {
-    return tried_.contains({static_cast<std::int32_t>(act), a, b, c});
-  }
-  void mark_tried(Act act, std::int32_t a, std::int32_t b = kNone, std::int32_t c = kNone) {
-    tried_.insert({static_cast<std::int32_t>(act), a, b, c});
-  }
-
-  /// The first of a chart's diagonals that was not tried, their number if there is none.
-  [[nodiscard]] std::size_t untried_diagonal(std::int32_t l) const {
-    const auto& all = s_.diagonals[l];
-    const auto at =
-        std::find_if(all.begin(), all.end(), [&](const auto& d) { return !tried(Act::diagonal, l, d[0], d[1]); });
-    return static_cast<std::size_t>(at - all.begin());
-  }
-
   /// Queues the candidates of all charts.
   void queue_all() {
     const std::int32_t count = s_.labels.chart_count();
@@ -90,21 +70,12 @@ class Coarsener {
     s_.threads.blocks(count, kTogether, [&](std::int32_t block, std::int32_t begin, std::int32_t end) {
       job_.poll();
       for (std::int32_t l = begin; l < end; ++l) {
-        add_diagonal(l, by_block[block]);
         add_unions(l, by_block[block]);
       }
     });
     std::vector<Candidate> all;
     for (const auto& some : by_block) all.insert(all.end(), some.begin(), some.end());
     queue_ = std::priority_queue<Candidate>({}, std::move(all));
-  }
-
-  void queue(const std::vector<Candidate>& some) {
-    for (const Candidate& c : some) queue_.push(c);
-  }
-
-  void add_diagonal(std::int32_t l, std::vector<Candidate>& all) const {
-    if (is_there(l) && untried_diagonal(l) < s_.diagonals[l].size()) all.push_back({0.5, Act::diagonal, l, l});
   }
 
   /// Whether two parts of a row of holes are long enough each for itself.
@@ -116,7 +87,7 @@ class Coarsener {
 
   [[nodiscard]] bool is_there(std::int32_t l) const { return s_.labels.charts[l].face != kNone; }
 
-  [[nodiscard]] bool may_unite(std::int32_t kept, std::int32_t gone) const { return !tried(Act::split, gone, kept); }
+  [[nodiscard]] bool may_unite(std::int32_t kept, std::int32_t gone) const { return !tried_.contains({gone, kept}); }
 
   /// Whether a larger chart of another region, or of two of one size that of the first region, is near enough to the
   /// plane of both.
@@ -149,7 +120,7 @@ class Coarsener {
     const SharedBoundary shared = s_.shared_boundary(gone);
     const double first = p.cause == Cause::repair ? 1 : 0;  // cuts for holes are hardly ever needless
     const auto add = [&](std::int32_t k, double score) {
-      if (may_unite(k, gone)) all.push_back({score + first, Act::split, k, gone, version_[gone]});
+      if (may_unite(k, gone)) all.push_back({score + first, k, gone, version_[gone]});
     };
     for (const auto& [k, length] : shared.with)
       if (!parts_wall(s_, k, gone) && !parts_row(k, gone)) add(k, shared.all > 0 ? length / shared.all : 0);
@@ -178,32 +149,14 @@ class Coarsener {
       job_.report(std::min(1.0, static_cast<double>(done) / static_cast<double>(all)));
       const Candidate c = queue_.top();
       queue_.pop();
-      if (c.act == Act::diagonal)
-        drop_diagonal(c.chart);
-      else if (is_there(c.chart) && is_there(c.other) && c.version == version_[c.other] && may_unite(c.chart, c.other))
+      if (is_there(c.chart) && is_there(c.other) && c.version == version_[c.other] && may_unite(c.chart, c.other))
         unite(c);
     }
     defects_.renew_hits();
   }
 
-  void drop_diagonal(std::int32_t l) {
-    const std::size_t at = untried_diagonal(l);
-    if (!is_there(l) || at >= s_.diagonals[l].size()) return;
-    std::vector<std::array<std::int32_t, 2>> all = s_.diagonals[l];
-    mark_tried(Act::diagonal, l, all[at][0], all[at][1]);
-    all.erase(all.begin() + static_cast<std::ptrdiff_t>(at));
-    const auto drop = [&] {
-      s_.set_diagonals(l, all);
-      return true;
-    };
-    if (!attempt(s_, defects_, {l}, l, drop)) attempt(s_, defects_, {l}, l, drop, Places::fresh);
-    std::vector<Candidate> more;
-    add_diagonal(l, more);
-    queue(more);
-  }
-
   void unite(const Candidate& c) {
-    mark_tried(Act::split, c.other, c.chart);
+    tried_.insert({c.other, c.chart});
     std::int32_t& left = charts_of_[s_.mesh.component()[s_.labels.charts[c.other].face]];
     if (left <= kLeastClosed) return;
     const std::int32_t region = s_.labels.charts[c.other].region;
@@ -224,12 +177,11 @@ class Coarsener {
     std::vector<Candidate> more;
     for (const std::int32_t l : around) {
       ++version_[l];
-      tried_.erase({static_cast<std::int32_t>(Act::split), l, c.chart, kNone});
-      tried_.erase({static_cast<std::int32_t>(Act::split), c.chart, l, kNone});
+      tried_.erase({l, c.chart});
+      tried_.erase({c.chart, l});
       add_unions(l, more);
     }
-    add_diagonal(c.chart, more);
-    queue(more);
+    for (const Candidate& m : more) queue_.push(m);
   }
 
   /// Predicts the union of two charts with the given loop from its corners where they are. A union is hopeless
@@ -263,7 +215,7 @@ class Coarsener {
   std::vector<std::int32_t> charts_in_;  // by region
   std::vector<int> version_;             // by chart: how often its possible unions have changed
   std::priority_queue<Candidate> queue_;
-  std::set<Key> tried_;
+  std::set<std::array<std::int32_t, 2>> tried_;  // the absorbed chart and the other one
 };
 
 }  // namespace

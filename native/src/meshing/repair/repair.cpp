@@ -6,7 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include "complex/diagonal.h"
 #include "complex/transaction.h"
 #include "isimp/core/sorted.h"
 #include "isimp/core/to_integer.h"
@@ -27,17 +26,16 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 40;
-constexpr double kPull = 0.5;       ///< share of a corner's distance from its vertex that a pull leaves
-constexpr double kLeastPull = 0.1;  ///< share of its radius below which a pull returns the corner to its vertex
-constexpr std::size_t kShard = 16;  ///< faces of a chart that falls apart into them where nothing else helped
-constexpr std::size_t kMostForDiagonal = 64;  ///< corners of a polygon beyond which it is split at once
-constexpr std::int32_t kLeastBudget = 100;    ///< splits that are always allowed
-constexpr double kOfOpening = 4;              ///< polygons that a border or handle of the scan may take
-constexpr int kPasses = 4;                    ///< passes that join split polygons
-constexpr double kManyMore = 1.05;            ///< times the regions: fewer polygons are not joined in further passes
-constexpr double kWorthwhile = 0.97;          ///< a pass that leaves more of the polygons is the last
+constexpr double kPull = 0.5;               ///< share of a corner's distance from its vertex that a pull leaves
+constexpr double kLeastPull = 0.1;          ///< share of its radius below which a pull returns the corner to its vertex
+constexpr std::size_t kShard = 16;          ///< faces of a chart that falls apart into them where nothing else helped
+constexpr std::int32_t kLeastBudget = 100;  ///< splits that are always allowed
+constexpr double kOfOpening = 4;            ///< polygons that a border or handle of the scan may take
+constexpr int kPasses = 4;                  ///< passes that join split polygons
+constexpr double kManyMore = 1.05;          ///< times the regions: fewer polygons are not joined in further passes
+constexpr double kWorthwhile = 0.97;        ///< a pass that leaves more of the polygons is the last
 
-/// The chord of a chart from one corner to another, kNone where that edge is a diagonal.
+/// The chord of a chart from one corner to another.
 std::int32_t chord_of(const State& s, std::int32_t l, std::int32_t from, std::int32_t to) {
   const std::int32_t a = s.corners.vertex[from], b = s.corners.vertex[to];
   const auto chords = s.complex.chords(l);
@@ -63,24 +61,10 @@ std::int32_t worst_chord(const State& s, const Defects& defects, std::int32_t l)
   return worst;
 }
 
-/// The polygon of a chart that is bent most; one with another defect comes first.
-std::int32_t worst_polygon(const State& s, const Defects& defects, std::int32_t l) {
-  std::int32_t worst = kNone;
-  double most = -1;
-  for (std::size_t i = 0; i < defects.of(l).polygons.size(); ++i) {
-    const PolygonDefects& v = defects.of(l).polygons[i];
-    const double badness = v.bend + (v.kinds & ~kBent ? s.mesh.diagonal() : 0.0);
-    if (badness <= most) continue;
-    most = badness;
-    worst = s.polygons.first_of(l) + static_cast<std::int32_t>(i);
-  }
-  return worst;
-}
-
 /// Changes defective charts and judges them again, within a budget of splits.
 class Mender {
  public:
-  /// \param outcome  rounds, diagonals and `capped` are counted here
+  /// \param outcome  rounds and `capped` are counted here
   Mender(State& state, Defects& defects, RepairOutcome& outcome, Job& job)
       : s_(state), defects_(defects), outcome_(outcome), job_(job) {
     const std::int32_t charts = s_.labels.chart_count();
@@ -193,8 +177,7 @@ class Mender {
   /// Where an action can't be taken, the chart is split, or waits if it is spared.
   bool take(Action action, std::int32_t l, bool is_spared) {
     if (action == Action::pull) return pull(l);
-    return (action == Action::add_corner && bend(l)) || (action == Action::add_diagonal && add_diagonal(l)) ||
-           is_spared || split(l);
+    return (action == Action::add_corner && bend(l)) || is_spared || split(l);
   }
 
   /// Moves the corners of a chart halfway back to their vertices.
@@ -213,21 +196,6 @@ class Mender {
   bool bend(std::int32_t l) {
     const std::int32_t chord = worst_chord(s_, defects_, l);
     return chord != kNone && s_.bend(chord);
-  }
-
-  /// Splits the worst of the chart's polygons by a new edge between two of its corners.
-  bool add_diagonal(std::int32_t l) {
-    const std::int32_t worst = worst_polygon(s_, defects_, l);
-    if (s_.polygons.of(worst).size() > kMostForDiagonal) return false;
-    const std::array<std::int32_t, 2> d = best_diagonal(s_, worst, s_.planes[l].normal);
-    if (d[0] == kNone || spent()) return false;
-    std::vector<std::array<std::int32_t, 2>> all = s_.diagonals[l];
-    all.push_back(d);
-    s_.set_diagonals(l, std::move(all));
-    ++polygons_;
-    changed_.push_back(l);
-    ++outcome_.diagonals;
-    return true;
   }
 
   [[nodiscard]] bool spent() const { return polygons_ >= most_polygons_; }

@@ -12,7 +12,7 @@ struct RepairOutcome {
   std::int64_t intersecting = 0, excused = 0;  ///< pairs of polygons; excused: their regions intersect in the scan
   bool excused_at_least = false;               ///< whether counting stopped at kMostCounted
   std::int32_t without_area = 0;               ///< polygons that are a face of the scan without area
-  std::int32_t diagonals = 0, rounds = 0;
+  std::int32_t rounds = 0;
   std::int32_t joined = 0;  ///< pairs of junctions
   MeshingWork work;
   bool capped = false;  ///< something is left, and more splits were wanted than allowed
@@ -28,7 +28,7 @@ constexpr std::size_t kMostListed = 1000;         ///< defects of a kind that a 
 constexpr std::int64_t kMostCounted = 1'000'000;  ///< pairs of the scan's own faces that are counted
 
 /// Finds polygons that cross themselves, are flipped, are bent or intersect, and changes them and their neighbours
-/// until none is left or nothing helps: pulls corners back to the mesh, adds diagonals, splits charts.
+/// until none is left or nothing helps: pulls corners back to the mesh, adds corners, splits charts.
 /// Then undoes changes that were not needed. Remaining defective polygons are replaced by the scan's own faces.
 RepairOutcome repair(State& state, Job& job);
 
