@@ -268,9 +268,9 @@ def reflex_sum(poly):
 
 
 def test_a_zigzag_without_shape_becomes_straighter():
-    mesh = engine.Mesh(*shapes.plane(40))
+    mesh = engine.Mesh(*shapes.plane(36))
     x, y, _ = mesh.vertices[mesh.triangles].mean(axis=1).T
-    left = x < 0.5 + 0.08 * np.arcsin(np.sin(6 * np.pi * (y + 0.0625)))
+    left = x < 0.5 + 0.12 * np.arcsin(np.sin(6 * np.pi * (y + 0.0625)))
     part = engine.partition_from(mesh, np.where(left, 0, 1))
     stays, slides = (
         engine.polygonize(mesh, part, engine.MeshingOptions(chord_tolerance=0.05, reach=reach)) for reach in (0, 0.2)

@@ -56,7 +56,7 @@ class State {
   void add_neighbours(std::vector<std::int32_t>& charts) const;
   /// The region of a chart with these faces. The first chart of a region stays its chart while it has a face of it, so
   /// that every region keeps a polygon; other charts are of the region that has most of their area. That may be another
-  /// one than before: joining junctions and mending pinches hand faces over to a neighbour.
+  /// one than before: joining junctions hands faces over to a neighbour.
   [[nodiscard]] std::int32_t region_of(std::int32_t chart, std::span<const std::int32_t> faces) const;
   [[nodiscard]] SharedBoundary shared_boundary(std::int32_t chart) const;
   [[nodiscard]] Scale scale() const { return scale_of(labels, planes_); }

@@ -1,4 +1,4 @@
-// Splits a chart in two or more parts of equal size.
+// Splits a chart in two parts of equal size.
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -45,10 +45,6 @@ class Ground {
     return last;
   }
 
-  [[nodiscard]] std::span<const std::int32_t> faces() const { return faces_; }
-  /// By the place of a face in `faces`, when all are reached: which of the seeds is nearest to it.
-  [[nodiscard]] std::int32_t seed(std::size_t i) const { return steps_[i].seed; }
-  [[nodiscard]] const Vec3& centre(std::size_t i) const { return steps_[i].centre; }
   /// The faces that are nearest to a seed.
   [[nodiscard]] std::vector<std::int32_t> nearest_to(std::int32_t seed) const {
     std::vector<std::int32_t> some;
@@ -88,45 +84,7 @@ class Ground {
   std::vector<Front> queue_;
 };
 
-/// The face of each seed's part that is nearest to the part's middle.
-std::vector<std::int32_t> middles(const Ground& ground, std::size_t parts) {
-  const auto faces = ground.faces();
-  std::vector<Vec3> sum(parts, Vec3::Zero());
-  std::vector<double> count(parts, 0);
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    sum[ground.seed(i)] += ground.centre(i);
-    ++count[ground.seed(i)];
-  }
-  std::vector<std::int32_t> nearest(parts, kNone);
-  std::vector<double> least(parts, std::numeric_limits<double>::max());
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    const std::int32_t k = ground.seed(i);
-    const double d = (ground.centre(i) - sum[k] / count[k]).squaredNorm();
-    if (d >= least[k]) continue;
-    least[k] = d;
-    nearest[k] = faces[i];
-  }
-  return nearest;
-}
-
 }  // namespace
-
-std::int32_t split_evenly(Cutter& cutter, std::int32_t chart, std::int32_t parts, Cause cause) {
-  constexpr int kRounds = 6;
-  const std::vector<std::int32_t> faces = cutter.labels.faces_of(chart);
-  Ground ground(cutter, faces);
-  const std::size_t n = std::min<std::size_t>(parts, faces.size());
-  std::vector<std::int32_t> seeds{ground.grow(std::array{faces[0]})};
-  while (seeds.size() < n) seeds.push_back(ground.grow(seeds));
-  for (int round = 0; round < kRounds; ++round) {
-    ground.grow(seeds);
-    seeds = middles(ground, n);
-  }
-  ground.grow(seeds);
-  const std::int32_t stays = ground.nearest_to(0)[0];
-  for (std::size_t k = 1; k < n; ++k) cutter.labels.part(ground.nearest_to(static_cast<std::int32_t>(k)), stays, cause);
-  return static_cast<std::int32_t>(n) - 1;
-}
 
 std::int32_t bisect(Cutter& cutter, std::int32_t chart, Cause cause, std::array<std::int32_t, 2> seeds) {
   const std::vector<std::int32_t> faces = cutter.labels.faces_of(chart);

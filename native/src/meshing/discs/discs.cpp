@@ -19,25 +19,6 @@ constexpr double kOfFlat = 2;  ///< openings per region if all sides are planes,
 /// Most handles that are cut one by one, each in time for all faces of the chart. A chart with more is halved first.
 constexpr std::int32_t kFewHandles = 64;
 
-/// Tries to mend one vertex where the chart touches itself by a hand-over.
-/// \return the charts to be checked again
-std::vector<std::int32_t> mend_pinch(Cutter& cutter, std::int32_t chart, const Shape& shape) {
-  const Mesh& mesh = cutter.labels.mesh;
-  std::vector<std::int32_t> seen, twice;
-  for (const auto& loop : shape.loops)
-    for (const std::int32_t h : loop) seen.push_back(mesh.from(h));
-  std::sort(seen.begin(), seen.end());
-  for (std::size_t i = 1; i < seen.size(); ++i)
-    if (seen[i] == seen[i - 1] && (twice.empty() || twice.back() != seen[i])) twice.push_back(seen[i]);
-  for (const std::int32_t v : twice) {
-    std::vector<std::int32_t> changed = hand_over_sector(cutter, v);
-    if (changed.empty()) continue;
-    if (std::find(changed.begin(), changed.end(), chart) == changed.end()) changed.push_back(chart);
-    return changed;
-  }
-  return {};
-}
-
 /// Two faces of the chart in different sectors of a vertex where it touches itself.
 std::array<std::int32_t, 2> faces_at_pinch(const Labels& labels, std::int32_t chart, std::int32_t vertex) {
   std::vector<std::int32_t> first;
@@ -96,11 +77,6 @@ void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, std::map<std::in
       found[chart] = {std::move(faces), std::move(shape.loops[0])};
       continue;
     }
-    if (shape.pinches > 0) {
-      const std::vector<std::int32_t> changed = mend_pinch(cutter, chart, shape);
-      todo.insert(todo.end(), changed.begin(), changed.end());
-      if (!changed.empty()) continue;
-    }
     const std::int32_t before = cutter.labels.chart_count();
     cut(cutter, chart, shape, job);
     todo.push_back(chart);
@@ -138,8 +114,7 @@ void split_closed_components(Cutter& cutter, std::int32_t least, std::map<std::i
       const std::int32_t largest = largest_of(labels, of[c]);
       if (largest == kNone) break;
       const std::int32_t before = labels.chart_count();
-      const auto missing = least - static_cast<std::int32_t>(of[c].size());
-      split_evenly(cutter, largest, of[c].size() == 1 ? missing + 1 : 2, Cause::closed);
+      bisect(cutter, largest, Cause::closed);
       std::vector<std::int32_t> changed{largest};
       for (std::int32_t l = before; l < labels.chart_count(); ++l) changed.push_back(l);
       make_discs(cutter, changed, found, job);

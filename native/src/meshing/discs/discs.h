@@ -63,15 +63,6 @@ struct Cutter {
 std::int32_t bisect(Cutter& cutter, std::int32_t chart, Cause cause,
                     std::array<std::int32_t, 2> seeds = {kNone, kNone});
 
-/// Parts a chart in up to `parts` connected charts of about the same size and round shape.
-/// \return how many labels are new, the last ones
-/// Source: farthest point seeds and rounds of Lloyd's method over the surface.
-std::int32_t split_evenly(Cutter& cutter, std::int32_t chart, std::int32_t parts, Cause cause);
-
-/// Moves one sector of faces at a vertex to the adjacent chart, if that brings both charts nearer to discs.
-/// \return the two charts that changed, none if no hand-over helps
-std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex);
-
 /// Parts a chart with many loops or handles by the directions its faces look in: the walls of holes from the plate that
 /// they go through. No polygon can stand for both, and cuts from hole to hole would not part them.
 /// \return how many labels are new, the last ones; 0 if the faces look in one direction or in too many
