@@ -24,15 +24,14 @@ std::vector<std::int32_t> Waiting::take() {
   return std::exchange(some_, {});
 }
 
-Draft::Draft(State& state, const Defects& defects)
+Draft::Draft(const State& state)
     : units(units_of(state)),
       first(first_units(units, state.labels.charts.size())),
       places(places_of(state, units, state.options.planar_reach * state.mesh.diagonal())),
       around(units, state.corners.count()),
       at(places.start),
       moving(state.corners.count()),
-      dirty(units.size()),
-      near(state, defects, units, around, places) {
+      dirty(units.size()) {
   for (const Unit& u : units) kept.emplace_back(u.loop.size(), 0);
   for (std::int32_t c = 0; c < state.corners.count(); ++c) moving.add(c);
   weigh(units, places.base);
@@ -46,13 +45,8 @@ void Draft::place(State& state, const Job& job) {
     job.poll();
     for (std::int32_t i = begin; i < end; ++i) to[i] = meet(corners[i]);
   });
-  constexpr int kTries = 4;
   for (std::int32_t i = 0; i < n; ++i) {
     const std::int32_t c = corners[i];
-    for (int go = 1; go < kTries && !near.is_on_scan(c, to[i]); ++go) {
-      places.reach[c] = go + 1 < kTries ? 0.6 * (to[i] - places.start[c]).norm() : 0;
-      to[i] = meet(c);
-    }
     at[c] = to[i];
     state.move(c, to[i]);
     for (const auto& [u, place] : around.of(c)) dirty.add(u);

@@ -5,9 +5,7 @@
 #include <vector>
 
 #include "complex/state.h"
-#include "judge/defects.h"
 #include "planar/meet.h"
-#include "planar/near.h"
 #include "planar/unit.h"
 
 namespace isimp::meshing::planar {
@@ -32,12 +30,11 @@ class Waiting {
 
 /// The planes and corners of a try to make polygons planar.
 struct Draft {
-  Draft(State& state, const Defects& defects);
+  explicit Draft(const State& state);
   Draft(const Draft&) = delete;
   Draft& operator=(const Draft&) = delete;
 
-  /// Puts the waiting corners on their planes, nearer to their start if they leave the scan there. Their units are cut
-  /// in the next round.
+  /// Puts the waiting corners on their planes. Their units are cut in the next round.
   void place(State& state, const Job& job);
   /// The place of one corner on its planes; sets its entries of `kept`.
   Vec3 meet(std::int32_t corner) { return meet_at(corner, units, around, places, kept); }
@@ -57,7 +54,6 @@ struct Draft {
   std::vector<Vec3> at;  ///< by corner
   Kept kept;
   Waiting moving, dirty;  ///< corners to be placed, and units to be cut, in the next round
-  Near near;
 };
 
 }  // namespace isimp::meshing::planar

@@ -57,29 +57,13 @@ class HoldBack {
       any = any || a || b;
     }
     sort_unique(stuck_);
-    return act_on_gaps(judged) || any;
+    return any;
   }
 
   /// The charts with a defect against which no step was left, in rising order.
   [[nodiscard]] const std::vector<std::int32_t>& stuck() const { return stuck_; }
 
  private:
-  /// Halves the moves of corners that slid away from a part of the scan.
-  bool act_on_gaps(std::span<const std::int32_t> judged) {
-    bool any = false;
-    std::vector<std::int32_t> corners;
-    for (const std::int32_t l : judged)
-      for (std::int32_t u = draft_.first[l]; u < draft_.first[l + 1]; ++u)
-        corners.insert(corners.end(), draft_.units[u].loop.begin(), draft_.units[u].loop.end());
-    sort_unique(corners);
-    for (const std::int32_t c : corners) {
-      if (draft_.near.is_covered(c)) continue;
-      draft_.lower(c, draft_.moved(c) / 2);
-      any = true;
-    }
-    return any;
-  }
-
   /// The defects of a chart's polygon that the chart did not have before.
   [[nodiscard]] std::uint8_t new_kinds(std::int32_t l, const PolygonDefects& found) const {
     return found.kinds & ~(kBent | kGiven | kinds_[l]);
@@ -284,7 +268,7 @@ PlanarOutcome sum_up(const State& state, const Draft& draft, const Cuts& cuts) {
 }  // namespace
 
 PlanarOutcome make_planar(State& state, Defects& defects, Memory& memory, bool is_last, const Job& job) {
-  Draft draft(state, defects);
+  Draft draft(state);
   Cuts cuts(state, defects, draft);
   HoldBack hold_back(state, defects, draft, is_last);
   const std::vector<bool> is_new = recall(memory, draft);

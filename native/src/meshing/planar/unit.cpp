@@ -65,21 +65,6 @@ void Places::limit(std::span<const Unit> units) {
     reach[c] = std::min(reach[c], std::max(kMost * base, std::min(to_held[c] + kOfEdge * base, kMostToHeld * base)));
 }
 
-double distance_to(const Vec3& p, const std::array<Vec3, 3>& t) {
-  const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
-  bool inside = n.squaredNorm() > 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 &a = t[k], &b = t[(k + 1) % 3];
-    const Vec3 side = b - a;
-    const double length = side.squaredNorm();
-    const double share = length > 0 ? std::clamp((p - a).dot(side) / length, 0.0, 1.0) : 0.0;
-    least = std::min(least, (p - a - share * side).squaredNorm());
-    inside = inside && n.dot(side.cross(p - a)) >= 0;
-  }
-  return inside ? std::abs(n.dot(p - t[0])) / n.norm() : std::sqrt(least);
-}
-
 bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double diagonal) {
   constexpr double kPlanar = 1e-6;
   if (polygon.size() == 3) return true;

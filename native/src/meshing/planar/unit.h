@@ -62,9 +62,6 @@ struct Places {
   void limit(std::span<const Unit> units);
 };
 
-/// The distance of a point from a triangle.
-double distance_to(const Vec3& p, const std::array<Vec3, 3>& t);
-
 /// Whether a polygon is planar: no corner is further from its plane than 1e-6 of the diagonal, in double and rounded to
 /// float32.
 bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double diagonal);
