@@ -14,7 +14,6 @@
 namespace isimp::meshing::planar {
 namespace {
 
-constexpr int kRings = 5;         ///< rings around stuck charts that are solved again
 constexpr int kGentle = 12;       ///< rounds in which corners that are held back keep half their way
 constexpr std::size_t kFew = 12;  ///< most corners of a unit that is triangulated before its corners are held back
 constexpr double kStill = 1e-9;   ///< share of the diagonal: smaller moves count as none
@@ -215,37 +214,6 @@ class HoldBack {
   std::vector<std::int32_t> stuck_;            // charts
 };
 
-/// Copies the results of the last try for the same polygons.
-/// \return by unit: whether there are none
-std::vector<bool> recall(const Memory& memory, Draft& draft) {
-  std::vector<bool> is_new;
-  for (Unit& u : draft.units) {
-    const auto known = memory.units.find(u.loop);
-    is_new.push_back(known == memory.units.end());
-    if (!is_new.back()) static_cast<Decision&>(u) = known->second;
-  }
-  auto& reach = draft.places.reach;
-  for (std::size_t c = 0; c < std::min(memory.reach.size(), reach.size()); ++c)
-    reach[c] = std::min(reach[c], memory.reach[c]);
-  return is_new;
-}
-
-/// Saves the results for the next try, except within kRings rings of the stuck charts.
-void remember(const Draft& draft, const std::vector<std::int32_t>& stuck, Memory& memory) {
-  std::vector<std::int32_t> all;
-  for (const std::int32_t l : stuck)
-    for (std::int32_t u = draft.first[l]; u < draft.first[l + 1]; ++u) all.push_back(u);
-  const std::vector<bool> is_near = within_rings(draft.units, draft.around, std::move(all), kRings);
-  memory = {{}, draft.places.reach};
-  for (std::size_t u = 0; u < draft.units.size(); ++u) {
-    if (is_near[u]) {
-      for (const std::int32_t c : draft.units[u].loop) memory.reach[c] = std::numeric_limits<double>::infinity();
-    } else {
-      memory.units.emplace(draft.units[u].loop, draft.units[u]);
-    }
-  }
-}
-
 PlanarOutcome sum_up(const State& state, const Draft& draft, const Cuts& cuts) {
   PlanarOutcome out;
   PlanarReport& r = out.report;
@@ -267,12 +235,11 @@ PlanarOutcome sum_up(const State& state, const Draft& draft, const Cuts& cuts) {
 
 }  // namespace
 
-PlanarOutcome make_planar(State& state, Defects& defects, Memory& memory, bool is_last, const Job& job) {
+PlanarOutcome make_planar(State& state, Defects& defects, bool is_last, const Job& job) {
   Draft draft(state);
   Cuts cuts(state, defects, draft);
   HoldBack hold_back(state, defects, draft, is_last);
-  const std::vector<bool> is_new = recall(memory, draft);
-  solve(draft.units, draft.around, draft.places, is_new, state.threads, job);
+  solve(draft.units, draft.around, draft.places, state.threads, job);
   std::vector<std::int32_t> judged;
   for (int round = 0; round == 0 || hold_back.act(std::move(judged), round > kGentle); ++round) {
     job.poll();
@@ -282,7 +249,6 @@ PlanarOutcome make_planar(State& state, Defects& defects, Memory& memory, bool i
   }
   PlanarOutcome out = sum_up(state, draft, cuts);
   out.stuck = hold_back.stuck();
-  remember(draft, out.stuck, memory);
   return out;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <vector>
 
 #include "complex/state.h"
@@ -12,12 +11,6 @@
 #include "planar/unit.h"
 
 namespace isimp::meshing::planar {
-
-/// Results of a try, by the corners of polygons, for the next one. Some charts are split between two tries.
-struct Memory {
-  std::map<std::vector<std::int32_t>, Decision> units;
-  std::vector<double> reach;  ///< by corner
-};
 
 struct PlanarOutcome {
   PlanarReport report;
@@ -32,9 +25,8 @@ struct PlanarOutcome {
 /// of other polygons). A polygon that is planar at its old place is never cut for a defect.
 /// \param is_last  stuck polygons keep their old shape, though it is not planar
 /// \param defects  of the present state; up to date afterwards
-/// \param memory  results of the last try, replaced by the results of this one
 /// Cost: about twenty sparse solves in three unknowns a polygon, and a judgement of the changed charts in each round.
-PlanarOutcome make_planar(State& state, Defects& defects, Memory& memory, bool is_last, const Job& job);
+PlanarOutcome make_planar(State& state, Defects& defects, bool is_last, const Job& job);
 
 /// Whether all polygons are planar.
 bool is_planar(const State& state);

@@ -38,8 +38,7 @@ class Pinned {
 /// a corner the one of the smallest unit is blamed.
 /// \param kept  reset to true for all corners of released units
 /// \return their units
-std::vector<std::int32_t> release(std::vector<Unit>& units, const Around& around, Kept& kept,
-                                  const std::vector<bool>& is_new) {
+std::vector<std::int32_t> release(std::vector<Unit>& units, const Around& around, Kept& kept) {
   std::vector<std::int32_t> misses(units.size(), 0);
   for (std::int32_t c = 0; c < around.corners(); ++c) {
     bool is_missed = false;
@@ -47,7 +46,7 @@ std::vector<std::int32_t> release(std::vector<Unit>& units, const Around& around
     for (const auto& [u, place] : around.of(c)) {
       const Unit& unit = units[u];
       is_missed = is_missed || (!kept[u][place] && unit.loop.size() > 3);
-      if (!unit.held || !unit.scan.snapped || !is_new[u]) continue;
+      if (!unit.held || !unit.scan.snapped) continue;
       if (least == kNone || unit.scan.area < units[least].scan.area) least = u;
     }
     if (is_missed && least != kNone) ++misses[least];
@@ -65,26 +64,18 @@ std::vector<std::int32_t> release(std::vector<Unit>& units, const Around& around
 
 }  // namespace
 
-void solve(std::vector<Unit>& units, const Around& around, Places& places, const std::vector<bool>& is_new,
-           const Threads& threads, const Job& job) {
-  const Pinned known(units, [&](std::size_t u) { return !is_new[u]; });
-  std::vector<bool> concerns(places.start.size(), false);
+void solve(std::vector<Unit>& units, const Around& around, Places& places, const Threads& threads, const Job& job) {
   Kept kept;
-  for (std::size_t u = 0; u < units.size(); ++u) {
-    kept.emplace_back(units[u].loop.size(), 1);
-    for (const std::int32_t c : units[u].loop) concerns[c] = concerns[c] || is_new[u];
-  }
+  for (const Unit& u : units) kept.emplace_back(u.loop.size(), 1);
   std::vector<Vec3> at;
   const auto fit_those = [&](const Schedule& schedule) {
     places.limit(units);  // planes may have been released
-    for (std::size_t u = 0; u < units.size(); ++u)
-      for (std::size_t i = 0; i < kept[u].size(); ++i) kept[u][i] = kept[u][i] && concerns[units[u].loop[i]];
     fit(units, places, kept, schedule, job);
     kept = meet(units, around, places, threads, job, at);
   };
   fit_those(kFirst);
   for (int k = 0; k < kReleases; ++k) {
-    const std::vector<std::int32_t> gone = release(units, around, kept, is_new);
+    const std::vector<std::int32_t> gone = release(units, around, kept);
     if (gone.empty()) break;
     const std::vector<bool> is_near = within_rings(units, around, gone, kAround);
     const Pinned far(units, [&](std::size_t u) { return !is_near[u]; });

@@ -20,8 +20,9 @@ enum class Cause : std::uint8_t {
   meeting,   ///< it would intersect another polygon
 };
 
-/// The plane of a unit, and the steps taken for it. Another try begins from them.
-struct Decision {
+/// A polygon that is to be planar: the part of the scan that it stands for, the plane that it is to have, and the steps
+/// taken for it.
+struct Unit {
   Vec3 normal = Vec3::UnitZ();  ///< unit; the plane is where normal * x = offset
   double offset = 0;
   double trust = 1;           ///< factor on the cost of moves off its scan, relative to other units of the same area
@@ -32,10 +33,6 @@ struct Decision {
   bool plain = false;         ///< its triangulation has the least surface, whichever way triangles face
   bool own = false;           ///< its triangulation is the one that the judge saw before anything moved
   Cause cause = Cause::none;  ///< why it was given up or a corner held back
-};
-
-/// A polygon that is to be planar: the part of the scan that it stands for, and the plane that it is to have.
-struct Unit : Decision {
   std::int32_t chart = kNone;
   std::vector<std::int32_t> loop;  ///< corners
   std::vector<Vec3> home;          ///< the vertices of the scan for these corners

@@ -261,12 +261,11 @@ void join_again(State& state, Defects& defects, Mender& mender, const Scale& usu
 /// the scan, and the step is repeated. After kTries tries the polygon stays bent.
 void make_planar(State& state, Defects& defects, Mender& mender, RepairOutcome& outcome, Job& job) {
   constexpr int kSplits = 6, kTries = 16;
-  planar::Memory memory;
   bool is_last = false;
   for (int go = 0;; ++go) {
     Transaction transaction(state);
     defects.keep();
-    const planar::PlanarOutcome found = planar::make_planar(state, defects, memory, is_last, job);
+    const planar::PlanarOutcome found = planar::make_planar(state, defects, is_last, job);
     outcome.planar = found.report;
     outcome.let_go = found.let_go;
     if (found.stuck.empty() || is_last) return transaction.commit();
