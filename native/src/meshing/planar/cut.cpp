@@ -84,7 +84,6 @@ class Triangulation {
     const Vec3 &a = point(i), &b = point(k), &c = point(j);
     const Vec3 area = (b - a).cross(c - a) / 2;
     const double size = area.norm();
-    if (unit_.plain) return area.dot(up_) > 0 ? size / std::max(area_, 1e-300) : kBad;
     const double extent = std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
     const double share = kOfSurface * size / std::max(area_, 1e-300);
     const bool faces = area.dot(up_) > 0;
@@ -144,7 +143,6 @@ Cuts::Cuts(State& state, const Defects& defects, Draft& draft)
       draft_(draft),
       thickness_(defects.bounds().thickness),
       edges_(state.corners.count()),
-      own_(draft.units.size()),
       cuts_(draft.units.size()),
       uncut_(draft.units.size(), false) {
   for (const Unit& u : draft.units)
@@ -152,30 +150,17 @@ Cuts::Cuts(State& state, const Defects& defects, Draft& draft)
       const auto [a, b] = std::minmax(u.loop[i], u.loop[(i + 1) % u.loop.size()]);
       edges_.add({a, b});
     }
-  for (std::size_t l = 0; l + 1 < draft.first.size(); ++l)
-    for (const Facet& f : defects.of(static_cast<std::int32_t>(l)).facets.facets)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Edge e{f.corner[k], f.corner[(k + 1) % 3]};
-        if (e[0] < e[1] && !edges_.has(e)) own_[draft.first[l]].push_back(e);
-      }
 }
 
 bool Cuts::cut(std::int32_t u) {
   const Unit& unit = draft_.units[u];
   const auto& kept = draft_.kept[u];
-  const std::vector<Edge>& own = own_[u];
   const bool whole = !unit.free && std::all_of(kept.begin(), kept.end(), [](std::uint8_t k) { return k != 0; });
   if (whole || unit.loop.size() == 3) return true;
-  const bool as_before = unit.own && own.size() + 3 == unit.loop.size() &&
-                         std::none_of(own.begin(), own.end(), [&](const Edge& e) { return edges_.has(e); });
-  if (as_before) {
-    cuts_[u] = own;
-  } else {
-    const Rules rules{s_.planes[unit.chart].normal, thickness_};
-    Triangulation triangles(unit, kept, draft_.at, rules, edges_);
-    if (!triangles.find()) return false;
-    triangles.collect(cuts_[u]);
-  }
+  const Rules rules{s_.planes[unit.chart].normal, thickness_};
+  Triangulation triangles(unit, kept, draft_.at, rules, edges_);
+  if (!triangles.find()) return false;
+  triangles.collect(cuts_[u]);
   for (const Edge& e : cuts_[u]) edges_.add(e);
   return true;
 }

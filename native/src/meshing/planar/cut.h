@@ -48,7 +48,6 @@ class Cuts {
   Draft& draft_;
   const double thickness_;  // scene units; a thinner triangle has no area
   Edges edges_;
-  std::vector<std::vector<Edge>> own_;   // by unit: the edges across it of the triangles that the judge saw first
   std::vector<std::vector<Edge>> cuts_;  // by unit: the edges across it, by corners
   std::vector<bool> uncut_;              // by unit: there is no way to cut it
 };

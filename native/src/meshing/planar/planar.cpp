@@ -161,18 +161,17 @@ class HoldBack {
     return sum;
   }
 
-  /// Applies the next step against a defect of a polygon: triangulates its unit, moves its corners less, or changes its
-  /// triangles.
+  /// Applies the next step against a defect of a polygon: triangulates its unit, or moves its corners less.
   /// \param corners  the corners of the defect
   /// \return whether there was a step left
   bool give_up(std::int32_t l, std::span<const std::int32_t> corners, Cause cause, bool firmly) {
     const std::int32_t u = draft_.unit_of(l);
-    return acted_[u] || (take_step(draft_.units[u], corners, cause, firmly) && note(u, cause));
+    return acted_[u] || (take_step(draft_.units[u], corners, firmly) && note(u, cause));
   }
 
-  bool take_step(Unit& unit, std::span<const std::int32_t> corners, Cause cause, bool firmly) {
+  bool take_step(Unit& unit, std::span<const std::int32_t> corners, bool firmly) {
     const auto set = [](bool& flag) { return !std::exchange(flag, true); };
-    const bool is_triangle = unit.loop.size() == 3, may_turn = !is_triangle && cause == Cause::meeting;
+    const bool is_triangle = unit.loop.size() == 3;
     double most = 0;
     for (const std::int32_t c : corners) most = std::max(most, draft_.moved(c));
     const bool moved = most > kStill * draft_.places.diagonal;
@@ -183,14 +182,14 @@ class HoldBack {
         if (draft_.moved(c) > most / 2) draft_.lower(c, left);
       return true;
     }
-    if ((!is_triangle && set(unit.free)) || (may_turn && set(unit.plain))) return true;
+    if (!is_triangle && set(unit.free)) return true;
     bool any = false;  // the polygons around it may have moved
     for (const std::int32_t c : unit.loop)
       if (draft_.at[c] != draft_.places.start[c]) {
         draft_.lower(c, 0);
         any = true;
       }
-    return any || (may_turn && set(unit.own)) || (is_last_ && set(unit.left));
+    return any || (is_last_ && set(unit.left));
   }
 
   void blame(std::int32_t u, Cause cause) {

@@ -30,8 +30,6 @@ struct Unit {
   bool pinned = false;        ///< its plane does not change for now
   bool missed = false;        ///< some corner was not on its plane when planes were fitted last
   bool free = false;          ///< given up: it is triangulated, and its plane counts for nothing
-  bool plain = false;         ///< its triangulation has the least surface, whichever way triangles face
-  bool own = false;           ///< its triangulation is the one that the judge saw before anything moved
   Cause cause = Cause::none;  ///< why it was given up or a corner held back
   std::int32_t chart = kNone;
   std::vector<std::int32_t> loop;  ///< corners
