@@ -19,7 +19,6 @@
 namespace isimp::meshing {
 
 constexpr std::int32_t kLeastClosed = 4;  ///< no closed surface has fewer polygons
-constexpr std::size_t kLarge = 64;        ///< chords of a chart above which its two ends count as far apart
 
 /// How long the boundary of a chart is, and the part of it that each other chart is across of.
 struct SharedBoundary {
@@ -47,10 +46,6 @@ class State {
   void for_each_neighbour(std::int32_t chart, Function fn) const {
     for (const std::int32_t h : complex.chords(chart))
       if (const std::int32_t l = labels.across(h); l != kNone) fn(l);
-  }
-  /// Whether a chart borders enough holes that changes at its two ends do not affect each other.
-  [[nodiscard]] bool is_large(std::int32_t chart) const {
-    return cutter.perforated && complex.chords(chart).size() > kLarge;
   }
   /// Adds them to some charts, in rising order then.
   void add_neighbours(std::vector<std::int32_t>& charts) const;

@@ -24,6 +24,8 @@ constexpr double kError = 1, kSquare = 3;
 // trials, eight scans.
 constexpr double kFarTooBent = 3;
 
+constexpr std::size_t kLongRow = 128;  ///< chords of two parts of a row of holes that stay apart if they have more
+
 /// Whether a union may hold with its corners where they are, at other places only, or not at all.
 enum class Forecast { possible, bent, hopeless };
 
@@ -82,7 +84,7 @@ class Coarsener {
   [[nodiscard]] bool parts_row(std::int32_t a, std::int32_t b) const {
     const auto is_cut = [&](std::int32_t l) { return s_.labels.charts[l].cause == Cause::hole; };
     return s_.cutter.perforated && is_cut(a) && is_cut(b) &&
-           s_.complex.chords(a).size() + s_.complex.chords(b).size() > 2 * kLarge;
+           s_.complex.chords(a).size() + s_.complex.chords(b).size() > kLongRow;
   }
 
   [[nodiscard]] bool is_there(std::int32_t l) const { return s_.labels.charts[l].face != kNone; }
