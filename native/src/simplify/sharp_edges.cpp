@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "density/noise.h"
+#include "parts.h"
 
 namespace isimp {
 namespace {
@@ -266,27 +267,18 @@ class Sharpener {
 
   /// Keeps only the largest piece of a region in several pieces. Each other piece joins the region it touches most.
   void join_pieces() {
-    std::vector<std::int32_t> piece(label_.size(), kNone), of, largest;
-    std::vector<std::vector<std::int32_t>> faces;
-    std::vector<double> area;
-    for (std::size_t start = 0; start < label_.size(); ++start) {
-      if (piece[start] != kNone || label_[start] == kNone) continue;
-      const auto number = static_cast<std::int32_t>(faces.size());
-      std::vector<std::int32_t>& front = faces.emplace_back(1, static_cast<std::int32_t>(start));
-      of.push_back(label_[start]);
-      area.push_back(0);
-      piece[start] = number;
-      for (std::size_t i = 0; i < front.size(); ++i) {
-        area.back() += vector_[front[i]].norm();
-        for (std::int32_t h = 3 * front[i]; h < 3 * front[i] + 3; ++h) {
-          const std::int32_t g = mesh_.opposite(h) == kNone ? kNone : mesh_.opposite(h) / 3;
-          if (g == kNone || piece[g] != kNone || label_[g] != of.back()) continue;
-          piece[g] = number;
-          front.push_back(g);
-        }
-      }
+    const Parts pieces = parts_of(
+        mesh_.graph(), [&](std::int32_t f) { return label_[f]; }, job_);
+    std::vector<std::int32_t> of(pieces.count), largest(regions_.size(), kNone);
+    std::vector<std::vector<std::int32_t>> faces(pieces.count);
+    std::vector<double> area(pieces.count, 0.0);
+    for (std::size_t f = 0; f < label_.size(); ++f) {
+      const std::int32_t p = pieces.of_face[f];
+      if (p == kNone) continue;
+      of[p] = label_[f];
+      faces[p].push_back(static_cast<std::int32_t>(f));
+      area[p] += vector_[f].norm();
     }
-    largest.assign(regions_.size(), kNone);
     for (std::size_t p = 0; p < of.size(); ++p) {
       std::int32_t& best = largest[of[p]];
       if (best == kNone || area[p] > area[best]) best = static_cast<std::int32_t>(p);
