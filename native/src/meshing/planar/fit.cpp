@@ -14,7 +14,6 @@ using Mat3 = Eigen::Matrix3d;
 
 /// Weight of the square step of a corner, if the square distance of a mean unit has weight 1. Source: own trials.
 constexpr double kStep = 0.7;
-constexpr double kMostShare = 30;  ///< corners of little reach cost at most the square of this times as much
 constexpr double kMostTurn = 0.2;  ///< largest turn of a plane in a round, radians
 constexpr double kDamping = 1e-9;
 /// The noise, as a share of the reach, below which a plane costs more, the power of that factor, and its largest value.
@@ -121,7 +120,7 @@ class Solver {
     const std::span<Link> links = std::span(links_).subspan(first_[c], first_[c + 1] - first_[c]);
     const auto n = static_cast<Eigen::Index>(links.size());
     if (n == 0) return;
-    const double share = std::min(places_.base / std::max(places_.reach[c], 1e-300), kMostShare);
+    const double share = places_.base / std::max(places_.reach[c], 1e-300);
     const double cost = kStep * share * share;
     form_.resize(n, n);
     off_.resize(n);
