@@ -10,7 +10,6 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr double kOneWay = 0.999;          ///< cosine between the normals of two charts in one plane
 constexpr std::int32_t kStride = 1 << 10;  ///< charts from one poll to the next
 
 class CoplanarJoiner {
@@ -42,7 +41,7 @@ class CoplanarJoiner {
 
   [[nodiscard]] bool in_one_plane(std::int32_t a, std::int32_t b) const {
     const Plane &p = s_.planes[a], &q = s_.planes[b];
-    if (!(p.projected > 0) || !(q.projected > 0) || p.normal.dot(q.normal) < kOneWay) return false;
+    if (!(p.projected > 0) || !(q.projected > 0) || p.normal.dot(q.normal) < kSameWay) return false;
     const double off = kThickness * s_.mesh.diagonal();
     const Plane both = united(p, q);
     return both.normal.dot(both.spread * both.normal) <= off * off;
