@@ -11,16 +11,12 @@
 namespace isimp::meshing::planar {
 namespace {
 
-/// The cost of a triangle that becomes a face of its own, and the weight of its share of the polygon's surface.
-constexpr double kFace = 1;
+/// Weight of a triangle's share of the polygon's surface, if a triangle that becomes a face of its own costs 1.
 constexpr double kOfSurface = 0.02;
 constexpr double kBad = 100;  ///< cost of a triangle that faces away or has no area: used only if there is no other way
 constexpr double kNever = 1e30;
-/// The cosines between a triangle and its unit below which it faces away, a little above the bound of the judge, and
-/// below which it is steep.
-constexpr double kFacing = 2 * kFacingApart, kSteep = 0.25;
-constexpr double kOfSteep = 4;    ///< cost of a steep triangle
-constexpr double kThickness = 4;  ///< times the least thickness of the judge
+/// The cosine between a triangle and its unit below which it faces away, a little above the bound of the judge.
+constexpr double kFacing = 2 * kFacingApart;
 
 /// The conditions on triangles under which the judge finds no defect in them.
 struct Rules {
@@ -89,9 +85,9 @@ class Triangulation {
     const bool faces = area.dot(up_) > 0;
     if (is_core(i, k, j)) return faces || size <= rules_.thickness * extent ? share : kBad;
     const double turn = std::max(area.dot(direction(i, k, j)), area.dot(rules_.facing));
-    const bool thin = size <= kThickness * rules_.thickness * extent;
+    const bool thin = size <= rules_.thickness * extent;
     if (!faces || thin || turn <= kFacing * size) return kBad + share;
-    return (turn <= kSteep * size ? kOfSteep : kFace) + share;
+    return 1 + share;
   }
 
   /// The direction of the part of the scan that a triangle stands for.

@@ -17,10 +17,8 @@ namespace {
 constexpr int kGentle = 12;       ///< rounds in which corners that are held back keep half their way
 constexpr std::size_t kFew = 12;  ///< most corners of a unit that is triangulated before its corners are held back
 constexpr double kStill = 1e-9;   ///< share of the diagonal: smaller moves count as none
-constexpr double kLeast = 1e-3;   ///< share of the diagonal: corners held back to less than this return to their start
 constexpr std::array kShares{0.95, 0.5, 0.25, 0.0};  ///< shares of its way kept by a corner that mends a defect
-constexpr double kStay = 0.01;   ///< cost of a corner held back to its start, if a polygon that loses a corner costs 1
-constexpr double kWhole = 1.5;   ///< cost of the first corner that a polygon loses
+constexpr double kWhole = 1.5;   ///< cost of the first corner that a polygon loses; each further one costs 1
 constexpr double kOfFace = 0.7;  ///< cost of each face of a polygon that is triangulated. Source: own trials
 
 /// Moves corners back and triangulates polygons, against defects that the polygons did not have before.
@@ -140,7 +138,7 @@ class HoldBack {
     for (const double share : kShares) {
       draft_.places.reach[c] = share * moved;
       const Vec3 to = draft_.meet(c);
-      const double cost = before - worth(c) + kStay * (1 - share);
+      const double cost = before - worth(c);
       if (cost >= best.cost || to == was) continue;
       s_.move(c, to);
       if (is_mended()) best = {cost, c, share * moved};
@@ -177,7 +175,7 @@ class HoldBack {
     const bool moved = most > kStill * draft_.places.diagonal;
     if (!is_triangle && !unit.held && (unit.loop.size() <= kFew || !moved) && set(unit.free)) return true;
     if (moved) {
-      const double left = firmly || most / 2 < kLeast * draft_.places.diagonal ? 0 : most / 2;
+      const double left = firmly ? 0 : most / 2;
       for (const std::int32_t c : corners)
         if (draft_.moved(c) > most / 2) draft_.lower(c, left);
       return true;

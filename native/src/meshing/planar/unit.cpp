@@ -17,8 +17,6 @@ constexpr double kOfEdge = 0.5, kLeast = 0.3, kMost = 1.5;
 constexpr double kMostToHeld = 6;  ///< replaces kMost if given planes are further off
 /// A spread whose smallest eigenvalue is above this share of the next fixes no plane.
 constexpr double kThin = 0.25;
-/// The cosine between the direction of least spread and that of the outline below which the former is not trusted.
-constexpr double kAgree = 0.8;
 
 /// Sets the plane that fits the scan best, or the plane of the corners if the scan is too thin a strip to define one.
 void find_plane(Unit& unit, std::span<const Vec3> at, double least_area) {
@@ -46,7 +44,7 @@ void find_plane(Unit& unit, std::span<const Vec3> at, double least_area) {
   }
   Vec3 n = solver.eigenvectors().col(0);
   const bool is_thin = !(solver.eigenvalues()[0] <= kThin * solver.eigenvalues()[1]);
-  if (is_thin || std::abs(n.dot(outline)) < kAgree * length) n = length > 0 ? Vec3(outline / length) : scan.normal;
+  if (is_thin) n = length > 0 ? Vec3(outline / length) : scan.normal;
   if (n.dot(length > 0 ? outline : scan.normal) < 0) n = -n;
   unit.normal = n;
   unit.offset = n.dot(scan.centre);
