@@ -6,6 +6,7 @@
 #   scripts/test.sh changed      format, lint and the tests that the changes since main touch, by place
 #   scripts/test.sh all-tidy     clang-tidy on every source
 #   scripts/test.sh wheel bpy45  the add-on inside the module of Blender 4.5 too
+#   scripts/test.sh tsan         the data of threads under the thread sanitizer
 #   scripts/test.sh bench        the small benchmarks: fails where quality or operations are worse than in bench/public.json
 # The output of each stage is kept in out/test/STAGE.log, its results as JUnit files in out/test/STAGE/.
 set -uo pipefail
@@ -14,8 +15,8 @@ set -uo pipefail
 # The first stages run one after another. The others run two at a time, in this order: window waits for screens while
 # the engine is compiled, and the short ones fill the end.
 first=(format lint mypy wheel)
-beside=(window cpp asan python tsan tidy cuda blender bpy50)
-at_night=(bpy45) # only on request
+beside=(window cpp asan python tidy cuda blender bpy50)
+at_night=(tsan bpy45) # only on request
 by_name=(quick changed all-tidy bench) # only on request
 tests_venv=$root/.venv-test
 
