@@ -247,7 +247,7 @@ def test_planes_that_polygons_do_not_keep_to_have_the_colour_of_free_ones(sessio
 
 
 def test_a_bound_does_not_cost_the_planes(house, session):
-    recipe = rcp.Recipe((rcp.Partition(bound=0.028), rcp.Regularise(), rcp.Mesh()))
+    recipe = rcp.Recipe((rcp.Partition(bound=0.025), rcp.Regularise(), rcp.Mesh()))
     outcome = session.replay(house, recipe)
     assert outcome.numbers["scan_distance"] > outcome.numbers["scan_distance_allowed"], "all steps are tried"
     assert outcome.numbers["held"] > 0
