@@ -18,7 +18,7 @@ COUNTS = {
     "triangles": {"triangles": 200},
     "lloyd": {"proxies": 40, "method": "lloyd"},
 }
-SCANS = ["nasty/ogre_124k_44comp.ply", "real/office_27k.ply"]
+SCANS = ["nasty/ogre_124k_44comp.ply", "building/frankfurt_tile_49k.ply", "real/office_27k.ply"]
 SPECKS = 300
 OFFSETS = {"near": (0, 0, 0), "far": (5e5, 4.6e6, 100)}
 
