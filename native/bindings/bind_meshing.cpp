@@ -109,8 +109,8 @@ polygons, corners, vertices, regions; regions_split (regions that became more th
 closed, manifold, euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex),
 scene units; crossing, flipped, bent: polygons with these defects; intersecting: pairs of polygons that intersect,
 excused: such pairs whose regions intersect in the scan itself (excused_at_least: there are more, counting stopped);
-without_area: polygons that are a face of the scan without area; repair_rounds, and repair_capped: whether defects are left whose repair would take more than options.repair_budget; work:
-numbers of faces walked over, corners placed and polygons judged, the same on every machine; imperfect: all of these by
+without_area: polygons that are a face of the scan without area; repair_rounds; repair_capped: whether defects are left
+whose repair would take more than options.repair_budget; work: numbers of faces walked over, corners placed and polygons judged, the same on every machine; imperfect: all of these by
 polygon, of each kind the first 1,000;
 planar: whether every polygon is planar to a millionth of the diagonal. With options.planar also whole, the share of the
 polygons that were not cut; left_off: whether more would have been cut than options.planar_most allows, so that no polygon

@@ -20,7 +20,8 @@ struct PlanarOutcome {
 
 /// Makes every polygon planar: planes and corners are moved together so that corners lie on all their planes. A corner
 /// that can't, within reach, is cut off its polygon by a triangle. No defect is added. A defective polygon (1) moves its
-/// corners less, (2) is triangulated, (3) returns to its old positions. A chart is stuck if it has a defect there too. A polygon that is planar at its old place is never cut for a defect.
+/// corners less, (2) is triangulated, (3) returns to its old positions. A chart is stuck if it has a defect there too. A
+/// polygon that is planar at its old place is never cut for a defect.
 /// \param is_last  stuck polygons keep their old shape, though it is not planar
 /// \param defects  of the present state; up to date afterwards
 /// Cost: about twenty sparse solves in three unknowns a polygon, and a judgement of the changed charts in each round.

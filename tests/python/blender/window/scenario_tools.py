@@ -27,8 +27,7 @@ def begin(hand, make=make_scan, proxies=14):
 
 def view(hand):
     """Turns the view to the front of the scan, so that it fills the view."""
-    if bpy.app.version >= (4, 0, 0):  # where the sidebar and the adjacent buttons would lie over it
-        bpy.context.preferences.system.use_region_overlap = False
+    if bpy.app.version >= (4, 0, 0):  # where these buttons would lie over it
         hand.area.spaces.active.show_gizmo_navigate = False
         yield 0.5
     with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
