@@ -131,7 +131,7 @@ std::int32_t State::region_of(std::int32_t chart, std::span<const std::int32_t> 
 bool State::split(std::int32_t chart, Job& job) {
   const std::int32_t fresh = bisect(cutter_, chart, Cause::repair);
   if (fresh == kNone) return false;
-  make_discs(cutter_, {chart, fresh}, discs_, job);
+  make_discs(cutter_, {chart, fresh}, pending_.discs, job);
   diagonals_.resize(labels.charts.size());
   for (const std::int32_t l : labels.touched) diagonals_.set(l, {});
   return true;
@@ -140,7 +140,7 @@ bool State::split(std::int32_t chart, Job& job) {
 bool State::shatter(std::int32_t chart) {
   const std::vector<std::int32_t> faces = labels.faces_of(chart);
   bool any = faces.size() > 1;
-  discs_.erase(chart);
+  pending_.discs.erase(chart);
   for (std::size_t i = 1; i < faces.size(); ++i) labels_.part(std::span(faces).subspan(i, 1), faces[0], Cause::repair);
   for (const std::int32_t f : faces)
     for (const std::int32_t v : mesh.triangles()[f]) {
@@ -151,7 +151,7 @@ bool State::shatter(std::int32_t chart) {
       const std::int32_t c = corner_at(v);
       any = corners.position[c] != mesh.vertices()[v] || any;
       move(c, mesh.vertices()[v]);
-      at_home_.push_back(c);
+      pending_.at_home.push_back(c);
     }
   diagonals_.resize(labels.charts.size());
   any = !diagonals[chart].empty() || any;
@@ -223,18 +223,20 @@ void State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t
   if (kept_chart.cause == Cause::repair) labels_.charts.edit(kept).cause = gone_chart.cause;
   labels_.charts.edit(gone).face = kNone;
   labels_.touched.push_back(kept);
-  discs_.erase(kept);
+  pending_.discs.erase(kept);
   // Most of the area of each chart is of the same region, so most of their union is of it too.
   if (kept_chart.region == gone_chart.region && planes[kept].projected > 0 && planes[gone].projected > 0) {
     Plane& plane = planes_.edit(kept);
     plane = united(plane, planes[gone]);
     hold_by_hand(plane, partition, kept_chart.region, mesh.origin());
-    if (plane.projected > kFlat * plane.area) known_[kept] = std::move(loop);
+    if (plane.projected > kFlat * plane.area &&
+        !pending_.known.try_emplace(kept, Known{1, false, std::move(loop)}).second)
+      pending_.known[kept].touches = 0;
   }
   set_diagonals(kept, {});
   set_diagonals(gone, {});
   complex_.forget(gone);
-  united_.push_back(gone);
+  pending_.united.push_back(gone);
   for (const std::int32_t v : between) drop_corner(v);
 }
 
@@ -255,15 +257,18 @@ void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const st
   }
   touch(charts);
   if (mesh.face_count() / kMany < labels.chart_count()) return;
-  for (const std::int32_t f : faces) handed_faces_.push_back(f);
+  pending_.handed_faces.insert(pending_.handed_faces.end(), faces.begin(), faces.end());
   const auto is_simple = [&](std::int32_t l) {  // neither held nor of a region that may change with its faces
     return labels.charts[l].cause == Cause::region && !planes[l].held && planes[l].projected > kFlat * planes[l].area;
   };
   const Plane part = plane_of(mesh, faces, labels.moments);
   const bool simple = part.projected > kFlat * part.area && is_simple(giver) && is_simple(taker);
-  if (simple) handovers_.push_back({giver, taker, part});
   for (const std::int32_t l : charts)
-    if (simple || (l != giver && l != taker)) handed_.push_back(l);
+    if (simple || (l != giver && l != taker)) ++pending_.known[l].touches;
+  if (!simple) return;
+  planes_.set(giver, without(planes[giver], part));
+  planes_.set(taker, united(planes[taker], part));
+  pending_.known[giver].has_moved = pending_.known[taker].has_moved = true;
 }
 
 std::vector<std::int32_t> State::loop_again(std::int32_t chart) const {
@@ -287,32 +292,6 @@ std::vector<std::int32_t> State::loop_again(std::int32_t chart) const {
     }
   } while (h != start);
   return again;
-}
-
-std::vector<State::Known> State::settle_handovers() {
-  std::vector<std::int32_t> changed;
-  for (const auto& [giver, taker, part] : handovers_) {
-    planes_.set(giver, without(planes[giver], part));
-    planes_.set(taker, united(planes[taker], part));
-    changed.insert(changed.end(), {giver, taker});
-  }
-  handovers_.clear();
-  sort_unique(changed);
-  std::sort(handed_.begin(), handed_.end());
-  std::vector<Known> known;
-  std::vector<std::int32_t>& touched = labels_.touched;
-  std::size_t out = 0;
-  for (std::size_t i = 0; i < touched.size();) {
-    const auto [first, last] = std::equal_range(touched.begin() + i, touched.end(), touched[i]);
-    const auto [from, to] = std::equal_range(handed_.begin(), handed_.end(), touched[i]);
-    const bool is_changed = std::binary_search(changed.begin(), changed.end(), touched[i]);
-    known.push_back(last - first != to - from ? Known::nothing : is_changed ? Known::plane : Known::boundary);
-    i = last - touched.begin();
-    touched[out++] = *first;
-  }
-  touched.resize(out);
-  handed_.clear();
-  return known;
 }
 
 void State::move_onto(std::span<const Plane> planes_by_chart, std::span<const std::int32_t> moving) {
@@ -356,80 +335,91 @@ std::vector<Vec3> State::better_places(std::span<const std::int32_t> moving, boo
   return after;
 }
 
-std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool in_place) {
-  job_.poll();
-  std::vector<std::int32_t>& touched = labels_.touched;
+std::vector<std::int32_t> State::take_touched(std::map<std::int32_t, Known>& known) {
+  std::vector<std::int32_t> touched = std::exchange(labels_.touched, {});
   std::sort(touched.begin(), touched.end());
-  // The known boundary of a chart is out of date if the chart was touched once more.
-  for (std::size_t i = 1; i < touched.size(); ++i)
-    if (touched[i] == touched[i - 1]) known_.erase(touched[i]);
+  for (std::size_t i = 0, end = 0; i < touched.size(); i = end) {
+    while (end < touched.size() && touched[end] == touched[i]) ++end;
+    const auto at = known.find(touched[i]);
+    if (at != known.end() && at->second.touches != static_cast<std::int32_t>(end - i)) known.erase(at);
+  }
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   // A chart may have been united with another since it was touched.
   std::erase_if(touched, [&](std::int32_t l) { return labels.charts[l].face == kNone; });
-  const std::vector<Known> handed = settle_handovers();
+  return touched;
+}
+
+void State::derive_charts(std::span<const std::int32_t> touched, Pending& pending) {
   planes_.resize(labels.charts.size());
   diagonals_.resize(labels.charts.size());
   std::vector<std::vector<std::int32_t>> loops(touched.size());
   labels.face_marks.clear();
   labels.vertex_marks.clear();
-  for (const std::int32_t f : handed_faces_)
+  for (const std::int32_t f : pending.handed_faces)
     for (const std::int32_t v : mesh.triangles()[f]) labels.vertex_marks.add(v);
-  handed_faces_.clear();
   const std::span<Chart> charts = labels_.charts.edit_all(touched);
   const std::span<Plane> fitted = planes_.edit_all(touched);
+  const auto known_loop = [&](std::int32_t l) {
+    const auto known = pending.known.find(l);
+    if (known == pending.known.end()) return std::vector<std::int32_t>();
+    if (!known->second.loop.empty()) return std::move(known->second.loop);
+    if (known->second.has_moved) return loop_again(l);
+    return std::vector<std::int32_t>(complex.loop(l).begin(), complex.loop(l).end());
+  };
+  const auto derive = [&](std::int32_t l, std::vector<std::int32_t>& loop) {
+    loop = known_loop(l);
+    if (!loop.empty()) return;
+    std::vector<std::int32_t> faces;
+    if (const auto disc = pending.discs.find(l); disc != pending.discs.end()) {
+      faces = std::move(disc->second.faces);
+      loop = std::move(disc->second.loop);
+    } else {
+      faces = labels.flood(l);
+      loop = labels.loop_from(boundary_start(labels, faces));
+    }
+    charts[l].region = region_of(l, faces);
+    fitted[l] = plane_of(mesh, faces, labels.moments);
+    hold_by_hand(fitted[l], partition, charts[l].region, mesh.origin());
+  };
   threads.blocks(static_cast<std::int32_t>(loops.size()), kFew,
                  [&](std::int32_t, std::int32_t begin, std::int32_t end) {
                    job_.poll();
-                   for (std::int32_t i = begin; i < end; ++i) {
-                     const std::int32_t l = touched[i];
-                     if (const auto known = known_.find(l); known != known_.end()) {
-                       loops[i] = std::move(known->second);
-                       continue;
-                     }
-                     if (handed[i] == Known::boundary) loops[i].assign(complex.loop(l).begin(), complex.loop(l).end());
-                     if (handed[i] == Known::plane) loops[i] = loop_again(l);
-                     if (!loops[i].empty()) continue;
-                     std::vector<std::int32_t> faces;
-                     if (const auto disc = discs_.find(l); disc != discs_.end()) {
-                       faces = std::move(disc->second.faces);
-                       loops[i] = std::move(disc->second.loop);
-                     } else {
-                       faces = labels.flood(l);
-                       loops[i] = labels.loop_from(boundary_start(labels, faces));
-                     }
-                     charts[l].region = region_of(l, faces);
-                     fitted[l] = plane_of(mesh, faces, labels.moments);
-                     hold_by_hand(fitted[l], partition, charts[l].region, mesh.origin());
-                   }
+                   for (std::int32_t i = begin; i < end; ++i) derive(touched[i], loops[i]);
                  });
-  known_.clear();
-  discs_.clear();
   ISIMP_ASSERT(planes.size() == labels.charts.size() && diagonals.size() == labels.charts.size(),
                "every chart has a plane and diagonals");
   complex_.refresh(touched, std::move(loops), job_);
-  touched.clear();
+}
+
+std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool in_place) {
+  job_.poll();
+  Pending pending = std::exchange(pending_, {});
+  derive_charts(take_touched(pending.known), pending);
   const std::vector<std::int32_t> cornered = complex_.make_regular();
   changed.insert(changed.end(), cornered.begin(), cornered.end());
-  changed.insert(changed.end(), united_.begin(), united_.end());
-  united_.clear();
+  changed.insert(changed.end(), pending.united.begin(), pending.united.end());
   std::vector<bool> used;  // by corner, before the polygons change; a transaction keeps it
   if (in_place && !polygons.in_transaction())
     for (std::int32_t c = 0; c < corners.count(); ++c) used.push_back(polygons.was_used(c));
   collect(changed);
   sort_unique(changed);
-  sort_unique(at_home_);
+  sort_unique(pending.at_home);
   const auto keeps = [&](std::int32_t c) {
     const bool was_used = polygons.in_transaction() ? polygons.was_used(c) : c < std::ssize(used) && used[c];
-    return (in_place && was_used) || std::binary_search(at_home_.begin(), at_home_.end(), c);
+    return (in_place && was_used) || std::binary_search(pending.at_home.begin(), pending.at_home.end(), c);
   };
-  std::vector<std::int32_t> moving = polygons.corners_of(changed);
-  limit(moving);
+  const std::vector<std::int32_t> moved = polygons.corners_of(changed);
+  limit(moved);
   stale_.resize(corners.count());
-  for (const std::int32_t c : moving) mark_stale(c);
-  const std::vector<std::int32_t> moved = moving;
-  std::erase_if(moving, keeps);
-  for (const std::int32_t c : moved)
-    if (keeps(c)) corners_.position.restore(c);
-  for (const std::int32_t c : std::exchange(at_home_, {})) move(c, mesh.vertices()[corners.vertex[c]]);
+  std::vector<std::int32_t> moving;
+  for (const std::int32_t c : moved) {
+    mark_stale(c);
+    if (keeps(c))
+      corners_.position.restore(c);
+    else
+      moving.push_back(c);
+  }
+  for (const std::int32_t c : pending.at_home) move(c, mesh.vertices()[corners.vertex[c]]);
   job_.poll();
   placed_ += static_cast<std::int64_t>(moving.size());
   place(moving, true);

@@ -122,19 +122,29 @@ class State {
   }
 
  private:
-  /// Faces moved from one chart to another since the last update, as a plane.
-  struct Handover {
-    std::int32_t giver, taker;
-    Plane part;
+  /// What is known of a touched chart without a look at all of its faces: its plane, and its boundary or that it is as
+  /// before but at faces that were handed over.
+  struct Known {
+    std::int32_t touches = 0;        ///< that this knowledge includes; with any other nothing is known
+    bool has_moved = false;          ///< the boundary
+    std::vector<std::int32_t> loop;  ///< the new boundary, if it is known
+  };
+  /// The changes since the last update.
+  struct Pending {
+    std::vector<std::int32_t> united;        ///< charts absorbed by others
+    std::map<std::int32_t, Disc> discs;      ///< by chart: the disc found by its split
+    std::map<std::int32_t, Known> known;     ///< by touched chart
+    std::vector<std::int32_t> handed_faces;  ///< faces moved from one chart to another
+    std::vector<std::int32_t> at_home;       ///< corners that were put to their vertices
   };
   /// The boundary of a changed chart, from a half-edge that was already on it; empty if there is none. The vertices of
   /// all faces that were handed over are marked.
   [[nodiscard]] std::vector<std::int32_t> loop_again(std::int32_t chart) const;
-  /// The data of a touched chart that are known without its faces: none, its plane, or its plane and its boundary.
-  enum class Known : std::uint8_t { nothing, plane, boundary };
-  /// Applies the handovers to the planes.
-  /// \return by touched chart, sorted and each once
-  std::vector<Known> settle_handovers();
+  /// Takes the touched charts that are there, in rising order and each once.
+  /// \param known  loses the charts that were touched by other changes too
+  [[nodiscard]] std::vector<std::int32_t> take_touched(std::map<std::int32_t, Known>& known);
+  /// Derives the boundaries, planes and regions of touched charts from their faces, where they are not known.
+  void derive_charts(std::span<const std::int32_t> touched, Pending& pending);
 
   friend class Transaction;
 
@@ -165,15 +175,8 @@ class State {
   const Job& job_;
   std::int32_t merged_without_area_ = 0;
   std::int64_t placed_ = 0;
-  std::vector<std::int32_t> united_;    // charts absorbed by others since the last update
-  std::map<std::int32_t, Disc> discs_;  // by chart: the disc found by its split, until the next update
-  /// By chart: its boundary, if the plane and the boundary are already known after a change.
-  std::map<std::int32_t, std::vector<std::int32_t>> known_;
-  std::vector<Handover> handovers_;         // since the last update
-  std::vector<std::int32_t> handed_faces_;  // the faces of these
-  std::vector<std::int32_t> handed_;        // charts touched by handovers, once for each touch
-  std::vector<std::int32_t> at_home_;       // corners that were put to their vertices since the last update
-  Logged<std::uint8_t> stale_;              // by corner: whether a polygon of it has changed since `take_stale`
+  Pending pending_;
+  Logged<std::uint8_t> stale_;  // by corner: whether a polygon of it has changed since `take_stale`
 
  public:
   const Mesh& mesh;

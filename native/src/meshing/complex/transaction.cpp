@@ -5,7 +5,7 @@
 namespace isimp::meshing {
 
 Transaction::Transaction(State& state) : s_(state) {
-  ISIMP_ASSERT(s_.labels.touched.empty() && s_.united_.empty() && !s_.complex.is_pending(),
+  ISIMP_ASSERT(s_.labels.touched.empty() && s_.pending_.united.empty() && !s_.complex.is_pending(),
                "a transaction begins with a state that is up to date");
   s_.polygons_.close_gaps();
   State::for_each_array(s_, [](auto& array) { array.begin_transaction(); });
@@ -26,13 +26,7 @@ void Transaction::rollback() {
   State::for_each_array(s_, [](auto& array) { array.rollback(); });
   s_.labels_.touched.clear();
   s_.complex_.drop_pending();
-  s_.united_.clear();
-  s_.handovers_.clear();
-  s_.handed_faces_.clear();
-  s_.handed_.clear();
-  s_.discs_.clear();
-  s_.known_.clear();
-  s_.at_home_.clear();
+  s_.pending_ = {};
   is_open_ = false;
 }
 
