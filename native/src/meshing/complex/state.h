@@ -122,10 +122,10 @@ class State {
   }
 
  private:
-  /// What is known of a touched chart without a look at all of its faces: its plane, and its boundary or that it is as
-  /// before but at faces that were handed over.
+  /// A touched chart that needs no search of its faces, since its plane is known. Its boundary is known too, or is the
+  /// old one but at faces that were handed over.
   struct Known {
-    std::int32_t touches = 0;        ///< that this knowledge includes; with any other nothing is known
+    std::int32_t touches = 0;        ///< included here; another number of them makes this invalid
     bool has_moved = false;          ///< the boundary
     std::vector<std::int32_t> loop;  ///< the new boundary, if it is known
   };
@@ -140,7 +140,7 @@ class State {
   /// The boundary of a changed chart, from a half-edge that was already on it; empty if there is none. The vertices of
   /// all faces that were handed over are marked.
   [[nodiscard]] std::vector<std::int32_t> loop_again(std::int32_t chart) const;
-  /// Takes the touched charts that are there, in rising order and each once.
+  /// The touched charts that are there, in rising order and each once; none is touched afterwards.
   /// \param known  loses the charts that were touched by other changes too
   [[nodiscard]] std::vector<std::int32_t> take_touched(std::map<std::int32_t, Known>& known);
   /// Derives the boundaries, planes and regions of touched charts from their faces, where they are not known.
