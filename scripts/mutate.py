@@ -1,8 +1,8 @@
 """Seeded faults: whether the tests find them. mutate.py [--only TEXT] [--core FILE] -> a line each, and the count.
 
 Each row of mutations.tsv is FILE, OLD text, NEW text, TESTS. It is applied to a work tree of its own, whose tests are
-then run: TESTS are arguments of pytest for files of Python (--core: the compiled module of the engine to use), and a
-label of ctest for those of native/, which are compiled first. A fault is found if a test fails or nothing compiles.
+then run. For a Python file TESTS are arguments of pytest (--core: the compiled module of the engine to use). For a file
+of native/ they are a label of ctest, and its program is compiled first. Found: a test or the compiler fails.
 """
 
 import argparse

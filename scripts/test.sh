@@ -256,7 +256,7 @@ requested() { # whether one of STAGE... is
   return 1
 }
 
-# Installs what the requested stages need, Debian's packages beside Python's.
+# Installs the packages that the requested stages need, of Debian and of Python.
 prepare() {
   local packages=() pip
   use_tests_venv &

@@ -9,6 +9,7 @@ table has the columns of bench/peers/peers.py.
 
 import argparse
 import os
+import shutil
 import subprocess
 import tempfile
 import time
@@ -17,11 +18,12 @@ from pathlib import Path
 import numpy as np
 
 import isimp_engine as engine
-from bench.peers import ksr, peers
+from bench.peers import peers
 
 DATA = Path(os.environ.get("ISIMP_DATA", peers.ROOT.parent / "shared" / "data"))
 COSINE = 0.8  # the largest angle between a face and the plane of its region, chosen by hand
 TRIES = 10
+HERE = Path(__file__).resolve().parent
 
 
 def write_off(path, mesh):
@@ -44,6 +46,35 @@ def read_off(path):
         loops += map(int, words[at + 1 : at + 1 + size])
         at += 1 + size
     return vertices, np.array(loops), np.array(start)
+
+
+def headers() -> Path | None:
+    """The folder of scripts/headers.py with CGAL 6, where there is one."""
+    cache = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
+    kept = Path(os.environ.get("ISIMP_THIRD_PARTY", cache / "isimp" / "third_party"))
+    for folder in (HERE.parents[1] / "third_party", kept, Path("/usr")):
+        if (folder / "include" / "CGAL" / "Kinetic_surface_reconstruction_3.h").exists():
+            return folder / "include"
+    return None
+
+
+def compiled(folder: Path) -> Path | str:
+    """The program of peer_patches.cpp, or why there is none."""
+    where, compiler = headers(), os.environ.get("CXX") or shutil.which("c++")
+    if where is None:
+        return "no headers of CGAL 6: scripts/headers.py fetches them"
+    if compiler is None:
+        return "no C++ compiler"
+    only = folder / "include"  # CGAL alone: that folder has not all of Boost
+    only.mkdir()
+    (only / "CGAL").symlink_to(where / "CGAL")
+    program = folder / "peer_patches"
+    flags = ["-std=c++20", "-O2", "-DNDEBUG", "-w", "-I", str(only), "-I", "/usr/include/eigen3"]
+    source = str(HERE / "peer_patches.cpp")
+    done = subprocess.run(
+        [compiler, *flags, source, "-o", str(program), "-lgmp", "-lmpfr"], capture_output=True, text=True
+    )
+    return program if done.returncode == 0 else f"it did not compile: {done.stderr.strip().splitlines()[-1]}"
 
 
 def by_patches(program, mesh, part, wanted, folder):
@@ -75,7 +106,7 @@ def main():
     paths = [p for p in sorted(options.data.glob("*/*.ply")) if any(name in p.stem for name in names)]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        program = options.program or ksr.compiled(folder, "peer_patches")
+        program = options.program or compiled(folder)
         if isinstance(program, str):
             raise SystemExit(program)
         heads = "scan", "by", "polygons", "corners", "planarity mean", "most", "distance", "crossing", "no area"

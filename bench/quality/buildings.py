@@ -1,16 +1,14 @@
 """Exactly planar polygons and snapped planes on generated houses and on scans of buildings.
 
-    PYTHONPATH=build-dev/python python -m bench.quality.buildings [--data DIR] [--seeds N] [--turns N] [--ksr]
+    PYTHONPATH=build-dev/python python -m bench.quality.buildings [--data DIR] [--seeds N] [--turns N]
 
 The houses of houses.py are partitioned by their true planes: a row gives the share of houses with only whole polygons,
 and the share with the true directions and planes. Scans (scanned.py's, then DIR/building's) are partitioned by number;
 distance is from their vertices to the polygons, mean, 99 % and largest, against `polygonize` without either.
-`--ksr` adds the results of CGAL's kinetic surface reconstruction for the scans (ksr.py).
 """
 
 import argparse
 import itertools
-import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -20,7 +18,6 @@ import numpy as np
 
 import isimp_engine as engine
 from bench.generators import houses, scanned
-from bench.peers import ksr
 from isimp_engine.within import scan_distances
 
 SCANS = (
@@ -118,7 +115,6 @@ def main() -> None:
     parser.add_argument("--data", type=Path, help="folder with building/*.ply")
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--turns", type=int, default=3)
-    parser.add_argument("--ksr", action="store_true", help="also CGAL's kinetic surface reconstruction, with --data")
     arguments = parser.parse_args()
     for noise in (0.0, 0.001, 0.002, 0.003, 0.004):
         house_rows(noise, arguments.seeds, arguments.turns)
@@ -126,18 +122,6 @@ def main() -> None:
         scan_row(f"generated scan {seed}", engine.clean(*scanned.make(seed, noise, rounding)), GENERATED)
     for name, proxies in SCANS if arguments.data else ():
         scan_row(name, engine.clean(*engine.read(arguments.data / "building" / f"{name}.ply")), proxies)
-    if arguments.ksr and arguments.data:
-        peer_rows(arguments.data / "building")
-
-
-def peer_rows(folder: Path) -> None:
-    with tempfile.TemporaryDirectory() as place:
-        program = ksr.compiled(Path(place))
-        if isinstance(program, str):
-            print(f"KSR: skipped, {program}")
-            return
-        for name in dict.fromkeys(name for name, _ in SCANS):
-            print(ksr.row(program, name, engine.clean(*engine.read(folder / f"{name}.ply"))))
 
 
 if __name__ == "__main__":
