@@ -115,51 +115,13 @@ class Apt:
 
 # The libraries of Boost, whole, that the files of CGAL in use need by the compiler's list of headers (g++ -M).
 BOOST = [
-    "algorithm",
-    "any",
-    "assert",
-    "concept",
-    "config",
-    "container",
-    "container_hash",
-    "core",
-    "describe",
-    "detail",
-    "dynamic_bitset",
-    "exception",
-    "functional",
-    "fusion",
-    "graph",
-    "integer",
-    "intrusive",
-    "io",
-    "iterator",
-    "lexical_cast",
-    "math",
-    "move",
-    "mp11",
-    "mpl",
-    "multi_index",
-    "multiprecision",
-    "optional",
-    "parameter",
-    "pending",
-    "predef",
-    "preprocessor",
-    "property_map",
-    "random",
-    "range",
-    "smart_ptr",
-    "tuple",
-    "type_index",
-    "type_traits",
-    "typeof",
-    "unordered",
-    "utility",
-    "winapi",
-]
+    "algorithm", "any", "assert", "concept", "config", "container", "container_hash", "core", "describe",
+    "detail", "dynamic_bitset", "exception", "functional", "fusion", "graph", "integer", "intrusive", "io",
+    "iterator", "lexical_cast", "math", "move", "mp11", "mpl", "multi_index", "multiprecision", "optional",
+    "parameter", "pending", "predef", "preprocessor", "property_map", "random", "range", "smart_ptr", "tuple",
+    "type_index", "type_traits", "typeof", "unordered", "utility", "winapi"
+]  # fmt: skip
 OPENMESH = ("Core/", "Tools/Decimater/", "Tools/Utils/")
-
 
 # The folder of each package's headers; the folders before the last name are left out.
 FOLDERS = {

@@ -273,26 +273,6 @@ def test_headers_of_a_python_that_debian_lacks_are_reported_missing(tmp_path, mo
     assert "no mirror of Debian" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("target", "system", "processor"),
-    [
-        ("aarch64-linux-musl", "Linux", "aarch64"),
-        ("x86_64-windows-gnu", "Windows", "x86_64"),
-        ("aarch64-macos", "Darwin", "aarch64"),
-    ],
-)
-def test_a_target_of_zig_is_a_system_of_cmake(tmp_path, target, system, processor):
-    if shutil.which("cmake") is None:
-        pytest.skip("needs cmake")
-    show = tmp_path / "show.cmake"
-    show.write_text(
-        f"include({ROOT / 'cmake' / 'zig.cmake'})\nmessage(${{CMAKE_SYSTEM_NAME}}-${{CMAKE_SYSTEM_PROCESSOR}})"
-    )
-    command = ["cmake", f"-DISIMP_ZIG_TARGET={target}", "-DISIMP_ZIG_BIN=/tools", "-P", show]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert done.stderr.strip() == f"{system}-{processor}"
-
-
 def test_every_package_states_its_checksum_and_licence():
     rows = [*headers.OF_PYPI, *headers.OF_DEBIAN]
     assert {name for name, _, _ in rows} == headers.FOLDERS.keys()
