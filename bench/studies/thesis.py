@@ -4,7 +4,7 @@
 
 Needs the package as `pip install .` makes it, and matplotlib for the plots. Times are processor time on one thread, and
 wall time where a device works; each is given as a ratio to `lloyd` in the same process. FOLDER gets a CSV file and a
-plot for each experiment, and findings.csv: the findings of the thesis, and the verdict of these figures on each.
+plot for each experiment.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ import time
 from pathlib import Path
 
 import isimp_engine as engine
-from bench.studies import thesis_findings
 
 SCANS = {  # by name, below --data; anything else is the name of a file there
     "bunny": "scan/bunny_69k.ply",
@@ -236,12 +235,6 @@ def main(arguments: list[str] | None = None) -> None:
                 write_rows(file, rows)
         if not given.csv_only:
             draw(given.out / f"thesis_{name}.jpg", plot, size, read_rows(file))
-    files = {name: given.out / f"{name}.csv" for name in EXPERIMENTS}
-    if all(file.exists() for file in files.values()):
-        found = thesis_findings.findings(**{name: read_rows(file) for name, file in files.items()})
-        write_rows(given.out / "findings.csv", found)
-        for row in found:
-            print(f"{'holds' if row['holds'] else 'does not hold':13}  {row['thesis']}: {row['here']}")
 
 
 if __name__ == "__main__":

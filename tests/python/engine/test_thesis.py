@@ -1,4 +1,4 @@
-"""The thesis's experiments in bench/, on small meshes: they run, and their findings follow from the figures."""
+"""The experiments of the thesis in bench/ run on small meshes."""
 
 import csv
 
@@ -7,7 +7,7 @@ import pytest
 
 import meshfiles
 import shapes
-from bench.studies import thesis, thesis_findings
+from bench.studies import thesis
 
 WAYS = ("lloyd", "queued", "naive", "naive, brute force", "default")
 
@@ -56,58 +56,3 @@ def test_fractions_have_the_hybrid_with_and_without_relaxing(folder):
     assert [float(row["fraction"]) for row in rows[2::2]] == [1 / 2, 1 / 4, 1 / 8, 1 / 16, 1 / 32]
     for plain, relaxed in zip(rows[2::2], rows[3::2], strict=True):
         assert float(relaxed["error"]) < float(plain["error"])
-
-
-def test_every_finding_has_a_verdict_and_its_figures(folder):
-    rows = rows_of(folder, "findings")
-    assert len(rows) >= 14
-    assert {row["holds"] for row in rows} <= {"True", "False"}
-    assert all(any(c.isdigit() for c in row["here"]) for row in rows)
-
-
-def hand_made():
-    """One scan on which all findings of the thesis hold."""
-    speed = [
-        {"scan": scan, "faces": faces, "proxies": count, "method": way, "backend": "cpu", "speed_up": gain}
-        for scan, faces, more in (("small", 1000, 1.0), ("large", 9000, 2.0))
-        for count in (10, 100)
-        for way, gain in (("queued", 0.5 * more), ("naive", 20 / count), ("naive, brute force", 10 / count))
-    ]
-    ends = {("lloyd", "end"): 1.0, ("queued", "end flood"): 1.1, ("queued", "end repair"): 1.05}
-    ends |= {("naive", "end flood"): 1.3, ("naive", "end repair"): 1.2}
-    rounds = [{"scan": "a", "method": way, "round": name, "error": error} for (way, name), error in ends.items()]
-    for way, last in (("lloyd", 1.0), ("queued", 0.9), ("naive", 0.8)):
-        rounds += [{"scan": "a", "method": way, "round": k, "error": last + (k < 5)} for k in range(1, 21)]
-    fractions = [{"scan": "a", "method": "default", "fraction": 1.0, "error": 0.8}]
-    for k in range(1, 6):
-        times = {"decimating": 0.3, "partitioning": 0.4**k}
-        common = {"scan": "a", "fraction": 1 / 2**k} | times
-        fractions += [
-            common | {"method": "hybrid", "error": 1.0},
-            common | {"method": "hybrid, relaxed", "error": 0.85},
-        ]
-    return {"speed": speed, "rounds": rounds, "fractions": fractions}
-
-
-def verdicts(**tables):
-    return {row["thesis"].split(" (connected")[0]: row["holds"] for row in thesis_findings.findings(**tables)}
-
-
-def test_findings_hold_or_fail_by_the_figures():
-    tables = hand_made()
-    assert [what for what, holds in verdicts(**tables).items() if not holds] == ["the decimator dominates"]
-    for row in tables["fractions"]:
-        row["decimating"] = 5.0
-    for row in tables["rounds"]:
-        if row["round"] == "end repair":
-            row["error"] = 1.4
-    for row in tables["speed"]:
-        row["speed_up"] = 3.0
-    after = verdicts(**tables)
-    assert [what for what, holds in after.items() if not holds] == [
-        "the naive one gains less with more regions",
-        "the queued one gains more on larger meshes",
-        "the queued one is slower on small meshes",
-        "(not in the thesis) a parallel repair loses less",
-        "decimating first is twice as fast",
-    ]
