@@ -1,4 +1,4 @@
-"""Makes the pictures of the stories and of the gallery, and the page docs/gallery.md.
+"""Makes the page docs/gallery.md with its pictures, and pictures of the stories, performance.md and buildings.md.
 
     blender -b --python-use-system-env --python-exit-code 1 --python scripts/gallery.py -- FOLDER [NAME...]
 
@@ -89,29 +89,29 @@ def view_of(points, up, turn):
     return np.asarray(points, float) - np.mean(points, axis=0), picture.look_from(up, turn)
 
 
-def panel(name, points, loops, start, color, view, shift, edges=True):
-    """A surface with a colour for each face, and its edges, as objects."""
+def panel(name, points, loops, start, color, view, shift, edge):
+    """A surface with a colour for each face, and its edges, as objects. edge: the radius of the lines; 0: none."""
     arrays = picture.arrays_of(points, loops, start)
     normal = np.repeat(picture.area_vectors(arrays), arrays["total"], axis=0)
-    if not edges:
+    if not edge:
         normal = picture._vertex_normals(arrays)[arrays["corners"]]
     color = np.concatenate([np.broadcast_to(color, (len(start), 3)), np.ones((len(start), 1))], axis=1)
     parts = [picture.surface(name, arrays, color, normal, view, shift)]
-    if edges:
-        radius = EDGE * np.linalg.norm(np.ptp(points, axis=0))
+    if edge:
+        radius = edge * np.linalg.norm(np.ptp(points, axis=0))
         parts.append(picture.tubes(f"{name} edges", points, picture.edges_of(arrays), radius, shift))
     return parts
 
 
 def render(name, panels, view, size=(WIDE, HIGH)):
-    """Panels side by side. panels: (points, loops, start, color, edges)."""
+    """Panels side by side. panels: (points, loops, start, color, edge)."""
     scene = bpy.data.scenes.new("Picture")
     shift, everything = np.zeros(3), []
-    for number, (points, loops, start, color, edges) in enumerate(panels):
+    for number, (points, loops, start, color, edge) in enumerate(panels):
         if number:
             wide = max(np.ptp(before @ view[0]) for before in (panels[number - 1][0], points))
             shift = shift + 1.06 * wide * view[0]
-        for part in panel(f"Panel {number}", points, loops, start, color, view, shift, edges):
+        for part in panel(f"Panel {number}", points, loops, start, color, view, shift, edge):
             scene.collection.objects.link(part)
         everything.append(points[np.unique(loops)] + shift)
     picture.frame(scene, np.vstack(everything), view, *size)
@@ -122,14 +122,14 @@ def render(name, panels, view, size=(WIDE, HIGH)):
 
 
 def triangles_of(points, triangles, color):
-    return points, np.ravel(triangles), np.arange(0, np.size(triangles), 3), color, False
+    return points, np.ravel(triangles), np.arange(0, np.size(triangles), 3), color, 0.0
 
 
-def polygons_of(points, poly, color=None):
+def polygons_of(points, poly, color=None, edge=EDGE):
     """Polygons as a panel. color: of each, by default that of its region."""
     if color is None:
         color = 0.5 * COLORS[(np.asarray(poly.polygon_region) * 5) % len(COLORS)] + 0.5 * PAPER
-    return points, poly.loops, poly.loop_start, color, True
+    return points, poly.loops, poly.loop_start, color, edge
 
 
 def render_pair(name, vertices, triangles, poly, up, turn, size=(WIDE, HIGH)):
@@ -224,7 +224,7 @@ def story_colliders(folder):
         corners.append(part.vertices - vertices.mean(axis=0) + 0.35 * away)
         color.append(np.tile(COLORS[number], (len(part.triangles), 1)))
     parts = np.concatenate(corners), np.concatenate(loops).ravel()
-    apart = (*parts, np.arange(0, len(parts[1]), 3), np.concatenate(color), True)
+    apart = (*parts, np.arange(0, len(parts[1]), 3), np.concatenate(color), EDGE)
     render("games-colliders", [triangles_of(points, triangles, PAPER), polygons_of(made, result.polygons), apart], view)
 
 
@@ -240,6 +240,53 @@ def story_parts(folder):
     render_pair("parts", vertices, triangles, result.polygons, "Z", 30, (900, 300))
 
 
+# Pictures of docs/performance.md: polygons without and with the remedies for their shape. Scan, upward axis, degrees.
+SHAPES = {
+    "shape-bunny": ("scan/bunny_69k.ply", "Y", 0),
+    "shape-armadillo": ("scan/armadillo_86k.ply", "Y", 15),
+    "shape-lion": ("nasty/lionstatue_63k_misoriented.ply", "Y", -60),
+    "shape-castle": ("building/openmvs_castle_175k.ply", "Z", 45),
+    "shape-dragon": ("scan/dragon_871k.ply", "Y", 0),
+}
+
+
+def shape(name, file, up, turn):
+    mesh = engine.openings.closed_for(engine.clean(*engine.read(DATA / file)), 300)
+    middle, panels = np.mean(mesh.vertices, axis=0), []
+    for partition, meshing in (({"smooth": 0.0}, {"join_junctions": 0.0}), ({}, {})):
+        part = engine.partition(mesh, engine.PartitionOptions(proxies=300, **partition))
+        poly = engine.polygonize(mesh, part, engine.MeshingOptions(**meshing))
+        panels.append(polygons_of(np.asarray(poly.vertices) - middle, poly, PAPER, 0.0011))
+    render(name, panels, picture.look_from(up, turn), (1400, 760))
+
+
+def direction_colors(regular):
+    """A colour for each region by the direction of its plane, opposite ones alike; grey where that is level."""
+    normal = np.asarray(regular.region_normal)
+    hue = np.arctan2(normal[:, 1], normal[:, 0]) % np.pi / np.pi
+    wheel = 0.5 + 0.5 * np.cos(2 * np.pi * (hue[:, None] - np.array([0.0, 1 / 3, 2 / 3])))
+    share = np.linalg.norm(normal[:, :2], axis=1)[:, None]
+    return share * (0.35 + 0.55 * wheel) + (1 - share) * 0.8
+
+
+def street(name):
+    """The picture of docs/buildings.md: a scanned street of ten houses and its exactly planar polygons, from above."""
+    made = houses.street()
+    mesh = engine.Mesh(made.vertices, made.triangles)
+    regular = engine.regularise(mesh, engine.partition(mesh, engine.PartitionOptions(detail=0.0005)))
+    poly = engine.polygonize(mesh, regular, engine.MeshingOptions(planar=True, planar_reach=0.001))
+    right, _, toward = picture.look_from("Z", 24)
+    level = np.cross(right, [0.0, 0.0, 1.0])
+    level *= np.sign(level @ toward) / np.linalg.norm(level)
+    toward = np.cos(np.radians(34)) * level + np.sin(np.radians(34)) * np.array([0.0, 0.0, 1.0])
+    middle = np.mean(mesh.vertices, axis=0)
+    points, corners = np.asarray(mesh.vertices) - middle, np.ravel(mesh.triangles)
+    color = direction_colors(regular)[np.asarray(poly.polygon_region)]
+    panels = [(points, corners, np.arange(0, len(corners), 3), PAPER, 0.0),
+              polygons_of(np.asarray(poly.vertices) - middle, poly, color, 0.00025)]  # fmt: skip
+    render(name, panels, np.array([right, np.cross(toward, right), toward]), (1500, 800))
+
+
 def main():
     folder, *asked = sys.argv[sys.argv.index("--") + 1 :]
     asked = asked or [""]
@@ -247,6 +294,11 @@ def main():
     for name, draw in stories.items():
         if any(part in name for part in asked):
             draw(Path(folder))
+    for name, row in SHAPES.items():
+        if any(part in name for part in asked):
+            shape(name, *row)
+    if any(part in "buildings-street" for part in asked):
+        street("buildings-street")
     gallery(asked)
 
 
