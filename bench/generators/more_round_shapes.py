@@ -12,52 +12,22 @@ from bench.generators.round_shapes import (
     any_of,
     ball,
     block,
+    elbow,
     length,
     made,
+    oval,
     polar,
     revolution,
     ring,
     rod,
+    rounded,
+    stadium,
     tube,
     turned,
+    vault,
     with_noise,
     without,
 )
-
-
-def rounded(core, radius):
-    """A box with rounded edges and corners."""
-
-    def far(p):
-        return length(np.maximum(np.abs(p) - core, 0)) - radius
-
-    def on(p, axes):
-        return np.where((np.abs(p) > np.asarray(core) + 0.02).sum(1) == axes, far(p), 9.0)
-
-    parts = [Round("cylinder", lambda p: on(p, 2), radius), Round("sphere", lambda p: on(p, 3), radius)]
-    return lambda p: block(p, (0, 0, 0), core) - radius, parts
-
-
-def bent(p):
-    """A pipe of radius .45 with a bend of radius 1.3."""
-    bend = np.hypot(np.hypot(p[:, 0], p[:, 2]) - 1.3, p[:, 1]) - 0.45
-    legs = np.minimum(rod(p, (1.3, 0, -1), Z, 0.45, 1), rod(p, (-0.8, 0, 1.3), X, 0.45, 0.8))
-    return np.where((p[:, 0] >= 0) & (p[:, 2] >= 0), bend, legs)
-
-
-def of_bend(p):
-    return np.hypot(np.hypot(p[:, 0], p[:, 2]) - 1.3, p[:, 1]) - 0.45
-
-
-def arch(p):
-    inner = np.where(p[:, 2] > 0, np.hypot(p[:, 1], p[:, 2]) - 1.1, np.abs(p[:, 1]) - 1.1)
-    return np.maximum(inner, -1.5 - p[:, 2])
-
-
-def slab(p):
-    """A plate with round ends and two holes."""
-    ends = np.maximum(length((p - np.clip(p[:, 0], -1.2, 1.2)[:, None] * X)[:, :2]) - 0.6, np.abs(p[:, 2]) - 0.25)
-    return np.maximum(ends, -np.minimum(rod(p, (-1.2, 0, 0), Z, 0.3, 2), rod(p, (1.2, 0, 0), Z, 0.35, 2)))
 
 
 def dented(p):
@@ -69,12 +39,6 @@ def dented(p):
     return np.maximum(rho - 1 + dents, np.abs(z) - 1.5)
 
 
-def oval(p):
-    x, y = p[:, 0] / 1.5, p[:, 1]
-    far = np.maximum(np.hypot(x, y), 1e-9)
-    return far * (far - 1) / np.hypot(x / 1.5, y)
-
-
 def more_shapes():
     cone, cone_side = turned((-1, 1), (1.4, 0.25), smooth=False)
     tip, tip_side = turned((-1.2, 1.2), (0.9, 0.001), smooth=False)
@@ -82,6 +46,8 @@ def more_shapes():
     post, post_side = turned((-2, -1.4, -0.6, 0.3, 1.2, 2), (0.5, 0.35, 0.7, 0.45, 0.3, 0.5))
     roof, roof_side = turned((1.199, 2.0), (0.8, 0.2), smooth=False)
     box, fillets = rounded((0.9, 1.1, 0.4), 0.2)
+    pipe, bend = elbow(1.3, 0.45, -1, -0.8, (1, 0.8))
+    side = oval(1.5)
     holes = [((-1.0, 0.4, 0), 0.4), ((0.4, -0.3, 0), 0.6), ((1.4, 0.5, 0), 0.25)]
     leaning = (0.2, -0.4, 1)
     return {
@@ -104,17 +70,15 @@ def more_shapes():
             [ball(0.9)],
         ),
         "tyre": Shape(lambda p: ring(p, 1.7, 0.45), (2.3, 0.65), [revolution(lambda p: ring(p, 1.7, 0.45))]),
-        "pipe": Shape(
-            bent,
-            (2.3, 2.3),
-            [tube(0.45, Z, (1.3, 0, 0)), tube(0.45, X, (0, 0, 1.3)), Round("revolution", of_bend, None, (0, 1, 0))],
-        ),
+        "pipe": Shape(pipe, (2.3, 2.3), bend),
         "leg": Shape(
             any_of(post, lambda p: block(p, (0, 0, -2.2), (0.7, 0.6, 0.25))), (0.9, 2.6), [revolution(post_side)]
         ),
         "jar": Shape(vase, (1.3, 2.0), [revolution(vase_side)]),
         "soap": Shape(box, (1.5, 1.5), fillets),
-        "bridge": Shape(without(lambda p: block(p, (0, 0, 0.1), (2.0, 1.5, 1.6)), arch), (2.2, 2.0), [tube(1.1, X)]),
+        "bridge": Shape(
+            without(lambda p: block(p, (0, 0, 0.1), (2.0, 1.5, 1.6)), vault(1.1, -1.5)), (2.2, 2.0), [tube(1.1, X)]
+        ),
         "bracket": Shape(
             without(
                 lambda p: block(p, (0, 0, 0), (1.9, 1.2, 0.3)),
@@ -148,12 +112,16 @@ def more_shapes():
             [tube(0.4, Z), tube(0.9, Z), tube(0.6, Z)],
         ),
         "slab": Shape(
-            slab,
+            without(
+                lambda p: stadium(p, 1.2, 0.6, 0.25),
+                lambda p: rod(p, (-1.2, 0, 0), Z, 0.3, 2),
+                lambda p: rod(p, (1.2, 0, 0), Z, 0.35, 2),
+            ),
             (2.0, 0.5),
             [tube(r, Z, (x, 0, 0)) for x, r in ((-1.2, 0.6), (1.2, 0.6), (-1.2, 0.3), (1.2, 0.35))],
         ),
         "tin": Shape(
-            lambda p: np.maximum(oval(p), np.abs(p[:, 2]) - 0.9), (1.7, 1.1), [Round("extrusion", oval, None, tuple(Z))]
+            lambda p: np.maximum(side(p), np.abs(p[:, 2]) - 0.9), (1.7, 1.1), [Round("extrusion", side, None, tuple(Z))]
         ),
     }
 

@@ -99,36 +99,64 @@ def ring(p, large, small):
     return np.hypot(np.hypot(p[:, 0], p[:, 1]) - large, p[:, 2]) - small
 
 
-def elbow(p):
-    bend = np.hypot(np.hypot(p[:, 0], p[:, 2]) - 2, p[:, 1]) - 0.7
-    legs = np.minimum(rod(p, (2, 0, -1.5), Z, 0.7, 1.5), rod(p, (-1.5, 0, 2), X, 0.7, 1.5))
-    return np.where((p[:, 0] >= 0) & (p[:, 2] >= 0), bend, legs)
+def elbow(large, small, along_z, along_x, half):
+    """A pipe with a bend: its radius and the bend's, the middles of its legs and their half lengths."""
 
+    def bend(p):
+        return np.hypot(np.hypot(p[:, 0], p[:, 2]) - large, p[:, 1]) - small
 
-def bend_of_elbow(p):
-    return np.hypot(np.hypot(p[:, 0], p[:, 2]) - 2, p[:, 1]) - 0.7
+    def whole(p):
+        legs = np.minimum(
+            rod(p, (large, 0, along_z), Z, small, half[0]), rod(p, (along_x, 0, large), X, small, half[1])
+        )
+        return np.where((p[:, 0] >= 0) & (p[:, 2] >= 0), bend(p), legs)
+
+    parts = [tube(small, Z, (large, 0, 0)), tube(small, X, (0, 0, large)), Round("revolution", bend, None, (0, 1, 0))]
+    return whole, parts
 
 
 def revolution(side):
     return Round("revolution", side, None, tuple(Z))
 
 
-def vault_hole(p):
-    arch = np.where(p[:, 2] > 0, np.hypot(p[:, 1], p[:, 2]) - 1.4, np.abs(p[:, 1]) - 1.4)
-    return np.maximum(arch, -2.0 - p[:, 2])
+def vault(radius, floor):
+    """The hole below a vault along x."""
+
+    def hole(p):
+        arch = np.where(p[:, 2] > 0, np.hypot(p[:, 1], p[:, 2]) - radius, np.abs(p[:, 1]) - radius)
+        return np.maximum(arch, floor - p[:, 2])
+
+    return hole
 
 
-def fillets():
-    """The twelve edges of the rounded box, as one surface, and its eight corners."""
-    core = np.array([1.2, 0.7, 0.5])
+def rounded(core, radius):
+    """A box with rounded edges: its distance; its twelve edges, as one surface, and its eight corners."""
+    core = np.asarray(core)
 
-    def edges(p):
-        return length(np.maximum(np.abs(p) - core, 0)) - 0.3
+    def far(p):
+        return length(np.maximum(np.abs(p) - core, 0)) - radius
 
     def on(p, axes):
-        return np.where((np.abs(p) > core + 0.02).sum(1) == axes, edges(p), 9.0)
+        return np.where((np.abs(p) > core + 0.02).sum(1) == axes, far(p), 9.0)
 
-    return [Round("cylinder", lambda p: on(p, 2), 0.3), Round("sphere", lambda p: on(p, 3), 0.3)]
+    parts = [Round("cylinder", lambda p: on(p, 2), radius), Round("sphere", lambda p: on(p, 3), radius)]
+    return lambda p: block(p, (0, 0, 0), core) - radius, parts
+
+
+def stadium(p, half, radius, high):
+    """A plate with round ends."""
+    return np.maximum(length((p - np.clip(p[:, 0], -half, half)[:, None] * X)[:, :2]) - radius, np.abs(p[:, 2]) - high)
+
+
+def oval(wide):
+    """The side of a can as wide along x as this, times its depth."""
+
+    def side(p):
+        x, y = p[:, 0] / wide, p[:, 1]
+        far = np.maximum(np.hypot(x, y), 1e-9)
+        return far * (far - 1) / np.hypot(x / wide, y)
+
+    return side
 
 
 def shapes():
@@ -137,6 +165,8 @@ def shapes():
     post, post_side = turned((-2.5, -2, -1.2, -0.4, 0.6, 1.6, 2.2, 2.5), (0.55, 0.42, 0.85, 0.75, 0.4, 0.33, 0.5, 0.55))
     barrel, barrel_side = turned((-1.6, -0.8, 0, 0.8, 1.6), (0.8, 1.05, 1.13, 1.05, 0.8))
     roof, roof_side = turned((0.999, 2.2), (1.0, 0.1), smooth=False)
+    pipe, bend = elbow(2, 0.7, -1.5, -1.5, (1.5, 1.5))
+    box, fillets = rounded((1.2, 0.7, 0.5), 0.3)
     holes = [((-1.1, 0.2, 0), 0.55), ((0.5, -0.4, 0), 0.35), ((1.3, 0.5, 0), 0.45)]
     leaning = (0.3, 0.2, 1)
     return {
@@ -155,11 +185,7 @@ def shapes():
             any_of(lambda p: block(p, (0, 0, -1), (1.5, 1.5, 1)), lambda p: length(p) - 1.3), (1.65, 2.15), [ball(1.3)]
         ),
         "torus": Shape(lambda p: ring(p, 1.5, 0.6), (2.2, 0.8), [revolution(lambda p: ring(p, 1.5, 0.6))]),
-        "elbow": Shape(
-            elbow,
-            (3.2, 3.2),
-            [tube(0.7, Z, (2, 0, 0)), tube(0.7, X, (0, 0, 2)), Round("revolution", bend_of_elbow, None, (0, 1, 0))],
-        ),
+        "elbow": Shape(pipe, (3.2, 3.2), bend),
         "baluster": Shape(
             any_of(
                 post,
@@ -170,9 +196,9 @@ def shapes():
             [revolution(post_side)],
         ),
         "vase": Shape(vase, (1.4, 2.2), [revolution(vase_side)]),
-        "fillet": Shape(lambda p: block(p, (0, 0, 0), (1.2, 0.7, 0.5)) - 0.3, (1.7, 1.1), fillets()),
+        "fillet": Shape(box, (1.7, 1.1), fillets),
         "vault": Shape(
-            without(lambda p: block(p, (0, 0, 0.1), (2.6, 1.9, 2.1)), vault_hole), (2.8, 2.4), [tube(1.4, X)]
+            without(lambda p: block(p, (0, 0, 0.1), (2.6, 1.9, 2.1)), vault(1.4, -2.0)), (2.8, 2.4), [tube(1.4, X)]
         ),
         "plate": Shape(
             without(
@@ -209,9 +235,7 @@ def shapes():
         "barrel": Shape(barrel, (1.3, 1.8), [revolution(barrel_side)]),
         "link": Shape(
             without(
-                lambda p: np.maximum(
-                    length((p - np.clip(p[:, 0], -1, 1)[:, None] * X)[:, :2]) - 0.8, np.abs(p[:, 2]) - 0.35
-                ),
+                lambda p: stadium(p, 1, 0.8, 0.35),
                 lambda p: rod(p, (-1, 0, 0), Z, 0.4, 2),
                 lambda p: rod(p, (1, 0, 0), Z, 0.4, 2),
             ),
@@ -232,18 +256,14 @@ def shapes():
 
 def extruded():
     """Return two extrusions of a free profile: an oval can and a moulding with a waved top."""
-
-    def oval(p):
-        x, y = p[:, 0] / 2, p[:, 1]
-        far = np.maximum(np.hypot(x, y), 1e-9)
-        return far * (far - 1) / np.hypot(x / 2, y)
+    side = oval(2)
 
     def wave(p):
         return (p[:, 2] - 0.35 * np.cos(2.2 * p[:, 0])) / np.hypot(1, 0.77 * np.sin(2.2 * p[:, 0]))
 
     return {
         "oval": Shape(
-            lambda p: np.maximum(oval(p), np.abs(p[:, 2]) - 1.2), (2.2, 1.4), [Round("extrusion", oval, None, tuple(Z))]
+            lambda p: np.maximum(side(p), np.abs(p[:, 2]) - 1.2), (2.2, 1.4), [Round("extrusion", side, None, tuple(Z))]
         ),
         "moulding": Shape(
             lambda p: np.maximum(wave(p), block(p, (0, 0, -0.3), (2.2, 1.5, 0.9))),
