@@ -53,35 +53,6 @@ def test_planes_are_set_exactly(house: House) -> None:
     assert {"by_hand": 2}.items() <= parallel.report["snapped_to"].items()
 
 
-def test_coplanar_regions_get_one_plane(house: House) -> None:
-    mesh, part = house
-    wall = largest(mesh, part, 0)[0]
-    split = engine.split_region(mesh, part, face_in(part, wall))
-    first, second = face_in(part, wall), face_in(split, split.region_count - 1)
-    one = engine.align_planes(mesh, split, [first, second], "coplanar")
-    a, b = one.face_region[[first, second]]
-    assert a != b
-    assert np.abs(one.region_normal[a] - one.region_normal[b]).max() < 1e-12
-    assert one.region_offset[a] == pytest.approx(one.region_offset[b], abs=1e-12)
-
-
-def test_what_needs_more_than_is_allowed_is_refused_with_both_numbers(
-    house: House,
-) -> None:
-    mesh, part = house
-    wall = largest(mesh, part, 0)[0]
-    up = (0.3, 0.0, 1.0)
-    normal, _, spread, _ = engine.regions.region_fits(mesh, part)
-    wanted = normal[wall] - np.array(up) * (normal[wall] @ up) / (np.array(up) @ up)
-    wanted /= np.linalg.norm(wanted)
-    adds = np.sqrt(wanted @ spread[wall] @ wanted - normal[wall] @ spread[wall] @ normal[wall])
-    message = f"the region of face {face_in(part, wall)} needs {adds:.4g}, allowed 0.001"
-    with pytest.raises(engine.InvalidInput, match=message):
-        aligned(house, [wall], "upright", up_direction=up, length=0.001)
-    within = aligned(house, [wall], "upright", up_direction=up, length=1.01 * adds)
-    assert abs(within.region_normal[wall] @ up) < 1e-12
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -101,22 +72,6 @@ def test_wrong_use_is_refused(house: House, changes: dict[str, object], message:
     arguments: dict[str, object] = {"faces": [0], "to": "level"} | changes
     with pytest.raises(engine.InvalidInput, match=message):
         engine.align_planes(mesh, part, **arguments)
-
-
-def test_regularise_keeps_planes_set_by_hand_and_leaves_freed_ones(
-    house: House,
-) -> None:
-    mesh, part = house
-    wall, other, floor = largest(mesh, part, 0)[0], largest(mesh, part, 1)[0], largest(mesh, part, 2)[0]
-    lead = aligned(house, [wall], "upright", up_direction=(0.0, 0.02, 1.0))
-    lead = engine.align_planes(mesh, lead, [face_in(part, floor)], "free")
-    snapped = engine.regularise(mesh, lead)
-    assert np.array_equal(snapped.region_normal[wall], lead.region_normal[wall])
-    assert snapped.region_offset[wall] == lead.region_offset[wall]
-    assert snapped.region_held[[wall, floor]].tolist() == [2, 3]
-    assert snapped.region_held[other] == 1
-    held = np.flatnonzero(snapped.region_held == 1)
-    assert len(held) > 0.8 * part.region_count
 
 
 def test_up_can_be_any_direction(house: House) -> None:
@@ -152,14 +107,3 @@ def test_set_planes_survive_pickling_and_edits_elsewhere(house: House) -> None:
         engine.guided.Guides(faces=np.flatnonzero(part.face_region == floor), before=upright),
     )
     assert anew.region_held[anew.face_region[face_in(part, wall)]] == 2
-
-
-def test_polygons_keep_to_set_planes(house: House) -> None:
-    mesh, part = house
-    wall = largest(mesh, part, 0)[0]
-    upright = aligned(house, [wall], "upright")
-    poly = engine.polygonize(mesh, upright, engine.MeshingOptions(planar=True))
-    for polygon in np.flatnonzero(poly.polygon_region == wall):
-        loop = np.split(poly.loops, poly.loop_start[1:])[polygon]
-        off = (poly.vertices[loop] - mesh.origin) @ upright.region_normal[wall] - upright.region_offset[wall]
-        assert np.abs(off).max() < 1e-6 * mesh.report["diagonal"]

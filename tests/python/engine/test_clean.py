@@ -72,53 +72,6 @@ def test_broken_faces_are_dropped_and_located():
         assert mesh.report[key] == count
 
 
-def test_turned_faces_are_turned_back():
-    vertices, triangles = shapes.cube()
-    triangles[[5, 77]] = triangles[[5, 77]][:, ::-1]
-    mesh = engine.clean(vertices, triangles)
-    check_sound(mesh)
-    assert made(mesh) == {"flipped_faces": 2}
-    assert mesh.report["repaired_at"]["flipped_faces"] == [5, 77]
-    assert shapes.volume(mesh.vertices, mesh.triangles) == pytest.approx(1)
-
-
-def test_unwelded_corners_become_one_surface():
-    vertices, triangles = shapes.cube()
-    mesh = engine.clean(vertices[triangles].reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3))
-    check_sound(mesh)
-    assert mesh.report["closed"]
-    assert mesh.report["components"] == 1
-    assert len(mesh.vertices) == len(vertices)
-    assert made(mesh)["welded_vertices"] == 3 * len(triangles) - len(vertices)
-
-
-def test_near_borders_are_welded_on_request():
-    left, right = shapes.plane(3), shapes.plane(3)
-    apart = shapes.joined(left, (right[0] + [1.001, 0, 0], right[1]))
-    assert engine.clean(*apart).report["components"] == 2
-    welded = engine.clean(*apart, engine.CleanOptions(weld=0.01))
-    assert welded.report["components"] == 1
-    assert made(welded)["welded_vertices"] == 4
-
-
-def test_a_fin_is_taken_apart_and_no_face_lost():
-    vertices, triangles = shapes.plane(2)
-    vertices = np.concatenate([vertices, [[0.5, 0.5, 1]]])
-    edge = triangles[0][:2]
-    mesh = engine.clean(vertices, np.concatenate([triangles, [[edge[1], edge[0], 9], [edge[0], edge[1], 9]]]))
-    check_sound(mesh)
-    assert len(mesh.triangles) >= len(triangles)
-
-
-def test_two_fans_at_a_vertex_are_parted():
-    vertices = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [-1, 0, 0], [-1, -1, 0]], float)
-    mesh = engine.clean(vertices, np.array([[0, 1, 2], [0, 3, 4]]))
-    check_sound(mesh)
-    assert made(mesh) == {"split_vertices": 1}
-    assert mesh.report["components"] == 2
-    np.testing.assert_array_equal(mesh.vertices[5], vertices[0])
-
-
 @pytest.mark.parametrize("bad", [9, -1, 2**33])
 def test_an_index_out_of_range_is_refused_and_named(bad):
     vertices, triangles = shapes.plane(2)
@@ -139,13 +92,6 @@ def test_a_mesh_without_faces_left_is_refused():
     for bad in (-1.0, np.nan, np.inf):
         with pytest.raises(engine.InvalidInput, match="weld"):
             engine.clean(vertices, triangles, engine.CleanOptions(weld=bad))
-
-
-def test_it_can_be_cancelled():
-    job = engine.Job()
-    job.cancel()
-    with pytest.raises(engine.Cancelled):
-        engine.clean(*shapes.cube(), job=job)
 
 
 def test_small_holes_are_covered_on_request():

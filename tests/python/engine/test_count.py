@@ -82,13 +82,6 @@ def test_a_kept_tree_equals_that_of_a_fresh_mesh():
         np.testing.assert_array_equal(found(mesh, **fields).face_region, fresh.face_region)
 
 
-def test_threads_do_not_show():
-    mesh = shapes.bumpy(90)
-    one, three = (found(engine.Mesh(*mesh), detail=0.003, threads=n) for n in (1, 3))
-    np.testing.assert_array_equal(one.face_region, three.face_region)
-    assert one.error == three.error
-
-
 @pytest.mark.parametrize("adaptivity", [0, 0.5])
 def test_a_bound_holds_for_every_vertex(adaptivity):
     mesh = engine.Mesh(*noisy(*shapes.torus(120, 60), 0.003))

@@ -392,11 +392,6 @@ def test_faces_at_one_height_of_a_sphere_are_one_ring(count):
         assert np.isfinite(after.region_offset).all()
 
 
-def test_a_bound_and_round_parts_are_refused_together(mesh):
-    with pytest.raises(engine.InvalidInput, match="round parts can't be had with a bound"):
-        engine.partition(mesh, engine.PartitionOptions(curved=True, bound=0.1))
-
-
 def tilted(radius, low, high, degrees, towards, at):
     """A closed cylinder whose axis leans by this angle."""
     lids, side = np.arange(1, 5) / 5, np.linspace(low, high, 17)
@@ -474,12 +469,6 @@ def test_regularise_leaves_axes_where_the_scan_would_be_too_far(columns):
     assert regular.regularity["axes"] == dict.fromkeys(
         ("upright", "level", "parallel", "coaxial", "equal_radii"), 0
     ) | {"free": 4}
-
-
-def test_free_forms_stay_as_they_are():
-    mesh = engine.Mesh(*shapes.bumpy())
-    plain = engine.partition(mesh, engine.PartitionOptions(detail=0.005))
-    assert np.array_equal(engine.partition(mesh, engine.PartitionOptions(curved=True)).face_region, plain.face_region)
 
 
 def test_the_command_reports_round_parts(tmp_path, capsys):

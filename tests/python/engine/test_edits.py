@@ -183,20 +183,6 @@ def test_sides_of_regions_agree_with_their_statistics(mesh, part):
         engine.regions.region_sides(vertices, triangles, region, REGIONS - 1)
 
 
-def test_they_can_be_cancelled(mesh, part):
-    for call in (
-        engine.improve,
-        engine.even_borders,
-        engine.add_worst,
-        engine.merge_cheapest,
-        engine.regions.all_statistics,
-    ):
-        job = engine.Job()
-        job.cancel()
-        with pytest.raises(engine.Cancelled):
-            call(mesh, part, job=job)
-
-
 def test_clutter_of_another_partition_is_refused(mesh, part):
     for region in (-1, part.region_count):
         found = [engine.clutter.Clutter(region, 9, (0.0, 0.0, 0.0))]

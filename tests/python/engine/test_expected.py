@@ -38,18 +38,6 @@ def test_a_room_with_tunnels_gets_about_the_expected_number_and_handles_are_name
     assert expected["polygons"] == expected["regions"] + sum(expected[f"split_for_{name}"] for name in REASONS)
 
 
-def test_what_is_flat_and_simple_is_foreseen_exactly():
-    expected, made = foreseen(engine.clean(*shapes.cube(8)), proxies=6)
-    assert (expected["polygons"], expected["split_for_repair"]) == (6, 0)
-    assert made["polygons"] == 6
-
-
-def test_a_partition_of_another_mesh_is_refused():
-    mesh, other = engine.clean(*shapes.cube(4)), engine.clean(*shapes.cube(5))
-    with pytest.raises(engine.InvalidInput, match="made for another mesh"):
-        engine.regions.expected_polygons(other, engine.partition(mesh, engine.PartitionOptions(proxies=6)))
-
-
 def test_the_report_has_it_and_info_can_leave_the_meshing_out(tmp_path):
     vertices, triangles = shapes.bumpy(40)
     meshfiles.ply_binary(tmp_path / "scan.ply", vertices, triangles.tolist())

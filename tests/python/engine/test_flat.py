@@ -26,15 +26,6 @@ def test_vertices_equal_the_scan():
     assert poly.report["manifold"]
 
 
-def test_groups_and_angles_are_checked():
-    vertices, triangles = shapes.cube(2)
-    assert len(merged(vertices, triangles, group=np.arange(len(triangles)))[0].loop_start) == len(triangles)
-    with pytest.raises(engine.InvalidInput, match="angle must be in"):
-        merged(vertices, triangles, angle=120)
-    with pytest.raises(engine.InvalidInput, match="group must have one number"):
-        merged(vertices, triangles, group=[1, 2])
-
-
 def test_two_runs_give_the_same_bits():
     vertices, triangles = shapes.facade(noise=0.001)
     first, second = (merged(*shapes.welded(vertices, triangles), angle=5.0)[0] for _ in range(2))

@@ -1,4 +1,4 @@
-"""Partitions that keep to cuts, to locked regions, to a part; all together, in every method."""
+"""Partitions that keep to cuts and to a part; tests/cpp/simplify/test_constraints.cpp has more of them."""
 
 import numpy as np
 import pytest
@@ -7,8 +7,6 @@ import isimp_engine as engine
 import shapes
 from isimp_engine import guided, guides
 from isimp_engine.guided import Guides, partition_guided
-
-METHODS = ["hierarchy", "lloyd", "teleport", "naive", "queued", "hybrid"]
 
 
 def options(**fields):
@@ -30,12 +28,6 @@ def open_edges(polygons):
     return np.array([pair for pair, n in count.items() if n == 1]).reshape(-1, 2)
 
 
-def same_sets(a, b):
-    """Whether two labellings of some faces part them alike."""
-    pairs = len(np.unique(np.stack([a, b]), axis=1).T)
-    return pairs == len(np.unique(a)) == len(np.unique(b))
-
-
 def test_without_guides_it_is_partition():
     mesh = engine.Mesh(*shapes.bumpy(20))
     plain, same = engine.partition(mesh, options(proxies=9)), partition_guided(mesh, options(proxies=9))
@@ -49,12 +41,11 @@ def seam(mesh, wanted):
     return edges[wanted(ends[:, 0]) & wanted(ends[:, 1])]
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_cut_that_ends_inside_a_side_of_a_cube_splits_that_side(method):
+def test_a_cut_that_ends_inside_a_side_of_a_cube_splits_that_side():
     mesh = engine.Mesh(*shapes.cube(8))
     on_top = seam(mesh, lambda p: np.isclose(p[:, 2], 1) & np.isclose(p[:, 0], 0.5) & (p[:, 1] < 0.55))
     assert len(on_top) == 4
-    wanted = options(proxies=6, method=method)
+    wanted = options(proxies=6)
     part = partition_guided(mesh, wanted, guides=Guides(barriers=on_top))
     assert part.region_count == 6
     assert guided.inside_regions(mesh, part, on_top) == 4, "nothing goes on from the end of a mere barrier"
@@ -68,17 +59,6 @@ def test_a_cut_that_ends_inside_a_side_of_a_cube_splits_that_side(method):
     assert polygons.report["closed"]
     ends = mesh.vertices[polygons.source_vertex]
     assert (np.isclose(ends, [0.5, 0, 1]).all(axis=1)).any(), "the cut begins at a corner of the polygons"
-
-
-def test_cuts_with_branches_and_loops_are_borders_in_the_end():
-    mesh = engine.Mesh(*shapes.bumpy(24))
-    rng = np.random.default_rng(4)
-    edges, _, _ = guides.inner_edges(mesh)
-    for share in (0.02, 0.1, 0.5, 1.0):
-        cuts = edges[rng.random(len(edges)) < share]
-        part = partition_guided(mesh, options(proxies=5), guides=Guides(cuts=cuts))
-        assert guided.inside_regions(mesh, part, cuts) == 0, share
-    assert part.region_count == len(mesh.triangles)
 
 
 def test_a_bound_is_kept_where_cuts_split_regions():
@@ -101,7 +81,7 @@ def test_edits_keep_to_barriers_where_cuts_split_regions():
         assert guided.inside_regions(mesh, part, cuts) == 0, edit
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", ["hierarchy", "lloyd", "teleport", "naive", "queued", "hybrid"])
 def test_only_a_part_is_split_again(method):
     mesh = engine.Mesh(*shapes.bumpy(40))
     base = engine.partition(mesh, options(proxies=30))
@@ -138,67 +118,3 @@ def test_a_part_without_neighbours():
     ):
         with pytest.raises(engine.InvalidInput, match=message):
             partition_guided(mesh, options(proxies=3), guides=Guides(faces=faces))
-
-
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("count", [{"proxies": 40}, {"detail": 0.01}])
-def test_locked_regions_stay_as_they_are(method, count):
-    mesh = engine.Mesh(*shapes.bumpy(40))
-    base = engine.partition(mesh, options(proxies=30))
-    stroke = np.flatnonzero(np.linalg.norm(middles(mesh)[:, :2] - 0.4, axis=1) < 0.1)
-    base = engine.paint_faces(mesh, base, stroke)
-    locked = base.region_seed[[base.face_region[stroke[0]], 3]]
-    base = engine.lock_regions(mesh, base, locked)
-    part = partition_guided(mesh, options(method=method, **count), guides=Guides(before=base))
-    assert part.region_locked.sum() == 2
-    for face in locked:
-        was, now = base.face_region == base.face_region[face], part.face_region == part.face_region[face]
-        np.testing.assert_array_equal(was, now)
-        assert part.region_locked[part.face_region[face]]
-    if "proxies" in count:
-        assert part.region_count == 40
-    rest = ~np.isin(base.face_region, np.flatnonzero(base.region_locked))
-    assert not same_sets(base.face_region[rest], part.face_region[rest])
-    assert engine.polygonize(mesh, part).report["manifold"]
-    again = partition_guided(mesh, options(method=method, **count), guides=Guides(before=part))
-    np.testing.assert_array_equal(again.face_region, part.face_region)
-
-
-def test_locked_faces_alone_are_refused():
-    mesh = engine.Mesh(*shapes.cube(4))
-    base = engine.partition(mesh, options(proxies=6))
-    base = engine.lock_regions(mesh, base, base.region_seed)
-    with pytest.raises(engine.InvalidInput, match="all faces that would be split are locked"):
-        partition_guided(mesh, options(proxies=6), guides=Guides(before=base))
-
-
-def test_specks_are_left_out_next_to_locked_regions_as_without_them():
-    vertices, triangles = shapes.cube(6)
-    small = [(0.02 * vertices + 3 + k, triangles + (k + 1) * len(vertices)) for k in range(3)]
-    mesh = engine.Mesh(
-        np.concatenate([vertices, *(v for v, _ in small)]), np.concatenate([triangles, *(t for _, t in small)])
-    )
-    base = engine.partition(mesh, options(proxies=6))
-    assert base.parts_left_out == 3
-    part = partition_guided(
-        mesh, options(proxies=6), guides=Guides(before=engine.lock_regions(mesh, base, base.region_seed[:1]))
-    )
-    np.testing.assert_array_equal(part.face_region < 0, base.face_region < 0)
-    assert part.region_count == 6
-
-
-def test_weights_and_barriers_hold_in_a_part_too():
-    mesh = engine.Mesh(*shapes.bumpy(40))
-    base = engine.partition(mesh, options(proxies=10))
-    middle = middles(mesh)
-    faces = np.flatnonzero(middle[:, 0] > 0.3)
-    right = middle[:, 1] > 0.5
-    barriers = guides.attribute_borders(mesh, right, among=middle[:, 0] > 0.3)
-    counts = []
-    for weight in (1.0, 16.0):
-        weights = np.where(right, weight, 1.0)
-        wanted = Guides(weights=weights, barriers=barriers, faces=faces, before=base)
-        part = partition_guided(mesh, options(proxies=40), guides=wanted)
-        assert guided.inside_regions(mesh, part, barriers) == 0
-        counts.append(len(set(part.face_region[faces[right[faces]]])))
-    assert counts[1] > counts[0] + 5

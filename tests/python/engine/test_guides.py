@@ -32,16 +32,6 @@ def crossed(mesh, part, barriers):
     return int((part.face_region[a][chosen] == part.face_region[b][chosen]).sum())
 
 
-def test_a_cube_has_twelve_sharp_edges():
-    mesh = engine.Mesh(*shapes.cube(4))
-    edges = guides.sharp_edges(mesh, np.pi / 4)
-    assert edges.dtype == np.int32
-    assert len(edges) == 12 * 4
-    assert len(guides.sharp_edges(mesh, 1.6)) == 0
-    with pytest.raises(engine.InvalidInput, match=r"angle must be in \[0, pi\], got -1"):
-        guides.sharp_edges(mesh, -1)
-
-
 @pytest.mark.parametrize("method", METHODS)
 def test_seams_of_a_cube_are_kept_by_regions_and_polygons(method):
     mesh = engine.Mesh(*shapes.cube(8))
@@ -60,17 +50,6 @@ def test_seams_of_a_cube_are_kept_by_regions_and_polygons(method):
     assert length == pytest.approx(4)
     moved = polygons.vertices[on_seam]
     np.testing.assert_allclose(moved[:, 0], 0.5, atol=engine.MeshingOptions().reach * np.sqrt(3))
-
-
-def test_marked_edges_are_found_again_after_cleaning():
-    vertices, triangles = shapes.cube(3)
-    order = np.random.default_rng(2).permutation(len(triangles))
-    mesh = engine.clean(vertices, np.concatenate([triangles[order], triangles[:1]]))
-    marked = np.array([[triangles[5, 1], triangles[5, 0]], [triangles[9, 1], triangles[9, 2]]])
-    barriers = guides.marked_edges(mesh, marked)
-    found = {tuple(sorted(pair)) for pair in mesh.source_vertex[barriers].tolist()}
-    assert found == {tuple(sorted(pair)) for pair in marked.tolist()}
-    assert guides.marked_edges(mesh, np.empty((0, 2), int)).shape == (0, 2)
 
 
 def test_an_attribute_needs_a_value_for_each_face():

@@ -3,6 +3,7 @@
 import signal
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -99,3 +100,50 @@ def test_many_threads_may_use_one_mesh(sheet):
     for thread in threads:
         thread.join()
     assert len(set(results)) == 1
+
+
+@pytest.fixture(scope="module")
+def model():
+    """A scan that has a texture, with all that is made of it."""
+    vertices, triangles = shapes.cube(4)
+    soup = engine.TexturedSoup(vertices, triangles, colors=np.full((len(vertices), 3), 99, np.uint8))
+    mesh = engine.clean(vertices, triangles)
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=8))
+    return SimpleNamespace(soup=soup, mesh=mesh, part=part, poly=engine.polygonize(mesh, part))
+
+
+CALLS = {
+    "clean": lambda m, job, path: engine.clean(m.mesh.vertices, m.mesh.triangles, job=job),
+    "partition": lambda m, job, path: engine.partition(m.mesh, engine.PartitionOptions(proxies=8), job=job),
+    "polygonize": lambda m, job, path: engine.polygonize(m.mesh, m.part, job=job),
+    "distances": lambda m, job, path: engine.within.scan_distances(m.mesh, m.part, m.poly, job=job),
+    "convex_parts": lambda m, job, path: engine.convex_parts(m.poly, job=job),
+    "merge_flat": lambda m, job, path: engine.merge_flat(m.mesh, job=job),
+    "regularise": lambda m, job, path: engine.regularise(m.mesh, m.part, job=job),
+    "texture": lambda m, job, path: engine.texture(
+        m.mesh, m.part, m.poly, m.soup, engine.TextureOptions(size=64, occlusion=True), job=job
+    ),
+    "corner_sources": lambda m, job, path: engine.texturing.corner_sources(
+        m.mesh, m.part, m.poly, m.soup.vertices, m.soup.triangles, job
+    ),
+    "write": lambda m, job, path: engine.write(path / "out.obj", m.poly, job=job),
+    "read": lambda m, job, path: engine.read(path / "in.obj", job=job),
+    "improve": lambda m, job, path: engine.improve(m.mesh, m.part, job=job),
+    "even_borders": lambda m, job, path: engine.even_borders(m.mesh, m.part, job=job),
+    "add_worst": lambda m, job, path: engine.add_worst(m.mesh, m.part, job=job),
+    "merge_cheapest": lambda m, job, path: engine.merge_cheapest(m.mesh, m.part, job=job),
+    "all_statistics": lambda m, job, path: engine.regions.all_statistics(m.mesh, m.part, job=job),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_a_cancelled_job_stops_every_call(model, name, tmp_path):
+    engine.write(tmp_path / "in.obj", model.poly)
+    job = engine.Job()
+    CALLS[name](model, job, tmp_path)
+    assert 0.95 < job.progress <= 1 or name not in ("clean", "partition", "polygonize", "texture")
+    (tmp_path / "out.obj").unlink(missing_ok=True)
+    job.cancel()
+    with pytest.raises(engine.Cancelled):
+        CALLS[name](model, job, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["in.obj"]

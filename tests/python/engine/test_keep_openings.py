@@ -35,20 +35,6 @@ def test_a_named_tunnel_stays_and_the_others_are_cut(tmp_path):
     assert "warning" not in said
 
 
-def test_the_same_tunnel_stays_for_another_number_of_regions_and_after_renumbering(tmp_path):
-    before, _ = simplified(tmp_path, shapes.room(16), f"--proxies={REGIONS}")
-    vertices, triangles = shapes.room(16)
-    order = np.random.default_rng(1).permutation(len(vertices))
-    place = np.empty(len(order), np.int64)
-    place[order] = np.arange(len(order))
-    mixed = vertices[order], place[triangles][::-1]
-    for proxies in (20, 45):
-        after, _ = simplified(tmp_path, mixed, f"--proxies={proxies}", f"--keep-opening={spot(before)}")
-        (kept,) = (opening for opening in after["openings"] if opening["kept"])
-        assert np.linalg.norm(np.subtract(kept["center"], before["openings"][3]["center"])) < 0.25 * kept["length"]
-        assert after["mesh"]["euler"] == -2, "the real handle and the kept one"
-
-
 def test_a_place_without_an_opening_is_warned_of(tmp_path):
     _, said = simplified(tmp_path, shapes.room(16), f"--proxies={REGIONS}", "--keep-opening=900,0,0")
     assert "warning: no opening that would be closed is at 900,0,0" in said
@@ -119,20 +105,6 @@ def test_the_module_lists_and_keeps_openings_and_copies_have_them():
         engine.clean(vertices, triangles, options, keep=np.zeros((2, 2)))
     with pytest.raises(engine.InvalidInput, match="not finite"):
         engine.clean(vertices, triangles, options, keep=np.array([[0, 0, np.nan]]))
-
-
-@pytest.mark.parametrize("tunnels", [3, 4, 8, 16])
-def test_handles_are_found_for_any_order_of_vertices_and_faces(tunnels):
-    random, closed = np.random.default_rng(7), 0
-    for noise in 0.004 * np.arange(6):
-        vertices, triangles = (np.asarray(array) for array in shapes.room(tunnels))
-        vertices = vertices + random.normal(0, noise, vertices.shape)
-        order = random.permutation(len(vertices))
-        number = np.empty_like(order)
-        number[order] = np.arange(len(order))
-        faces = number[triangles][random.permutation(len(triangles))]
-        closed += len(engine.clean(vertices[order], faces, engine.CleanOptions(cut_handles=5.5)).openings)
-    assert closed == 6 * tunnels
 
 
 def test_openings_are_where_the_caller_s_coordinates_are():

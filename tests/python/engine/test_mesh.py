@@ -95,23 +95,6 @@ def test_an_unsigned_index_out_of_range_is_shown_as_it_is(kind, bad):
         engine.Mesh(SQUARE, triangles)
 
 
-@pytest.mark.parametrize("bad", [4, -1, 2**31, -(2**40)])
-def test_an_index_out_of_range_names_the_face(bad):
-    triangles = HALVES.astype(np.int64)
-    triangles[1, 2] = bad
-    with pytest.raises(engine.InvalidInput, match=f"face 1 uses vertex {bad}, but there are 4 vertices"):
-        engine.Mesh(SQUARE, triangles)
-
-
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("float_type", [np.float32, np.float64])
-def test_a_coordinate_that_is_not_finite_names_the_vertex(bad, float_type):
-    vertices = SQUARE.astype(float_type)
-    vertices[2, 1] = bad
-    with pytest.raises(engine.InvalidInput, match=r"vertex 2 .*not finite.*clean"):
-        engine.Mesh(vertices, HALVES)
-
-
 @pytest.mark.parametrize("faces", [np.zeros((0, 3), np.int32), np.zeros((0, 3), np.int64)])
 def test_a_mesh_without_faces_is_refused(faces):
     with pytest.raises(engine.InvalidInput, match="no faces"):

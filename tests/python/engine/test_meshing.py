@@ -75,62 +75,10 @@ def test_a_region_that_its_neighbours_give_more_faces_than_it_has_keeps_its_poly
     assert set(poly.polygon_region) == set(range(part.region_count))
 
 
-def test_a_cube_of_six_regions_is_six_quads():
-    vertices, triangles = shapes.cube()
-    mesh = engine.Mesh(vertices, triangles)
-    for seed in range(100):  # flooding from some seeds ends in a worse split
-        part = engine.partition(mesh, engine.PartitionOptions(proxies=6, seed=seed, method="lloyd"))
-        if part.error < 1e-9:
-            break
-    poly = engine.polygonize(mesh, part)
-    check(mesh, part, poly)
-    assert sorted(map(tuple, np.round(poly.vertices, 9))) == sorted(np.ndindex(2, 2, 2))
-    np.testing.assert_allclose(poly.vertices, np.round(poly.vertices), atol=1e-9)
-    np.testing.assert_array_equal(poly.loop_start, [0, 4, 8, 12, 16, 20])
-    np.testing.assert_allclose(poly.planarity, 0, atol=1e-9)
-
-
 @pytest.mark.parametrize("proxies", [4, 12, 60])
 @pytest.mark.parametrize("shape", [shapes.cube, shapes.torus, shapes.bumpy, shapes.two_cubes])
 def test_the_result_is_sound_and_the_report_true(shape, proxies):
     check(*simplified(shape(), proxies=proxies))
-
-
-def test_a_region_a_face_gives_the_mesh_back():
-    vertices, triangles = shapes.torus(8, 6)
-    mesh, part, poly = simplified((vertices, triangles), proxies=len(triangles))
-    check(mesh, part, poly)
-    assert len(poly.loop_start) == len(triangles)
-    np.testing.assert_allclose(poly.vertices, vertices[poly.source_vertex], atol=0.02 * mesh.report["diagonal"])
-
-
-def test_the_same_bits_on_every_run(sheet):
-    part = engine.partition(sheet, engine.PartitionOptions(proxies=50))
-    first, again = engine.polygonize(sheet, part), engine.polygonize(sheet, part)
-    for name in ("vertices", "loops", "loop_start", "polygon_region", "planarity", "source_vertex"):
-        np.testing.assert_array_equal(getattr(first, name), getattr(again, name))
-    assert first.report == again.report
-
-
-def test_the_same_bits_on_any_number_of_threads():
-    vertices, triangles = shapes.torus(60, 40)
-    mesh = engine.Mesh(vertices + np.random.default_rng(3).normal(0, 0.02, vertices.shape), triangles)
-    part = engine.partition(mesh, engine.PartitionOptions(proxies=200))
-    one = engine.polygonize(mesh, part, engine.MeshingOptions(threads=1))
-    assert one.report["repair_rounds"] > 3
-    for threads in (0, 2, 3, 8):
-        more = engine.polygonize(mesh, part, engine.MeshingOptions(threads=threads))
-        for name in ("vertices", "loops", "loop_start", "polygon_region", "planarity", "source_vertex"):
-            np.testing.assert_array_equal(getattr(one, name), getattr(more, name))
-        assert one.report == more.report
-
-
-def test_edited_partitions_can_be_meshed(sheet):
-    part = engine.partition(sheet, engine.PartitionOptions(proxies=20))
-    part = engine.add_proxy(sheet, part, 3000)
-    check(sheet, part, engine.polygonize(sheet, part))
-    part = engine.delete_proxy(sheet, part, 10)
-    check(sheet, part, engine.polygonize(sheet, part))
 
 
 def test_a_proxy_added_at_a_rounded_corner_cuts_it_by_a_triangle():
@@ -163,26 +111,6 @@ def test_the_imperfect_polygons_are_listed_by_index_and_kind():
         assert (np.maximum(*low) <= np.minimum(*high)).all()
 
 
-def test_a_sound_result_has_nothing_imperfect(cube):
-    poly = engine.polygonize(cube, engine.partition(cube, engine.PartitionOptions(proxies=6)))
-    assert poly.report["imperfect"] == []
-
-
-def test_a_speck_left_out_gives_no_polygon():
-    big, small = shapes.bumpy(20), shapes.plane(1)
-    mesh = engine.Mesh(*shapes.joined(big, (small[0] * 0.001 + [2, 0, 0], small[1])))
-    part = engine.partition(mesh, engine.PartitionOptions(proxies=5))
-    poly = engine.polygonize(mesh, part)
-    assert part.parts_left_out == 1
-    assert poly.vertices[:, 0].max() < 1.5
-
-
-def test_another_meshs_partition_is_refused(cube, sheet):
-    part = engine.partition(sheet, engine.PartitionOptions(proxies=5))
-    with pytest.raises(engine.InvalidInput, match="partition"):
-        engine.polygonize(cube, part)
-
-
 @pytest.mark.parametrize(
     "field", sorted(set(engine.MeshingOptions().as_dict()) - {"flatness_from"})
 )  # any number will do
@@ -190,14 +118,6 @@ def test_an_option_out_of_its_range_is_named(cube, field):
     part = engine.partition(cube, engine.PartitionOptions(proxies=6))
     with pytest.raises(engine.InvalidInput, match=field.replace("_", ".")):
         engine.polygonize(cube, part, engine.MeshingOptions(**{field: -1}))
-
-
-def test_it_can_be_cancelled(cube):
-    part = engine.partition(cube, engine.PartitionOptions(proxies=6))
-    job = engine.Job()
-    job.cancel()
-    with pytest.raises(engine.Cancelled):
-        engine.polygonize(cube, part, job=job)
 
 
 def test_views_are_read_only_and_keep_the_polygons_alive(sheet):
@@ -329,19 +249,6 @@ def test_a_mesh_of_the_same_arrays_has_the_same_polygons() -> None:
     )
     assert np.array_equal(one.loops, other.loops)
     assert np.array_equal(one.vertices, other.vertices)
-
-
-def test_polygons_of_a_bulge_are_not_inside_it():
-    """Corners on the scan would make polygons that lie inside: 8 % of the volume were missing."""
-    mesh = engine.Mesh(*shapes.torus(120, 60))
-    poly = engine.polygonize(mesh, engine.partition(mesh, engine.PartitionOptions(proxies=60)))
-
-    def volume(vertices, triangles):
-        a, b, c = np.asarray(vertices)[np.asarray(triangles).T]
-        return (a * np.cross(b, c)).sum() / 6
-
-    triangles, _ = engine.regions.triangulate(poly.vertices, poly.loops, poly.loop_start)
-    assert volume(poly.vertices, triangles) == pytest.approx(volume(mesh.vertices, mesh.triangles), rel=0.05)
 
 
 def test_corners_stay_at_vertices_in_no_rounds(sheet):

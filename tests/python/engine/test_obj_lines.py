@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-import isimp_engine as engine
 import shapes
-from meshfiles import assert_same, read_rows
+from meshfiles import read_rows
 
 
 def lines():
@@ -41,28 +40,3 @@ def test_lines_of_all_kinds_are_read(tmp_path, row, faces):
     found = [part.tolist() for part in np.split(loops, start[1:])]
     assert found[-len(faces) :] == faces
     assert len(found) == 200 + len(faces)
-
-
-@pytest.mark.parametrize(
-    ("row", "said"),
-    [
-        ("v 1 2", 'line 329: expected three coordinates after "v", got ""'),
-        ("v 1 x 3", 'line 329: expected three coordinates after "v", got "x"'),
-        ("f 1 2 x", 'line 329: expected the number of a vertex .* got "x"'),
-        ("f 1 0 2", 'line 329: expected the number of a vertex .* got "0"'),
-        ("f 1 2 999", "face 200 .* uses vertex 999, but there are 121 vertices, the first of them 1"),
-        ("f 1 2 99999999999", "face 200 .* uses an impossible vertex"),
-    ],
-)
-def test_damage_is_named_with_its_line(tmp_path, row, said):
-    rows = lines()
-    assert len(rows) == 328
-    with pytest.raises(engine.FileError, match=said):
-        read(tmp_path, [*rows, row])
-
-
-def test_a_file_without_a_last_line_end_and_one_without_faces(tmp_path):
-    assert_same(read(tmp_path, ["v 1 2 3", "v 4 5 6"])[:1], [np.array([[1, 2, 3], [4, 5, 6]])])
-    assert [len(a) for a in read(tmp_path, ["v 1 2 3", "f 1 1 1"])] == [1, 3, 1]
-    with pytest.raises(engine.FileError, match='it has no line that begins with "v "'):
-        read(tmp_path, ["# nothing"])

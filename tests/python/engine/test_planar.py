@@ -86,12 +86,6 @@ def test_polygons_of_a_curve_without_noise_stay_as_near_to_it() -> None:
     assert np.quantile(after, 0.99) <= 1.25 * np.quantile(before, 0.99)
 
 
-def test_off_says_nothing_of_it() -> None:
-    mesh, part = made(houses.make(0.002))
-    report = engine.polygonize(mesh, part).report
-    assert "whole" not in report
-
-
 def test_it_is_left_off_where_it_would_cut_more_than_is_allowed() -> None:
     mesh = engine.clean(*scanned.make(4, 0.004, 1.2))
     snapped = engine.regularise(mesh, engine.partition(mesh, engine.PartitionOptions(proxies=150)))
@@ -111,13 +105,6 @@ def test_it_is_left_off_where_it_would_cut_more_than_is_allowed() -> None:
     allowed = engine.polygonize(mesh, snapped, engine.MeshingOptions(planar=True, planar_most=cut))
     assert allowed.report["left_off"] is False
     assert np.array_equal(allowed.vertices, exact.vertices)
-
-
-def test_far_from_zero() -> None:
-    house = houses.make(0.002, at=(450000.0, 5500000.0, 100.0))
-    mesh, part = made(house)
-    poly = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
-    assert bends(poly, rounded=True) <= 1e-6 * house.diagonal
 
 
 def test_a_house_has_five_directions() -> None:
@@ -230,31 +217,6 @@ def test_corners_of_released_planes_move_no_further_than_others(seed: int) -> No
     moved = np.linalg.norm(poly.vertices - mesh.vertices[poly.source_vertex], axis=1) / diagonal
     assert moved[others].max() <= options.reach + 1.5 * options.planar_reach + 1e-9
     assert moved[at_kept].max() <= options.reach + 6 * options.planar_reach + 1e-9
-
-
-def test_snapped_planes_survive_pickling_and_edits_elsewhere() -> None:
-    mesh, part = made(houses.make(0.001, 2))
-    snapped = engine.regularise(mesh, part)
-    back = pickle.loads(pickle.dumps(snapped))  # noqa: S301
-    assert back.report == snapped.report
-    assert np.array_equal(back.region_held, snapped.region_held)
-    assert np.array_equal(back.region_offset, snapped.region_offset)
-    locked = engine.lock_regions(mesh, snapped, [0])
-    assert np.array_equal(locked.region_held, snapped.region_held)
-    face = int(np.flatnonzero(snapped.face_region == snapped.face_region[0])[-1])
-    edited = engine.add_proxy(mesh, snapped, face)
-    kept = edited.region_held.sum()
-    assert snapped.region_held.sum() - 12 <= kept < snapped.region_held.sum()
-    held = np.flatnonzero(edited.region_held[: snapped.region_count])
-    assert np.array_equal(edited.region_normal[held], snapped.region_normal[held])
-
-
-def test_options_are_checked() -> None:
-    mesh, part = made(houses.make(0.001, 2))
-    with pytest.raises(engine.InvalidInput, match="angle"):
-        engine.regularise(mesh, part, engine.RegulariseOptions(angle=-1.0))
-    with pytest.raises(engine.InvalidInput, match="planar_reach"):
-        engine.polygonize(mesh, part, engine.MeshingOptions(planar=True, planar_reach=-1.0))
 
 
 def test_the_command_has_both(tmp_path: pathlib.Path) -> None:

@@ -6,7 +6,6 @@ import sys
 import numpy as np
 import pytest
 
-import isimp_engine as engine
 import shapes
 from meshfiles import assert_same, read_rows
 
@@ -30,18 +29,6 @@ def read(tmp_path, rows):
     return read_rows(tmp_path / "a.ply", rows)
 
 
-def test_other_properties_and_elements_are_skipped(tmp_path):
-    places, faces = sheet()
-    wanted = read(tmp_path, head(len(places), len(faces)) + places + faces)
-    vertex = ("uchar red", "float z", "double x", "float y", "int tag")
-    face = ("float quality", "list uchar float texcoord", *FACE, "int id")
-    swapped = [" ".join(("255", place.split()[2], *place.split()[:2], "-1")) for place in places]
-    more = [f"0.5 2 .25 .75 {row} 7" for row in faces]
-    rows = head(len(places), len(faces), vertex, face)
-    rows[-1:] = ["element edge 1", "property int vertex1", "end_header"]
-    assert_same(read(tmp_path, [*rows, *swapped, *more, "0", "what follows is not read"]), wanted)
-
-
 @pytest.mark.parametrize(
     "mend",
     [
@@ -57,32 +44,6 @@ def test_rows_that_are_no_lines_are_read_too(tmp_path, mend):
     places, faces = sheet()
     rows = head(len(places), len(faces))
     assert_same(read(tmp_path, rows + mend(places + faces)), read(tmp_path, rows + places + faces))
-
-
-@pytest.mark.parametrize(
-    ("at", "row", "said"),
-    [
-        (3, "1 x 3", 'line 13: expected a number for vertex 3 .* got "x"'),
-        (-1, "3 0 1 x", 'line 330: expected a number for face 199 .* got "x"'),
-        (-1, "3 0 1", "it ends within face 199 .* of 200; it is cut short or damaged"),
-        (-1, "3 0 1 999", "face 199 .* uses vertex 999, but there are 121 vertices, the first of them 0"),
-        (-1, "3 0 1 -1", "face 199 .* uses an impossible vertex"),
-        (-1, "99999 0 1 1", "face 199 .* promises a list of 99999 values, more than the file holds; it is damaged"),
-        (-1, "-1", "face 199 .* promises a list of -1 values"),
-    ],
-)
-def test_damage_is_named_with_its_place(tmp_path, at, row, said):
-    places, faces = sheet()
-    rows = places + faces
-    rows[at] = row
-    with pytest.raises(engine.FileError, match=said):
-        read(tmp_path, head(len(places), len(faces)) + rows)
-
-
-@pytest.mark.parametrize("count", [(2, 0), (0, 0)])
-def test_files_with_no_faces_or_nothing(tmp_path, count):
-    vertices, loops, start = read(tmp_path, [*head(*count), "1 2 3", "4 5 6"])
-    assert [len(vertices), len(loops), len(start)] == [count[0], 0, 0]
 
 
 PEAK = """

@@ -5,47 +5,13 @@ import pytest
 
 import isimp_engine as engine
 import shapes
-from isimp_engine import _core, within
-
-
-def to_triangles(points, corners):
-    """(K,) distance of each point from its triangle."""
-    return _core._distances_to_triangles(np.ascontiguousarray(points), np.reshape(corners, (-1, 3)))
+from isimp_engine import within
 
 
 def partition_within(mesh, options):
     """Regions and their polygons, which keep a bound too."""
     part = engine.partition(mesh, options)
     return within.polygonize_within(mesh, part, made=within.Made(options))
-
-
-def test_distances_are_to_planes_sides_and_corners():
-    corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]] * 4)
-    points = np.array([[0.2, 0.2, 3.0], [0.5, -2, 0], [4, 0, 4], [0.2, 0.2, 0]])
-    np.testing.assert_allclose(to_triangles(points, corners), [3, 2, 5, 0])
-
-
-def test_distances_are_the_least_to_any_triangle(monkeypatch):
-    monkeypatch.setattr(within, "_CHUNK", 1 << 10)  # so that each has several pieces
-    mesh = engine.Mesh(*shapes.torus(40, 20))
-    part = engine.partition(mesh, engine.PartitionOptions(bound=0.1))
-    polygons = engine.polygonize(mesh, part)
-    triangles, _ = engine.regions.triangulate(polygons.vertices, polygons.loops, polygons.loop_start)
-    corners = polygons.vertices[triangles]
-    wanted = [to_triangles(np.broadcast_to(v, (len(corners), 3)), corners).min() for v in mesh.vertices]
-    np.testing.assert_array_equal(within.scan_distances(mesh, part, polygons), wanted)
-    rough = within.scan_distances(mesh, part, polygons, enough=0.05)
-    assert (rough >= wanted).all()
-    np.testing.assert_array_equal(rough[rough > 0.05], np.array(wanted)[rough > 0.05])
-
-
-def test_the_search_can_be_stopped():
-    mesh, job = engine.Mesh(*shapes.torus(24, 12)), engine.Job()
-    part = engine.partition(mesh, engine.PartitionOptions(bound=0.1))
-    polygons = engine.polygonize(mesh, part)
-    job.cancel()
-    with pytest.raises(engine.Cancelled):
-        within.scan_distances(mesh, part, polygons, job=job)
 
 
 def test_a_cube_is_where_its_polygons_are():
