@@ -1,14 +1,11 @@
 """Ambient occlusion of shapes whose answer is known."""
 
-import json
-
 import numpy as np
 import pytest
 
 import isimp_engine as engine
 import shapes
-from test_cli import isimp
-from test_texture import result, sample, write_cube_obj
+from test_texture import result, sample
 from test_texture_layers import json_of
 
 
@@ -89,34 +86,6 @@ def test_between_two_plates_it_is_black():
     assert (on_floor(poly, made, points) == 0).all()
 
 
-def test_threads_give_the_same_bits():
-    vertices, triangles = shapes.bumpy(24)
-    soup = coloured(vertices * [1, 1, 4], triangles)
-    mesh = engine.clean(soup.vertices, soup.triangles)
-    part = engine.partition(mesh, engine.PartitionOptions(proxies=30))
-    poly = engine.polygonize(mesh, part)
-    made = [
-        engine.texture(mesh, part, poly, soup, engine.TextureOptions(size=300, occlusion=True, threads=n))
-        for n in (1, 3, 1)
-    ]
-    assert made[0].layers["occlusion"].min() < 200
-    for other in made[1:]:
-        assert np.array_equal(made[0].layers["occlusion"], other.layers["occlusion"])
-
-
-def test_it_can_be_cancelled_and_its_progress_grows():
-    soup, regions = with_wall(1.0)
-    mesh = engine.clean(soup.vertices, soup.triangles)
-    part = engine.partition_from(mesh, regions.astype(np.int32)[mesh.source_face])
-    poly = engine.polygonize(mesh, part)
-    job = engine.Job()
-    engine.texture(mesh, part, poly, soup, engine.TextureOptions(size=256, occlusion=True), job=job)
-    assert 0.95 < job.progress <= 1
-    job.cancel()
-    with pytest.raises(engine.Cancelled):
-        engine.texture(mesh, part, poly, soup, engine.TextureOptions(size=256, occlusion=True), job=job)
-
-
 def test_it_is_written_and_read_again(tmp_path):
     soup, regions = with_wall(1.0)
     _, _, poly, made = result(soup, regions, size=64, occlusion=True)
@@ -132,40 +101,3 @@ def test_it_is_written_and_read_again(tmp_path):
     assert np.array_equal(np.asarray(mesh.visual.material.occlusionTexture)[:, :, 0], made.layers["occlusion"])
     engine.write_textured(tmp_path / "out.obj", poly, made)
     assert "map_Ka out_occlusion.png" in (tmp_path / "out.mtl").read_text()
-
-
-def test_the_command_makes_it(tmp_path):
-    path, _ = write_cube_obj(tmp_path)
-    ran = isimp("simplify", path, tmp_path / "out.glb", "--proxies", "6", "--texture", "64", "--ao")
-    assert ran.returncode == 0, ran.stderr
-    assert (engine.read_textured(tmp_path / "out.glb").layers["occlusion"].images[0][:, :, 0] == 255).all()
-    ran = isimp("simplify", path, tmp_path / "out.obj", "--proxies", "6", "--texture", "64", "--ao", "0.5")
-    assert ran.returncode == 0, ran.stderr
-    assert (tmp_path / "out_occlusion.png").is_file()
-    for given, status, text in (
-        (["--ao"], 2, "--ao needs --texture"),
-        (["--texture", "64", "--ao", "0"], 2, "DISTANCE must be a finite length above 0, got '0'"),
-    ):
-        ran = isimp("simplify", path, tmp_path / "no.obj", "--proxies", "6", *given)
-        assert ran.returncode == status
-        assert text in ran.stderr
-        assert not (tmp_path / "no.obj").exists()
-
-
-def test_the_texture_step_of_a_recipe_makes_it(tmp_path):
-    path, _ = write_cube_obj(tmp_path)
-    steps = [{"step": "partition", "proxies": 6, "count_by": "proxies"}, {"step": "mesh"}]
-    for texture, text in (
-        ({"occlusion": True}, ""),
-        ({"occlusion": 1}, "step 3: occlusion of texture must be true or false, got 1"),
-        (
-            {"occlusion": True, "occlusion_distance": -1},
-            "occlusion_distance must be 0, or a finite length above 0, got -1",
-        ),
-    ):
-        step = {"step": "texture", "size": 64} | texture
-        (tmp_path / "r.json").write_text(json.dumps({"isimp_recipe": 1, "steps": [*steps, step]}))
-        ran = isimp("simplify", path, tmp_path / "out.glb", "--recipe", tmp_path / "r.json")
-        assert ran.returncode == (2 if text else 0)
-        assert text in ran.stderr
-    assert "occlusion" in engine.read_textured(tmp_path / "out.glb").layers

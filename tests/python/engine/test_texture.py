@@ -1,6 +1,5 @@
 """The texture of a scan: read, put on the n-gons, written; and the command's --texture."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -262,15 +261,20 @@ def test_map_coordinates_change_nothing():
 
 def test_threads_and_runs_give_the_same_bits():
     vertices, triangles = shapes.bumpy(24)
-    soup = engine.TexturedSoup(vertices, triangles, uv=vertices[:, :2], images=[ramp()])
+    layers = {"roughness": engine.TextureLayer([ramp()[:, :, 0]]), "normal": engine.TextureLayer([ramp()])}
+    soup = engine.TexturedSoup(vertices * [1, 1, 4], triangles, vertices[:, :2], images=[ramp()], layers=layers)
     mesh = engine.clean(soup.vertices, soup.triangles)
     part = engine.partition(mesh, engine.PartitionOptions(proxies=30))
     poly = engine.polygonize(mesh, part)
-    made = [engine.texture(mesh, part, poly, soup, engine.TextureOptions(size=700, threads=n)) for n in (1, 3, 1)]
-    for other in made[1:]:
-        assert np.array_equal(made[0].image, other.image)
-        assert np.array_equal(made[0].normal, other.normal)
-        assert np.array_equal(made[0].uv, other.uv)
+    options = [engine.TextureOptions(size=300, occlusion=True, threads=n) for n in (1, 3, 1)]
+    one, *others = (engine.texture(mesh, part, poly, soup, each) for each in options)
+    assert one.layers["occlusion"].min() < 200
+    for other in others:
+        for name in ("image", "normal", "uv"):
+            assert np.array_equal(getattr(one, name), getattr(other, name))
+        assert {name: image.tobytes() for name, image in one.layers.items()} == {
+            name: image.tobytes() for name, image in other.layers.items()
+        }
 
 
 def test_the_source_must_be_the_meshs():
@@ -354,27 +358,6 @@ def test_gltf_is_read_by_another_library(made_plane, name):
     assert np.allclose(mesh.vertex_normals, normals, atol=1e-6)
 
 
-def test_the_command_writes_all_files(tmp_path):
-    path, _ = write_cube_obj(tmp_path)
-    out, report = tmp_path / "made.obj", tmp_path / "r.json"
-    ran = isimp("simplify", path, out, "--proxies", "6", "--texture", "128", "--report", report)
-    assert ran.returncode == 0, ran.stderr
-    assert "texture: 128 x 128 pixels" in ran.stdout
-    assert json.loads(report.read_text())["texture"]["size"] == 128
-    soup = engine.read_textured(out)
-    colours = {tuple(c) for c in sample(soup.images[0], soup.uv.mean(axis=1))[:, :3]}
-    assert colours == {tuple(c) for c in SIX}
-    ran = isimp("simplify", path, tmp_path / "made.glb", "--proxies", "6", "--texture", "--quiet")
-    assert ran.returncode == 0, ran.stderr
-    assert len(engine.read_textured(tmp_path / "made.glb").triangles) == 12
-    ran = isimp("simplify", path, tmp_path / "text.gltf", "--proxies", "6", "--texture", "--quiet", "--report", report)
-    assert ran.returncode == 0, ran.stderr
-    images = sorted(path.name for path in tmp_path.glob("text*.png"))
-    assert images == ["text.png", "text_normal.png"]
-    assert sorted(Path(path).name for path in json.loads(report.read_text())["texture"]["files"]) == images
-    assert len(engine.read_textured(tmp_path / "text.gltf").triangles) == 12
-
-
 def test_the_command_does_not_overwrite_the_scans_own_image(tmp_path):
     picture(tmp_path, "t.png", ramp())
     path = write_plane_obj(tmp_path, lambda p: p)
@@ -386,43 +369,6 @@ def test_the_command_does_not_overwrite_the_scans_own_image(tmp_path):
     assert not (tmp_path / "t.obj").exists()
     assert isimp("simplify", path, tmp_path / "t.gltf", "--proxies", "1", "--texture").returncode == 2
     assert (tmp_path / "t.png").read_bytes() == before
-
-
-@pytest.mark.parametrize(
-    ("arguments", "status", "text"),
-    [
-        (["cube.obj", "x.ply", "--texture"], 2, "must end in one of .obj, .glb, .gltf"),
-        (["cube.obj", "x.obj", "--texture", "7"], 2, "whole number in [16, 16384], got '7'"),
-        (["plain.ply", "x.obj", "--texture"], 3, "neither an image nor colours"),
-        (["cube.obj", "x.fbx"], 2, "OUTPUT must end in"),
-    ],
-)
-def test_the_command_names_the_fault_in_a_line(tmp_path, arguments, status, text):
-    write_cube_obj(tmp_path)
-    vertices, triangles = shapes.plane(2)
-    x, y, z = vertices.T.astype(np.float32)
-    meshfiles.ply_columns(tmp_path / "plain.ply", {"x": x, "y": y, "z": z}, [(t,) for t in triangles])
-    ran = isimp("simplify", *arguments, cwd=tmp_path)
-    assert ran.returncode == status
-    assert text in ran.stderr
-    assert not any(tmp_path.glob("x.*"))
-
-
-def test_the_texture_step_of_a_recipe_is_obeyed(tmp_path):
-    write_cube_obj(tmp_path)
-    scan = tmp_path / "cube.obj"
-    steps = [{"step": "partition", "proxies": 6, "count_by": "proxies"}, {"step": "mesh"}]
-    (tmp_path / "r.json").write_text(
-        json.dumps({"isimp_recipe": 1, "steps": [*steps, {"step": "texture", "size": 64}]})
-    )
-    ran = isimp("simplify", scan, tmp_path / "out.glb", "--recipe", tmp_path / "r.json")
-    assert ran.returncode == 0, ran.stderr
-    assert engine.read_textured(tmp_path / "out.glb").images[0].shape == (64, 64, 4)
-    ran = isimp("simplify", scan, tmp_path / "out.glb", "--recipe", tmp_path / "r.json", "--texture", "32")
-    assert engine.read_textured(tmp_path / "out.glb").images[0].shape == (32, 32, 4), "what is given comes first"
-    ran = isimp("simplify", scan, tmp_path / "out.ply", "--recipe", tmp_path / "r.json")
-    assert ran.returncode == 2
-    assert "with a texture OUTPUT must end in one of .obj, .glb, .gltf" in ran.stderr
 
 
 def test_a_batch_keeps_textures(tmp_path):

@@ -89,16 +89,6 @@ def test_one_number_everywhere_is_a_factor_and_two_are_an_image():
         assert {64, 191 if numbers[1] else 255} <= values
 
 
-def test_threads_give_the_same_bits():
-    soup = plane(roughness=ramp()[:, :, 0], normal=ramp())
-    mesh = engine.clean(soup.vertices, soup.triangles)
-    part = engine.partition(mesh, engine.PartitionOptions(proxies=4))
-    poly = engine.polygonize(mesh, part)
-    one, three = (engine.texture(mesh, part, poly, soup, engine.TextureOptions(size=700, threads=n)) for n in (1, 3))
-    assert np.array_equal(one.layers["roughness"], three.layers["roughness"])
-    assert np.array_equal(one.normal, three.normal)
-
-
 @pytest.mark.parametrize(
     ("uv", "wanted"),
     [

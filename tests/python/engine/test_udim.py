@@ -9,7 +9,7 @@ from PIL import Image
 import isimp_engine as engine
 import shapes
 from test_cli import isimp
-from test_texture import SIX, inside, painted_cube, result, sample, write_cube_obj
+from test_texture import SIX, inside, painted_cube, result, sample
 
 TILES = {1001: (250, 10, 20), 1002: (30, 240, 50), 1011: (60, 70, 230)}
 
@@ -131,53 +131,15 @@ def test_tiles_are_denser_and_have_no_untextured_texel():
         assert (sample(four.image[four.tile[q]], middle)[0, :3] == SIX[region]).all()
 
 
-def test_materials_are_kept_apart(tmp_path):
-    path, _ = write_cube_obj(tmp_path)
-    out, report = tmp_path / "made.obj", tmp_path / "r.json"
-    ran = isimp("simplify", path, out, "--proxies", "6", "--texture", "32", "--keep-materials", "--report", report)
-    assert ran.returncode == 0, ran.stderr
-    assert "6 images of 32 x 32 pixels" in ran.stdout
-    assert json.loads(report.read_text())["texture"]["materials"] == 6
-    text = (tmp_path / "made.mtl").read_text()
-    assert [f"newmtl side{s}" in text for s in range(6)] == [True] * 6
-    soup = engine.read_textured(out)
-    assert len(soup.images) == 6
-    colours = {name: tuple(image[16, 16, :3].tolist()) for name, image in zip(soup.names, soup.images, strict=True)}
-    assert colours == {f"side{s}": tuple(map(int, colour)) for s, colour in enumerate(SIX)}
-    glb = tmp_path / "made.glb"
-    assert isimp("simplify", path, glb, "--proxies", "6", "--texture", "32", "--keep-materials").returncode == 0
-    assert sorted(engine.read_textured(glb).names) == [f"made-side{s}" for s in range(6)]
-
-
-def test_the_command_makes_tiles_and_does_not_overwrite_the_scans(tmp_path):
+def test_the_command_does_not_overwrite_tiles_of_the_scan(tmp_path):
     path = write_udim_plane(tmp_path)
-    ran = isimp("simplify", path, tmp_path / "made.glb", "--proxies", "3", "--texture", "32", "--tiles", "2")
-    assert ran.returncode == 0, ran.stderr
-    assert "2 images of 32 x 32 pixels" in ran.stdout
     before = (tmp_path / "strip.1001.png").read_bytes()
     (tmp_path / "other.mtl").write_text((tmp_path / "strip.mtl").read_text())
     (tmp_path / "other.obj").write_text(path.read_text().replace("strip.mtl", "other.mtl"))
-    for name in ("strip.obj", "strip.glb"):
-        ran = isimp("simplify", tmp_path / "other.obj", tmp_path / "x" / name, "--texture", "32")
     ran = isimp("simplify", tmp_path / "other.obj", path, "--proxies", "3", "--texture", "32", "--tiles", "2")
     assert ran.returncode == 2
     assert "belongs to the scan and would be overwritten" in ran.stderr
     assert (tmp_path / "strip.1001.png").read_bytes() == before
-
-
-@pytest.mark.parametrize(
-    ("arguments", "text"),
-    [
-        (["--tiles", "2"], "--tiles needs --texture"),
-        (["--keep-materials"], "--keep-materials needs --texture"),
-        (["--texture", "32", "--tiles", "0"], "must be a whole number in [1, 100]"),
-        (["--texture", "32", "--tiles", "many"], "must be a whole number in [1, 100]"),
-    ],
-)
-def test_the_command_names_the_fault(tmp_path, arguments, text):
-    ran = isimp("simplify", write_udim_plane(tmp_path), tmp_path / "made.obj", *arguments)
-    assert ran.returncode == 2
-    assert text in ran.stderr
 
 
 def transformed_glb(folder, **transform):
