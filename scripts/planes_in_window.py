@@ -6,7 +6,6 @@ The scan is the castle: its polygons in the colours of their directions next to 
 import bpy
 from mathutils import Euler
 from scenario_bunny import FOLDER, load
-from scenario_planes import open_planes
 from scenario_tools import sketched
 
 import isimp
@@ -26,7 +25,10 @@ def view(hand):
 
 
 def run(hand):
-    open_planes()
+    from isimp.blender.panel import edit, planes
+
+    for panel in (edit.ISIMP_PT_clean_up, planes.ISIMP_PT_planes):  # open from the beginning
+        panel.bl_options = set()
     isimp.register()
     load(FOLDER / "building" / "openmvs_castle_175k.ply", upright=True)
     yield 0.5

@@ -15,7 +15,7 @@ ROOT = HERE.parents[3]
 OUT = Path(os.environ.get("ISIMP_WINDOW_OUT", ROOT / "out" / "window"))
 SIZE = 640, 1150  # pixels: the whole panel is visible
 SMALL = 640, 512  # for scenarios without buttons: less to draw
-WITHOUT_BUTTONS = {"far", "gestures", "live", "off_scan", "openings", "paint", "pieces", "result", "texture", "tools"}
+WITHOUT_BUTTONS = {"gestures", "live", "off_scan", "openings", "paint", "pieces", "texture", "tools"}
 OTHER_SIZES = {
     "buttons": (480, 1180),
     "compare": (900, 900),
