@@ -1,7 +1,9 @@
-"""A minute of the monkey of the Python module, bench/monkeys/monkey.py, and that it finds what is wrong."""
+"""A minute of the monkey of the Python module, bench/monkeys/monkey.py, long chains of its edits, and its judges."""
 
 import os
 import signal
+from collections import Counter
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -38,6 +40,59 @@ def test_files_hold(data):
     findings, done = found(FILE_SEED, FILE_CASES)
     assert findings == []
     assert done["meshed"] > 0.6 * done["cases"]
+
+
+def chained(mesh, part, edits, seed):
+    """Makes edits, drawn and judged as the monkey's, one after another, with steps back.
+
+    Returns how many were done of each, and the memory in MB at a tenth, the middle and the end.
+    """
+    surface, rng = judging.Surface(mesh), np.random.default_rng(seed)
+    earlier, done, memory = [part], Counter(), []
+    for number in range(edits):
+        if number in (edits // 10, edits // 2):  # the first edits set up the kept data
+            memory.append(resident_mb())
+        if rng.random() < 0.1:
+            part = earlier[rng.integers(len(earlier))]
+        edit = draws.edit(mesh, part, rng)
+        try:
+            after = edit.run(mesh, part)
+        except engine.InvalidInput:
+            continue
+        findings = [*judging.edit_findings(edit, part, after), *judging.partition_findings(surface, after)]
+        assert findings == [], f"edit {number} of seed {seed}: {edit.name}"
+        part, earlier = after, [*earlier[-20:], after]
+        done[edit.name] += 1
+    return done, [*memory, resident_mb()]
+
+
+def resident_mb():
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+
+@pytest.mark.slow
+def test_a_long_chain_of_edits_keeps_every_promise():
+    mesh = engine.Mesh(*shapes.bumpy(40))
+    done, _ = chained(mesh, engine.partition(mesh, engine.PartitionOptions(proxies=30)), 400, seed=1)
+    assert set(draws.functions()) - set(draws.ROUND_EDITS) <= set(done), "some kind of edit was never done"
+
+
+@pytest.mark.slow
+def test_edits_next_to_parts_that_were_left_out():
+    speck = shapes.plane(1)
+    mesh = engine.Mesh(*shapes.joined(shapes.cube(8), shapes.torus(), (speck[0] * 0.01 + 3, speck[1])))
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=20))
+    assert (part.face_region == -1).any()
+    chained(mesh, part, 200, seed=2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scan", ["scan/rockerarm_20k.ply", "scan/bunny_69k.ply", "scan/armadillo_86k.ply"])
+def test_memory_does_not_grow_with_edits_of_scans(data, scan):
+    mesh = engine.clean(*engine.read(data / scan))
+    _, memory = chained(mesh, engine.partition(mesh, engine.PartitionOptions(proxies=200)), 25, seed=3)
+    assert memory[2] < memory[1] * 1.05 + 10, f"memory grows: {memory} MB"
 
 
 def never_ends(*arguments):
