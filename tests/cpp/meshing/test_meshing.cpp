@@ -204,14 +204,6 @@ TEST(Polygonize, ARegionWithoutAreaGoesToItsNeighbour) {
   EXPECT_EQ(p.report.regions, 3);
 }
 
-TEST(Polygonize, SameInputSameBits) {
-  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.01, 3));
-  const Partition parts = labelled::voronoi(mesh, 60, 2);
-  const PolygonMesh a = run(mesh, parts), b = run(mesh, parts);
-  EXPECT_EQ(a.loops, b.loops);
-  EXPECT_TRUE(a.vertices == b.vertices);
-}
-
 TEST(Polygonize, NoCornerMovesFurtherThanTheReach) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.02, 3));
   const Partition parts = labelled::voronoi(mesh, 80, 2);
@@ -261,13 +253,6 @@ TEST(Polygonize, BadInputIsNamed) {
   MeshingOptions options;
   options.reach = -1;
   EXPECT_EQ(message_of(mesh, labelled::single(mesh), options), "reach must be in [0, 1], got -1");
-}
-
-TEST(Polygonize, ACancelledJobThrows) {
-  const Mesh mesh = shapes::mesh(shapes::cube(4));
-  Job job;
-  job.cancel();
-  EXPECT_THROW(polygonize(mesh, labelled::single(mesh), {}, job), Cancelled);
 }
 
 /// The shapes of the data folder whose true regions are known.

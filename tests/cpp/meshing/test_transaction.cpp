@@ -264,38 +264,5 @@ TEST(Transaction, KeepsOnlyWhatAUnionChanges) {
   EXPECT_LT(places, all / 100);
 }
 
-TEST(Logged, IsWhatItWasAfterAnyWrites) {
-  std::mt19937 random(7);
-  for (int round = 0; round < 200; ++round) {
-    Logged<std::vector<int>> array(random() % 9, {1});
-    for (std::size_t i = 0; i < array.size(); ++i) array.edit(i).push_back(static_cast<int>(i));
-    for (int go = 0; go < 3; ++go) {
-      const std::vector<std::vector<int>> before = array;
-      array.begin_transaction();
-      for (int act = 0; act < 12; ++act) {
-        const int what = static_cast<int>(random() % 5);
-        const std::size_t i = array.empty() ? 0 : random() % array.size();
-        if (what == 0) {
-          array.push_back({act});
-        } else if (what == 1) {
-          array.resize(random() % 12);
-        } else if (!array.empty() && what == 2) {
-          array.edit(i).push_back(act);
-        } else if (!array.empty() && what == 3) {
-          array.set(i, {act, act});
-        } else if (!array.empty()) {
-          array.pop_back();
-        }
-      }
-      for (std::size_t i = 0; i < std::min(before.size(), array.size()); ++i) {
-        EXPECT_EQ(array.before(i), before[i]);
-        if (random() % 2 == 0) array.restore(i);
-      }
-      array.rollback();
-      EXPECT_EQ(array, before);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace isimp::meshing

@@ -89,13 +89,6 @@ TEST(MergeTree, IsTheSameForRegionsOfOneFace) {
             merge_all(faces_of(mesh), {}, job).merged);
 }
 
-TEST(MergeTree, CanBeCancelled) {
-  Job job;
-  const Mesh mesh = shapes::mesh(shapes::sphere(3));
-  job.cancel();
-  EXPECT_THROW(merge_all(faces_of(mesh), {}, job), Cancelled);
-}
-
 /// Patches in a row, all of area 1 and one normal but the last two.
 MergeGraph row(std::int32_t n, std::vector<RegionSum>& sum) {
   MergeGraph graph;

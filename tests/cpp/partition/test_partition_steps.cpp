@@ -77,60 +77,6 @@ TEST(MergeGreedily, LeavesOutEmptyNodes) {
   EXPECT_EQ(merge_greedily(chain(3), sums, need, 1, job), (std::vector<std::int32_t>{0, kNone, 1}));
 }
 
-TEST(MergeGreedily, TakesTheCheapestPairEveryTime) {
-  // Compared with a version that tests all pairs before each merge.
-  std::mt19937 random(5);
-  for (int run = 0; run < 20; ++run) {
-    const std::int32_t n = 30;
-    std::vector<RegionSum> sums;
-    for (std::int32_t u = 0; u < n; ++u)
-      sums.push_back(node(static_cast<double>(random() % 1000) / 1000, static_cast<double>(random() % 1000) / 1000));
-    const MergeGraph g = chain(n);
-    const std::vector<std::int32_t> need{1};
-    Job job;
-    const auto fast = merge_greedily(g, sums, need, 7, job);
-    std::vector<RegionSum> left = sums;
-    std::vector<std::int32_t> start(n);  // clusters of a chain are runs
-    for (std::int32_t u = 0; u < n; ++u) start[u] = u;
-    while (left.size() > 7) {
-      std::size_t best = 0;
-      for (std::size_t k = 0; k + 1 < left.size(); ++k)
-        if (merge_cost(left[k], left[k + 1]) < merge_cost(left[best], left[best + 1])) best = k;
-      left[best].add(left[best + 1]);
-      left.erase(left.begin() + static_cast<std::ptrdiff_t>(best) + 1);
-      start.erase(start.begin() + static_cast<std::ptrdiff_t>(best) + 1);
-    }
-    for (std::int32_t u = 0; u < n; ++u)
-      EXPECT_EQ(fast[u], std::upper_bound(start.begin(), start.end(), u) - start.begin() - 1);
-  }
-}
-
-TEST(MergeGreedily, SubtractsThePriceOfTheBorder) {
-  // Normals that turn by a little: the first pair is the cheapest, unless a border costs more than that.
-  const std::vector<RegionSum> sums{node(1, 0), node(1, 0.1), node(1, 0.3)};
-  const std::vector<std::int32_t> need{1};
-  Job job;
-  MergeGraph g = chain(3);
-  EXPECT_EQ(merge_greedily(g, sums, need, 2, job), (std::vector<std::int32_t>{0, 0, 1}));
-  g.border = {0, 0, 0.1, 0.1};
-  EXPECT_EQ(merge_greedily(g, sums, need, 2, job), (std::vector<std::int32_t>{0, 1, 1}));
-}
-
-TEST(MergeGreedily, AddsUpBordersOfMergedNodes) {
-  // A ring around node 0; 1 and 2 merge first, and then share two borders with 0: more than 3 does alone.
-  const std::vector<RegionSum> sums{node(1, 1), node(0, 1), node(0, 1), node(1, 0)};
-  MergeGraph g;
-  g.sum.resize(4);
-  g.first = {0, 3, 5, 7, 8};
-  g.neighbour = {1, 2, 3, 0, 2, 0, 1, 0};
-  g.border = {0.3, 0.3, 0.5, 0.3, 0, 0.3, 0, 0.5};
-  const std::vector<std::int32_t> need{1};
-  Job job;
-  EXPECT_EQ(merge_greedily(g, sums, need, 3, job), (std::vector<std::int32_t>{0, 1, 2, 0}));
-  g.border[4] = g.border[6] = 1;
-  EXPECT_EQ(merge_greedily(g, sums, need, 2, job), (std::vector<std::int32_t>{0, 0, 0, 1}));
-}
-
 TEST(MergeRound, PairsUpMutuallyCheapestNodes) {
   MergeGraph g = chain(4);
   g.sum = {{1, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {0, 1, 0, 1}};
