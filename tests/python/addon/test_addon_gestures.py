@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from isimp import gestures, view
 from isimp import recipe as rcp
-from isimp import view
 from isimp.engine import engine
 from isimp.gestures import Cut, Hit, Pointing, Sizing, Stroke, Wish, painted_over, rings_in
 from isimp.pick import Surface
@@ -39,6 +39,12 @@ def test_pointing(held, moves, wanted):
     assert tool.merging == (wanted is not None and wanted.verb == "merge")
     assert tool.release() == wanted
     assert tool.release() is None
+
+
+def test_a_drag_is_longer_than_a_shake_of_the_hand():
+    limit = gestures._DRAG
+    assert not gestures.is_far((5, 5), (5 + limit, 5))
+    assert gestures.is_far((5, 5), (5, 6 + limit))
 
 
 def test_pointing_past_the_scan_and_dropping():

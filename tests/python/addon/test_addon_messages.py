@@ -81,6 +81,8 @@ def test_one_and_many():
     assert messages.changed({}, {"regions": 1}) == "1 region"
     assert messages.locked({"locked": 1}) == "1 region locked"
     assert messages.locked({}) == "No region is locked"
+    assert messages.listed(["a", "b", "c"]) == "'a', 'b', 'c'"
+    assert messages.listed(["a", "b", "c", "d"]) == "'a', 'b', 'c' and others"
     assert messages.dropped(1) == "1 edit by hand was dropped: Ctrl-Z brings it back"
     assert messages.dropped(12) == "12 edits by hand were dropped: Ctrl-Z brings them back"
     assert messages.partitioned({"triangles": 12, "regions": 1, "asked": 1}) == "12 triangles in 1 region"

@@ -246,6 +246,8 @@ def test_every_step_describes_itself():
 def test_faces_may_come_from_any_sequence_of_integers():
     numpy = pytest.importorskip("numpy")
     assert rcp.PaintFaces(faces=numpy.array([3, 4])) == rcp.PaintFaces(faces=[3, 4]) == rcp.PaintFaces(faces=(3, 4))
+    with pytest.raises(RecipeError, match="faces must be at least 0, got -1"):
+        rcp.PaintFaces(faces=(3, -1))
 
 
 def test_steps_are_replaced():

@@ -274,6 +274,8 @@ def test_a_face_that_was_dropped_is_named(scan):
     assert outcome.face_region[-1] == -1
     with pytest.raises(StepFailed, match="was left out by the repair of the mesh"):
         Session().replay(twice, SIDES.then(AddProxy(face=len(triangles) - 1)))
+    with pytest.raises(StepFailed, match=f"there is no face {len(triangles)}"):
+        Session().replay(twice, SIDES.then(rcp.PaintFaces(faces=(0, len(triangles)))))
 
 
 def test_stop_is_heard_and_progress_only_rises(scan):

@@ -247,6 +247,7 @@ def test_wrong_uses_are_refused(tmp_path):
     vertices, triangles = house()
     meshfiles.ply_binary(source, vertices, triangles.tolist())
     check_line(isimp("report", source, out, "--proxies", "7", "--angles", "0,99"), 2, "there is no region 99")
+    check_line(isimp("report", source, out, "--angles=-1,2"), 2, "give two or more numbers of regions")
     assert not out.exists()
     out.write_text("")
     check_line(isimp("report", source, out), 2, "must be a folder")

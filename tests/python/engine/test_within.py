@@ -17,7 +17,9 @@ def partition_within(mesh, options):
 def test_a_cube_is_where_its_polygons_are():
     mesh = engine.Mesh(*shapes.cube(6))
     part = engine.partition(mesh, engine.PartitionOptions(proxies=6))
-    away = within.scan_distances(mesh, part, engine.polygonize(mesh, part))
+    poly = engine.polygonize(mesh, part)
+    assert within.triangles_of(poly) == 12
+    away = within.scan_distances(mesh, part, poly)
     assert away.shape == (len(mesh.vertices),)
     assert away.max() < 1e-9
 
