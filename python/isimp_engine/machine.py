@@ -1,6 +1,7 @@
 """The share of its machine that this process may use: limits of the system's groups of processes count too."""
 
 import os
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -35,6 +36,22 @@ def memory_mb() -> float:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / _MB / 2
     except (ValueError, OSError, AttributeError):
         return 2048.0
+
+
+def memory_of(process: int | str) -> dict[str, float]:
+    """The MB of each kind of memory of a process; empty if it has ended, or the system does not provide them."""
+    lines = _text(Path(f"/proc/{process}/status")).splitlines()
+    return {line.split(":")[0]: int(line.split()[1]) / 1024 for line in lines if line.endswith(" kB")}
+
+
+def peak_mb() -> float | None:
+    """The peak memory of this process; None if the system has no such number."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
+    return round(memory_of("self").get("VmHWM", peak), 1)  # that number of Linux may be the one of the parent process
 
 
 def _groups() -> Iterator[Path]:

@@ -20,7 +20,7 @@ from .run import run
 __all__ = ["BatchError", "Children", "Cluster", "run"]
 
 if not TYPE_CHECKING:
-    _OLD = {name: f"children.nursery.{name}" for name in ("Ending", "Limits", "Nursery", "NurseryEnded")}
+    _OLD = {name: f"children.process.{name}" for name in ("Ending", "Limits")}
     _OLD |= {name: f"batch.run.{name}" for name in ("Outcome", "State")}
     _OLD |= {name: f"batch.scans.{name}" for name in ("Scan", "estimated_faces", "find_scans", "needed_mb")}
     __getattr__ = by_old_name(__name__, _OLD | {"read_rows": "batch.table.read_rows"})

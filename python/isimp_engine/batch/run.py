@@ -13,8 +13,9 @@ from typing import Any
 
 from .. import FileError, __version__, exporting
 from ..children.errors import BatchError
-from ..children.nursery import SIMPLIFY, Ending
-from ..children.runner import Assignment, Children, Workers, clear, endings
+from ..children.process import SIMPLIFY, Ending
+from ..children.runner import Assignment, Children, clear, endings
+from ..children.workers import Workers
 from ..cli.errors import UsageError
 from ..cli.files import check
 from ..cli.options import settings_of

@@ -1,55 +1,21 @@
 """Children on the workers of a Dask cluster. All machines share a folder for the files.
 
-Each thread of a worker has a process of its own that forks children. A Dask task only waits for a child, so a crash or
-a hang of the child does not affect the worker.
+A Dask task only waits for a child, so a crash or a hang of the child does not affect the worker.
 """
 
-import os
-import queue
-import tempfile
-import threading
-import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from .. import __version__
 from .clusters import Cluster, started
 from .errors import BatchError
-from .nursery import Ending, Limits, Nursery, NurseryEnded
+from .process import Limits, run_in_folder
+from .workers import Workers
 
-_LOOK = 0.5  # seconds between two checks that the batch is still running
 _CONNECT = 20  # seconds to wait for a scheduler or a worker
 _RESOURCE = "MB"  #: name of the workers' resource for memory, which is optional
-
-_own = threading.local()
-
-
-def run_one(task: dict[str, Any], parts: str, running: str, limits: Limits, work: str) -> tuple[str, Ending]:
-    """Run a piece of work in a worker; returns the folder with its files, and its ending.
-
-    running: a file that exists as long as the batch runs.
-    """
-    if not os.path.exists(running):  # noqa: PTH110
-        raise BatchError(f"{running}: is not seen from here: OUTPUT_FOLDER must be a folder that all workers share")
-    if getattr(_own, "work", None) != work:
-        _own.work, _own.nursery = work, Nursery(work)
-    nursery: Nursery = _own.nursery
-    for tries in (1, 2):
-        folder = tempfile.mkdtemp(dir=parts)
-        try:
-            nursery.start(0, task, Path(folder), limits)
-            while not (found := nursery.endings(_LOOK)):
-                if not os.path.exists(running):  # noqa: PTH110
-                    nursery.close()
-                    return folder, Ending("stopped", {})
-            return folder, found[0][1]
-        except NurseryEnded:
-            if tries == 2:
-                return folder, Ending("the process that runs scans was ended twice meanwhile", {})
-    raise AssertionError
 
 
 def version() -> str:
@@ -63,7 +29,7 @@ def on_cluster(cluster: Cluster, parts: Path, limits: Limits, work: str) -> "Ite
         yield workers
 
 
-class OnDask:
+class OnDask(Workers):
     """Runs pieces of work on the workers of a cluster.
 
     Workers with a resource MB run as many pieces at once as fit into it, by estimated need. Other workers run one piece
@@ -80,31 +46,19 @@ class OnDask:
             self._client: Any = distributed.Client(address, timeout=_CONNECT)
         except (OSError, ValueError) as error:
             raise BatchError(f"--dask {address}: there is no scheduler of Dask ({_line(error)})") from None
-        self._parts, self._work = parts, work
-        self._running = parts.parent / f"running-{uuid.uuid4().hex}"
-        self._done: queue.SimpleQueue[int] = queue.SimpleQueue()
-        self._futures: dict[int, Any] = {}
         try:
             self._check(address, patience)
             self._mb, self._resource = self._memory()
         except BaseException:
             self._client.close()
             raise
-        self._limits = Limits(limits.seconds, self._mb if limits.mb is None else limits.mb)
-        self._running.touch()
+        super().__init__(parts, Limits(limits.seconds, self._mb if limits.mb is None else limits.mb), work)
 
     def __enter__(self) -> "OnDask":
+        super().__enter__()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._running.unlink(missing_ok=True)  # workers kill their children when this file is missing
-        self._client.cancel(list(self._futures.values()))
-        self._client.close()
-
     def refuses(self, mb: float) -> str:
-        """Return why a piece of work with this need is refused; empty: it is not."""
         if not self._resource or self._mb is None or mb <= self._mb:
             return ""
         return f"needs about {mb:,.0f} MB, and the largest worker has {self._mb:,.0f} MB"
@@ -113,32 +67,22 @@ class OnDask:
         """Return 1: a worker runs as many children as it has threads."""
         return 1
 
-    def start(self, number: int, task: dict[str, Any], mb: float) -> None:
+    def _submit(self, number: int, mb: float, arguments: tuple[Any, ...]) -> Any:
         need = mb if self._limits.mb is None else min(mb, self._limits.mb)
-        arguments = (task, str(self._parts), str(self._running), self._limits, self._work)
         resources = {_RESOURCE: need} if self._resource else None
-        future = self._client.submit(run_one, *arguments, pure=False, resources=resources, priority=-number)
-        self._futures[number] = future
-        future.add_done_callback(self._note(number))
+        return self._client.submit(run_in_folder, *arguments, pure=False, resources=resources, priority=-number)
 
-    def endings(self, seconds: float) -> list[tuple[int, Path, Ending]]:
-        """Return a piece that has ended, with its folder. Waits at most `seconds` for it."""
-        try:
-            number = self._done.get(timeout=seconds)
-        except queue.Empty:
-            return []
-        future = self._futures.pop(number)
+    def _lost(self, future: Any) -> str:
         if future.status == "finished":
-            folder, ending = future.result()
-            return [(number, Path(folder), ending)]
+            return ""
         error = future.exception() if future.status == "error" else None
         if isinstance(error, BatchError):
             raise error
-        why = f"Dask could not run it: {_line(error)}" if error is not None else "Dask cancelled it"
-        return [(number, Path(tempfile.mkdtemp(dir=self._parts)), Ending(why, {}))]
+        return "Dask cancelled it" if error is None else f"Dask could not run it: {_line(error)}"
 
-    def _note(self, number: int) -> Callable[[Any], None]:
-        return lambda _: self._done.put(number)
+    def _close(self) -> None:
+        self._client.cancel(list(self._futures.values()))
+        self._client.close()
 
     def _check(self, address: str, patience: float | None) -> None:
         """Raise BatchError for workers without this version, before each scan fails on them."""

@@ -12,13 +12,13 @@ from ..folders import discard
 from .clusters import Cluster
 from .errors import BatchError
 from .local import Local
-from .nursery import Ending, Limits
 from .on_dask import OnDask, on_cluster
+from .process import Ending, Limits
+from .workers import Workers
 
 _TICK = 0.2  # most seconds between two calls of `watch`
 
 Key = TypeVar("Key")
-Workers = Local | OnDask
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Children:
 
     def __post_init__(self) -> None:
         if not hasattr(os, "fork"):
-            raise BatchError("child processes need fork, which this system does not have")
+            raise BatchError("child processes with limits need Linux or macOS")
         if self.jobs is not None and self.jobs < 1:
             raise BatchError(f"the number of jobs must be at least 1, got {self.jobs}")
         for name, value in (("time limit", self.time_limit), ("memory limit", self.memory_limit)):
@@ -46,7 +46,7 @@ class Children:
             raise BatchError("--dask and --cluster contradict each other; give one of them")
 
     def workers(self, parts: Path, work: str, threads: int | None = None) -> AbstractContextManager[Workers]:
-        """Return the workers. parts: a folder for the folders of children. work, threads: see Nursery and Local."""
+        """Return the workers. parts: a folder for the folders of children. work, threads: see process.run and Local."""
         limits = Limits(self.time_limit, self.memory_limit)
         if self.cluster is not None:
             return on_cluster(self.cluster, parts, limits, work)

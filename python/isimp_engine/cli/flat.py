@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .. import PolygonMesh, __version__, exporting, merge_flat
+from .. import PolygonMesh, __version__, exporting, machine, merge_flat
 from ..drafts import save_array
 from ..repairs import Meshes, Repair
 from ..source import Source, facts, labels, load
@@ -93,7 +93,7 @@ def _merge(task: Simplification, angle: float) -> None:
             "validity": exporting.validity(poly, surfaces=surfaces),
             "step": told or None,
             "seconds": steps.seconds,
-            "peak_mb": simplify.peak_mb(),
+            "peak_mb": machine.peak_mb(),
         }
         if task.report:
             outputs.write_text(task.report, json.dumps(report, indent=2, allow_nan=False) + "\n")

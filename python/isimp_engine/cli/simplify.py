@@ -2,14 +2,13 @@
 
 import argparse
 import json
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .. import FileError, MeshingOptions, Partition, exporting
+from .. import FileError, MeshingOptions, Partition, exporting, machine
 from ..cache import Cache
 from ..drafts import save_array
 from ..pipeline import Model, has_texture, make_model, make_regions, require_texture
@@ -121,7 +120,7 @@ def _make(
     if model.texture is not None:
         report["texture"] = report["texture"] | {"files": [str(path) for path in written[1:]]}
     seconds = steps.seconds | {"clean": steps.seconds.get("clean", 0.0)}  # a level of detail may have a known mesh
-    return Done(model, report | {"step": step, "seconds": seconds, "peak_mb": peak_mb()})
+    return Done(model, report | {"step": step, "seconds": seconds, "peak_mb": machine.peak_mb()})
 
 
 def output_kinds(settings: Settings) -> tuple[str, ...]:
@@ -144,16 +143,6 @@ def check_places(task: Simplification) -> list[Path]:
     places = (task.output, *beside, task.labels, task.report)
     check_all([path for path in places if isinstance(path, Path)], [task.input])
     return beside
-
-
-def peak_mb() -> float | None:
-    """The peak memory of this process; None if the system has no such number."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return None
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return round(peak / (2**20 if sys.platform == "darwin" else 2**10), 1)
 
 
 def summary(source: Source, done: list[Done]) -> Iterator[str]:

@@ -13,8 +13,9 @@ from .. import PartitionOptions
 from ..batch.scans import estimated_faces, needed_mb
 from ..batch.table import Lock
 from ..children.errors import BatchError
-from ..children.nursery import Ending
-from ..children.runner import Assignment, Children, Workers, clear, endings
+from ..children.process import Ending
+from ..children.runner import Assignment, Children, clear, endings
+from ..children.workers import Workers
 from ..folders import NotOwn, Own, discard
 from . import steps
 from .errors import TileFailed, TilesError

@@ -1,6 +1,7 @@
 """The scans of a batch, the refused ones, and the number that has room at once."""
 
 import os
+from concurrent.futures import Future
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ import meshfiles
 import shapes
 from batches import ODD, isimp, scan, whys
 from isimp_engine import batch, machine
-from isimp_engine.children import local, nursery
+from isimp_engine.children import local, process
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs fork")
 
@@ -157,24 +158,24 @@ def test_faces_are_estimated_by_header_and_size(tmp_path):
 def test_as_many_at_once_as_cores_and_memory_allow(tmp_path, monkeypatch):
     monkeypatch.setattr(machine, "cores", lambda: 8)
     monkeypatch.setattr(machine, "memory_mb", lambda: 1000 / 0.9)
-    with local.Local(tmp_path, None, nursery.Limits(), ODD) as workers:
+    with local.Local(tmp_path, None, process.Limits(), ODD) as workers:
         assert workers.threads(100, 1) == 8, "one alone has all cores"
         assert workers.threads(100, 2) == 4
         assert workers.threads(100, 100) == 1
         assert workers.threads(450, 100) == 4, "memory for two of them"
         assert workers.threads(5000, 100) == 8, "more than there is: it is tried alone"
-        monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
+        monkeypatch.setattr(workers, "_submit", lambda *_: Future())
         workers.start(0, {}, 700)
         assert workers.threads(400, 5) == 0
         assert workers.threads(300, 5) == 2
-    with local.Local(tmp_path, 2, nursery.Limits(mb=300), ODD) as workers:
-        monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
+    with local.Local(tmp_path, 2, process.Limits(mb=300), ODD) as workers:
+        monkeypatch.setattr(workers, "_submit", lambda *_: Future())
         for number in range(2):
             assert workers.threads(5000, 100) == 4, "a limit bounds what is needed"
             workers.start(number, {}, 5000)
         assert workers.threads(1, 100) == 0, "two jobs were requested"
-    with local.Local(tmp_path, None, nursery.Limits(), ODD, threads=4) as workers:
-        monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
+    with local.Local(tmp_path, None, process.Limits(), ODD, threads=4) as workers:
+        monkeypatch.setattr(workers, "_submit", lambda *_: Future())
         for number in range(2):
             assert workers.threads(1, 100)
             workers.start(number, {}, 1)

@@ -53,7 +53,7 @@ def test_a_job_is_a_keyword():
         (engine, "uv_islands", texturing.uv_islands, "private from the next version on"),
         (engine, "read_polygons", reading.read_polygons, "private from the next version on"),
         (batch, "read_rows", batch.table.read_rows, "isimp_engine.batch.table.read_rows"),
-        (batch, "Nursery", engine.children.nursery.Nursery, "isimp_engine.children.nursery.Nursery"),
+        (batch, "Ending", engine.children.process.Ending, "isimp_engine.children.process.Ending"),
         (tiles, "merge_inside", tiles.steps.merge_inside, "isimp_engine.tiles.steps.merge_inside"),
     ],
 )
