@@ -37,7 +37,6 @@ using Price = std::tuple<double, double, std::int32_t, double>;  ///< smooth, er
 /// WholeScan of tiles/steps.py: error, area, faces, regions, smooth, sweeps.
 using WholeScan = std::tuple<double, double, std::int64_t, std::int32_t, double, std::int32_t>;
 constexpr py::ssize_t kSumColumns = 5, kMomentColumns = 10;
-constexpr std::int32_t kMostFaces = std::numeric_limits<std::int32_t>::max();
 
 /// The rows of a table without a copy, as a struct of its numbers.
 template <class Row, class T>
@@ -70,7 +69,8 @@ void put(const RegionSum& s, double* at) {
 std::vector<RegionSum> read_sums(const Table<double>& table) {
   std::vector<RegionSum> sums;
   for (const auto& row : rows<std::array<double, kSumColumns>>(table, "sums"))
-    sums.push_back({row[0], row[1], row[2], row[3], isimp::to_integer(row[4], 0, kMostFaces)});
+    sums.push_back(
+        {row[0], row[1], row[2], row[3], isimp::to_integer(row[4], 0, std::numeric_limits<std::int32_t>::max())});
   return sums;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "isimp/core/balanced.h"
+#include "least.h"
 
 namespace isimp::curved {
 namespace {
@@ -13,9 +14,7 @@ namespace {
 using Eigen::Matrix3d;
 using Solver3 = Eigen::SelfAdjointEigenSolver<Matrix3d>;
 
-constexpr double kThin = 1e-4;  ///< a least eigenvalue of normal lines below this: they do not meet
-constexpr double kTiny = 1e-300;
-constexpr double kDamping = 1e-12;
+constexpr double kThin = 1e-4;     ///< a least eigenvalue of normal lines below this: they do not meet
 constexpr double kMostTilt = 0.2;  ///< radians, of one step
 
 double sign(double x) { return x < 0 ? -1.0 : 1.0; }

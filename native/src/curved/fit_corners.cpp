@@ -3,11 +3,12 @@
 #include <algorithm>
 
 #include "cells.h"
+#include "least.h"
 
 namespace isimp::curved {
 namespace {
 
-constexpr double kDamping = 1e-6;  ///< share of the largest weight: a corner without faces stays
+constexpr double kDampingOfCorners = 1e-6;  ///< share of the largest weight: a corner without faces stays
 
 Vec2 across(const Vec2& edge) { return Vec2(edge.y(), -edge.x()).normalized(); }
 
@@ -40,7 +41,7 @@ std::vector<Vec2> fitted_corners(std::vector<Vec2> corners, bool closed, std::sp
       for (std::size_t j = 0; j < 2; ++j) a(at[i], at[j]) += weight * moves[i] * moves[j];
     }
   }
-  a.diagonal().array() += kDamping * std::max(a.diagonal().maxCoeff(), 1e-300);
+  a.diagonal().array() += kDampingOfCorners * std::max(a.diagonal().maxCoeff(), kTiny);
   const Eigen::VectorXd step = a.ldlt().solve(b);
   for (std::size_t k = 0; k < corners.size(); ++k) corners[k] += step[static_cast<Eigen::Index>(k % unknowns)] * way[k];
   return corners;

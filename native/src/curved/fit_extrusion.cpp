@@ -3,12 +3,12 @@
 #include <cmath>
 
 #include "fit.h"
+#include "least.h"
 
 namespace isimp::curved {
 namespace {
 
 constexpr int kTilts = 3;  ///< steps of the axis
-constexpr double kDamping = 1e-12;
 
 /// The surface with its axis tilted so that the samples have the least distances, by a step of Gauss-Newton.
 CurvedSurface tilted(CurvedSurface c, const Samples& s) {

@@ -8,6 +8,7 @@
 #include "fit.h"
 #include "grid.h"
 #include "isimp/core/to_integer.h"
+#include "least.h"
 
 namespace isimp::curved {
 namespace {
@@ -20,7 +21,6 @@ constexpr double kSameWay = 0.8;             ///< cosine of the normals of point
 constexpr double kTurns = 4;                 ///< by how much a difference of normals lengthens a step
 constexpr double kGap = 8;                   ///< median steps: ends that are nearer make a ring
 constexpr std::size_t kLeastOfProfile = 12;  ///< points
-constexpr double kTiny = 1e-300;
 
 /// Points of a profile that nearly coincide.
 struct Cluster {

@@ -6,10 +6,11 @@
 #include <limits>
 #include <numbers>
 
+#include "least.h"
+
 namespace isimp::curved {
 namespace {
 
-constexpr double kTiny = 1e-300;
 constexpr double kBeyond = 3;  ///< extension of an open profile at both ends, in lengths of its end edges
 
 }  // namespace

@@ -20,7 +20,6 @@ using namespace regular;
 
 constexpr double kAllowed = 0.01;    ///< share of the diagonal
 constexpr double kDirection = 0.05;  ///< length of a normal's part: below it, the direction of the turn is unknown
-constexpr double kSameKind = 1e-9;   ///< tolerance for a level or an upright plane
 
 /// Regions with the face that named each, in the order of the faces.
 struct Chosen {
@@ -104,8 +103,8 @@ void count_kinds(Regularity& found, const Partition& part, const std::vector<Reg
     const bool is_snapped = part.region_held[i] == kPlaneSnapped;
     ++(part.region_held[i] == kPlaneByHand ? found.by_hand
        : !is_snapped                       ? found.free
-       : rise > 1 - kSameKind              ? found.level
-       : rise < kSameKind                  ? found.upright
+       : rise > 1 - kSame                  ? found.level
+       : rise < kSame                      ? found.upright
                                            : found.parallel);
   }
 }

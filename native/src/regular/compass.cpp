@@ -39,10 +39,9 @@ double Compass::nearest(double frame, double azimuth) {
 }
 
 double Compass::vote(const std::vector<const RegionPlane*>& some, double angle) const {
-  constexpr int kSteps = 360;
   double best = 0, most = -1;
-  for (int k = 0; k < kSteps; ++k) {
-    const double here = kQuarter * k / kSteps;
+  for (int k = 0; k < 360; ++k) {
+    const double here = kQuarter * k / 360;
     double sum = 0;
     for (const RegionPlane* r : some) {
       const double d = azimuth_difference(azimuth(r->normal), here) / kVote;

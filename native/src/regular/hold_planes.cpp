@@ -14,15 +14,13 @@ namespace {
 
 using namespace regular;
 
-constexpr double kUnit = 1e-9;  ///< difference of a length from 1
-
 void check_number(const char* what, std::int32_t number, std::size_t count) {
   if (number < 0 || static_cast<std::size_t>(number) >= count)
     throw InvalidInput(std::string(what) + " must be in [0, " + std::to_string(count) + "), got " +
                        std::to_string(number));
 }
 
-bool is_unit(const Vec3& v) { return std::abs(v.norm() - 1) <= kUnit; }  // also false where it is not finite
+bool is_unit(const Vec3& v) { return std::abs(v.norm() - 1) <= kSame; }  // also false where it is not finite
 
 void check(const Partition& partition, std::span<const HeldPlane> planes, std::span<const HeldRound> round) {
   for (const HeldPlane& plane : planes) {

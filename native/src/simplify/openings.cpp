@@ -15,14 +15,13 @@
 namespace isimp {
 namespace {
 
-constexpr double kOfRegion = 0.5;      // share of sqrt(area / regions)
-constexpr double kMostEdges = 20;      // mean edges
-constexpr double kFlat = 2.0;          // sqrt(area / regions): holes in walls
-constexpr double kPinhole = 8;         // mean edges: the border of the faces at one vertex
-constexpr double kLikely = 2.5;        // detail times number of regions: 9 of 10 scans are below
-constexpr double kMostPatch = 2.0;     // mean regions; patches that cut a handle have up to 1.6
-constexpr double kMostShare = 0.01;    // of the surface
-constexpr double kLeastNoise = 0.005;  // share of the mean edge: scans have .01 and more, CAD models .001 and less
+constexpr double kOfRegion = 0.5;    // share of sqrt(area / regions)
+constexpr double kMostEdges = 20;    // mean edges
+constexpr double kFlat = 2.0;        // sqrt(area / regions): holes in walls
+constexpr double kPinhole = 8;       // mean edges: the border of the faces at one vertex
+constexpr double kLikely = 2.5;      // detail times number of regions: 9 of 10 scans are below
+constexpr double kMostPatch = 2.0;   // mean regions; patches that cut a handle have up to 1.6
+constexpr double kMostShare = 0.01;  // of the surface
 
 /// As `opening_lengths`, for a scan with openings.
 OpeningLengths lengths_of(double area, double edge, std::int32_t regions) {
@@ -48,7 +47,7 @@ auto on_kept(const Mesh& mesh, const PartitionOptions& options, Job& job, Functi
 
 /// Whether a mesh has openings that may be errors of scanning.
 bool is_open_scan(const Mesh& mesh, Job& job) {
-  return has_openings(mesh) && is_noisier(mesh, kLeastNoise * mean_edge(mesh), job);
+  return has_openings(mesh) && is_noisier(mesh, kScanNoise * mean_edge(mesh), job);
 }
 
 }  // namespace

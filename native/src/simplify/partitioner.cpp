@@ -317,12 +317,11 @@ void hold_as(Partition& part, const Partition& before, bool all_stay) {
 /// On the components that are kept, as a mesh of their own.
 Partition Partitioner::on_kept(const Components& components, const PartitionOptions& options,
                                const Constraints& constraints, Job& job) const {
-  constexpr double kCutting = 0.1;  // share of the time
   std::vector<std::int32_t> kept;
   for (std::int32_t f = 0; f < mesh_->face_count(); ++f)
     if (components.all[mesh_->component()[f]].kept) kept.push_back(f);
   const std::shared_ptr<const Submesh> own = [&] {
-    const Job::Stage stage(job, "cutting off a part", 0.0, kCutting);
+    const Job::Stage stage(job, "cutting off a part", 0.0, 0.1);
     return submesh(kept, job);
   }();
   Constraints inner{.guides = guides_of_part(constraints.guides, own->mesh, kept, job),
@@ -337,7 +336,7 @@ Partition Partitioner::on_kept(const Components& components, const PartitionOpti
   PartitionOptions all = options;
   all.leave_out = 0.0;
   Partition result = [&] {
-    const Job::Stage stage(job, "partitioning", kCutting, 1.0);
+    const Job::Stage stage(job, "partitioning", 0.1, 1.0);
     return own->partitioner.with_all_components(all, inner, job);
   }();
 

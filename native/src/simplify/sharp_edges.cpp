@@ -28,7 +28,6 @@ constexpr double kSpareAngle = 20.0;  // degrees that the angles to both may be 
 constexpr double kOfNormal = 0.25;    // weight of the squared difference of normals; the distance in widths has 1
 constexpr double kOff = 0.5;          // share of the width: largest distance of a strip's faces from their planes
 constexpr double kMostOff = 0.9;      // share of the faces that are
-constexpr double kNoisy = 0.005;      // share of the mean edge: scans have .01 and more, CAD models .001 and less
 constexpr int kRounds = 3, kFits = 12;
 constexpr std::size_t kBesideLooked = 3;
 constexpr int kFlatFaces = 100;  // least mean number of faces of a region where planes are sure
@@ -324,7 +323,7 @@ std::optional<std::vector<std::int32_t>> without_strips(const Mesh& mesh, const 
 
 bool is_of_planes(const Mesh& mesh, const Partition& partition) {
   const auto count = static_cast<std::size_t>(partition.region_count());
-  if (!(partition.noise > kNoisy * mean_edge(mesh)) || partition.noise > partition.tolerance ||
+  if (!(partition.noise > kScanNoise * mean_edge(mesh)) || partition.noise > partition.tolerance ||
       mesh.face_count() < kFlatFaces * partition.region_count())
     return false;
   std::vector<Vec3> middle(count, Vec3::Zero());

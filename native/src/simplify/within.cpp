@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kShares[] = {1.0, 0.5, 0.25};  // share of the bound; borders and corners may use up half of it
 constexpr double kStep = 0.75, kLeast = 0.2;    // factor for the regions' own bound, and its least share
-constexpr double kPartitioning = 0.25;          // share of the time for a partition and its polygons
 
 /// The largest of some distances; NaN where there is none.
 double largest(const std::vector<double>& distances) {
@@ -105,10 +104,10 @@ Within partition_within(const Partitioner& partitioner, const PartitionOptions& 
     return partitioner.run(lower, constraints, j);
   };
   Partition partition = [&] {
-    const Job::Stage stage(job, "partitioning", 0.0, kPartitioning);
+    const Job::Stage stage(job, "partitioning", 0.0, 0.25);
     return make(1.0, job);
   }();
-  const Job::Stage stage(job, "meshing", kPartitioning, 1.0);
+  const Job::Stage stage(job, "meshing", 0.25, 1.0);
   return polygonize_within(partitioner.mesh(), std::move(partition), meshing, make, job, slack);
 }
 

@@ -23,14 +23,13 @@ std::vector<std::array<std::int32_t, 2>> beside(const Mesh& mesh, const Partitio
 }
 
 void make_blocks(const Mesh& mesh, Neighbourhood& found) {
-  constexpr std::int32_t kBlock = Neighbourhood::kBlock;
   std::vector<std::int32_t> place(mesh.vertex_count(), kNone);
   found.corners.resize(found.faces.size());
   for (std::size_t r = 0; r + 1 < found.start.size(); ++r) {
     found.block_start.push_back(static_cast<std::int32_t>(found.blocks.size()));
-    for (std::int32_t begin = found.start[r]; begin < found.start[r + 1]; begin += kBlock) {
+    for (std::int32_t begin = found.start[r]; begin < found.start[r + 1]; begin += Neighbourhood::kBlock) {
       Neighbourhood::Block block{begin,
-                                 std::min(begin + kBlock, found.start[r + 1]),
+                                 std::min(begin + Neighbourhood::kBlock, found.start[r + 1]),
                                  static_cast<std::int32_t>(found.vertices.size()),
                                  0,
                                  Vec3::Zero(),

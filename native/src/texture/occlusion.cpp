@@ -20,9 +20,8 @@
 namespace isimp {
 namespace {
 
-constexpr std::int32_t kGroup = 3;      // texels a side that share all directions
-constexpr float kLift = 1e-5F;          // share of the diagonal by which rays start above their face
-constexpr std::int32_t kTexels = 4096;  // texels of a block, between polls
+constexpr std::int32_t kGroup = 3;  // texels a side that share all directions
+constexpr float kLift = 1e-5F;      // share of the diagonal by which rays start above their face
 
 /// Directions about z, cosine-weighted: points of a spiral that cover the disc evenly, lifted to the hemisphere (Malley's
 /// method; the spiral turns by the golden ratio). Each texel of a group uses every ninth one.
@@ -149,7 +148,7 @@ Array<std::uint8_t> occlusion(const Mesh& mesh, const Partition& partition, cons
   std::atomic<std::int32_t> done{0};
   const std::thread::id caller = std::this_thread::get_id();
   const auto each = [&](auto body) {
-    threads.blocks(count, kTexels, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    threads.blocks(count, 4096, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
       for (std::int32_t i = begin; i < end; ++i) {
         if (i % 64 == 0) job.poll();
         body(texels[i]);

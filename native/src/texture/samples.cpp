@@ -11,7 +11,6 @@ namespace isimp::detail {
 namespace {
 
 constexpr float kSeen = 1.5F;  // texels of the gutter that show at an edge, between pixels
-constexpr float kFar = std::numeric_limits<float>::infinity();
 
 /// Finds the texels of a polygon. Their weight of the closest point is 0 so far.
 /// \return whether there are any
@@ -37,7 +36,7 @@ bool find_own(const Scene& scene, std::int32_t q, Samples& samples) {
 void find_band(const Scene& scene, std::int32_t q, Samples& samples) {
   if (!(scene.band > 0)) return;
   const TexelBox& box = samples.box;
-  samples.edge.assign(samples.closest.size(), kFar);
+  samples.edge.assign(samples.closest.size(), std::numeric_limits<float>::infinity());
   measure_edges(outline_of(scene.polygons, scene.atlas, q), box, scene.band, samples.edge);
   for (std::int32_t j = 0; j < box.height(); ++j)
     for (std::int32_t i = samples.wanted[j].begin; i < samples.wanted[j].end; ++i) {

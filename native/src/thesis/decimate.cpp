@@ -63,14 +63,13 @@ void lock_barriers(const Surface& surface, OmMesh& om) {
 
 class Watch final : public OpenMesh::Decimater::Observer {
  public:
-  Watch(Job& job, double collapses) : Observer(kEvery), job_(job), collapses_(collapses) {}
+  Watch(Job& job, double collapses) : Observer(256), job_(job), collapses_(collapses) {}
   void notify(std::size_t step) override {
     if (!job_.cancelled()) job_.report(std::min(1.0, static_cast<double>(step) / collapses_));
   }
   [[nodiscard]] bool abort() const override { return job_.cancelled(); }
 
  private:
-  static constexpr std::size_t kEvery = 256;
   Job& job_;
   double collapses_;
 };

@@ -7,8 +7,7 @@
 namespace isimp {
 namespace {
 
-constexpr std::int32_t kFree = kNone;
-/// Label of a face that waits in a list for a region, and back: below kFree, so that labels from 0 up are settled.
+/// Label of a face that waits in a list for a region, and back: below kNone, so that labels from 0 up are settled.
 constexpr std::int32_t waiting(std::int32_t region) { return -2 - region; }
 
 }  // namespace
@@ -27,7 +26,7 @@ void Flooding::burst(std::int32_t face, std::int32_t region) {
         stack_.push_back(next);
         continue;
       }
-      if (old != kFree && error >= NormalMetric::error(faces[next], proxies_[waiting(old)])) continue;
+      if (old != kNone && error >= NormalMetric::error(faces[next], proxies_[waiting(old)])) continue;
       label_[next] = waiting(region);
       lists_[list_of(error)].push_back(next);
     }
@@ -40,7 +39,7 @@ void Flooding::burst(std::int32_t face, std::int32_t region) {
 void Flooding::run(const FaceGraph& graph, std::span<const NormalMetric::Proxy> proxies,
                    std::span<const std::int32_t> seeds, std::vector<std::int32_t>& label, Job& job) {
   const std::int32_t n = graph.size();
-  label.assign(static_cast<std::size_t>(n) + 1, kFree);
+  label.assign(static_cast<std::size_t>(n) + 1, kNone);
   label[n] = 0;  // the sentinel counts as settled while the water rises
   graph_ = &graph;
   proxies_ = proxies.data();

@@ -20,8 +20,6 @@
 namespace isimp::tiles {
 namespace {
 
-constexpr double kRounding = 1e-9;  // share of the area: lower costs are rounding errors
-
 /// Returns the nodes that are not left out, with areas as shares of `area`.
 ClusterGraph clusters_of(const JoinedGraph& graph, const JoinedComponents& components, double area) {
   ClusterGraph clusters;
@@ -115,7 +113,7 @@ FoundRegions find_regions(const JoinedGraph& graph, const JoinedComponents& comp
   std::vector<double> falling = tree.cost;
   std::sort(falling.begin(), falling.end(), std::greater<>());
   for (double& each : falling) each *= area;
-  const Cut cut = choose_cut(falling, left, kRounding * area, tolerance, tolerance, noise, snap, [&](double at) {
+  const Cut cut = choose_cut(falling, left, kNoCost * area, tolerance, tolerance, noise, snap, [&](double at) {
     return keeps_features(tree, leaves, merge_limit(tolerance, noise) / area, at / area);
   });
   const auto above = std::find_if(tree.cost.begin(), tree.cost.end(), [&](double c) { return c * area > cut.cost; });

@@ -128,9 +128,8 @@ std::int32_t components(const MeshArrays& arrays) {
 
 /// The borders of chunks joined, in two passes: joining makes faces that are not manifold, and these are repaired.
 void stitch_chunks(Cleaning& sound, const CleanOptions& options, const Threads& threads, Job& job) {
-  constexpr int kPasses = 2;
   std::optional<double> distance = options.stitch;
-  for (int pass = 0; pass < kPasses; ++pass) {
+  for (int pass = 0; pass < 2; ++pass) {
     RepairLog log = sound.log;
     std::optional<Stitched> joined = stitch(sound.arrays, sound.topology, distance, log, job);
     if (!joined) return;

@@ -26,7 +26,7 @@ class Cells {
  public:
   explicit Cells(std::vector<Box> boxes) : boxes_(std::move(boxes)) {
     for (const Box& b : boxes_) reach_.extend(b);
-    side_ = to_integer(kFine * std::cbrt(static_cast<double>(boxes_.size())), 1, kMostSide);
+    side_ = to_integer(4 * std::cbrt(static_cast<double>(boxes_.size())), 1, 64);
     for (scale(); side_ > 1 && !is_small(); scale()) side_ /= 2;
     start_.assign(static_cast<std::size_t>(side_) * side_ * side_ + 1, 0);
     const auto each = [&](auto fn) {
@@ -57,10 +57,6 @@ class Cells {
   }
 
  private:
-  static constexpr int kMostSide = 64;
-  static constexpr double kFine = 4;
-  static constexpr std::size_t kMostCells = 64;  // most cells a box, on average
-
   using Cell = std::array<int, 3>;
   using Range = std::array<Cell, 2>;  // the lowest and the highest cell
 
@@ -80,7 +76,7 @@ class Cells {
       for (int k = 0; k < 3; ++k) own *= static_cast<std::size_t>(std::max(high[k] - low[k] + 1, 0));
       cells += own;
     }
-    return cells <= kMostCells * boxes_.size();
+    return cells <= 64 * boxes_.size();  // a box is in 64 cells at most, on average
   }
 
   [[nodiscard]] int cell_of(double at, int axis) const {

@@ -48,7 +48,6 @@ class Rings {
   }
 
  private:
-  static constexpr int kMostRows = 32;
   static constexpr double kWider = 1.3;  // times the loop's length: a border beyond is no longer in the tunnel
 
   [[nodiscard]] Opening ring_of(const Loop& loop) {
@@ -58,7 +57,7 @@ class Rings {
     o.round = loop.vertices;
     add_fans(loop.vertices, o.removed);
     if (!free_inside(o.removed) || !find_borders(o, loop)) return {};
-    for (int rows = 0; rows < kMostRows && widen(o, loop);) ++rows;
+    for (int rows = 0; rows < 32 && widen(o, loop);) ++rows;
     return o;
   }
 

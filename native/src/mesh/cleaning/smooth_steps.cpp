@@ -15,7 +15,6 @@ constexpr int kTurns = 3;       // of filtering normals and following them
 constexpr int kPasses = 8;      // of the filter
 constexpr int kMoves = 10;      // of the vertices toward the planes of their faces
 constexpr double kRange = 0.3;  // difference of normals beyond which two faces do not mix
-constexpr std::int32_t kBlock = 4096;
 
 /// The faces of each vertex.
 struct FacesAt {
@@ -66,7 +65,7 @@ class Smoother {
   /// Calls body(i) for i in [0, n) on all threads.
   template <class Body>
   void each(std::size_t n, const Body& body) const {
-    threads_.blocks(static_cast<std::int32_t>(n), kBlock, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    threads_.blocks(static_cast<std::int32_t>(n), 4096, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
       for (std::int32_t i = begin; i < end; ++i) body(i);
     });
   }

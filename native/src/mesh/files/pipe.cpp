@@ -24,7 +24,6 @@ bool is_stream(const fs::file_status& status) {
 
 namespace {
 
-constexpr int kPatience = 20;  // milliseconds between two polls of the job
 constexpr std::size_t kPiece = std::size_t{1} << 16;
 
 [[noreturn]] void fail(const std::string& name, const std::string& what) {
@@ -34,7 +33,7 @@ constexpr std::size_t kPiece = std::size_t{1} << 16;
 /// Waits a short time for the handle; returns whether it is ready.
 bool wait_for(int handle, short what) {
   pollfd waiting{handle, what, 0};
-  return ::poll(&waiting, 1, kPatience) > 0;
+  return ::poll(&waiting, 1, 20) > 0;  // milliseconds until the job is polled
 }
 
 /// A handle that is closed at the end of its block.

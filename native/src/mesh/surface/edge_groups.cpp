@@ -6,10 +6,8 @@
 namespace isimp::detail {
 namespace {
 
-constexpr std::ptrdiff_t kShort = 24;  // entries up to which insertion beats std::sort
-
 void sort_entries(std::uint64_t* begin, std::uint64_t* end) {
-  if (end - begin > kShort) {
+  if (end - begin > 24) {  // insertion beats std::sort for fewer
     std::sort(begin, end);
     return;
   }

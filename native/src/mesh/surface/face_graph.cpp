@@ -108,8 +108,7 @@ std::vector<std::uint32_t> sort_by_first_digit(std::span<const std::uint64_t> ke
 /// Sorts by the bits above the face's number; equal ones keep their order. The highest digit comes first: the faces of
 /// each of its values then fit into a cache together, where the other digits cost little.
 void sort_by_place(std::span<std::uint64_t> keys, const Threads& threads, Job& job) {
-  constexpr std::size_t kFew = 64;            // keys that are sorted by comparisons
-  constexpr std::int32_t kDigitsAtOnce = 32;  // digits that a thread takes at a time
+  constexpr std::size_t kFew = 64;  // keys that are sorted by comparisons
   const auto other = std::make_unique_for_overwrite<std::uint64_t[]>(keys.size());
   const std::vector<std::uint32_t> begin = sort_by_first_digit(keys, other.get(), threads, job);
   const auto sort_digit = [&](std::size_t d) {
@@ -129,7 +128,7 @@ void sort_by_place(std::span<std::uint64_t> keys, const Threads& threads, Job& j
     for (std::int32_t d = 0; d < digits; ++d) sort_digit(static_cast<std::size_t>(d));
     return;
   }
-  threads.blocks(digits, kDigitsAtOnce, [&](std::int32_t, std::int32_t first, std::int32_t last) {
+  threads.blocks(digits, 32, [&](std::int32_t, std::int32_t first, std::int32_t last) {
     for (std::int32_t d = first; d < last; ++d) sort_digit(static_cast<std::size_t>(d));
   });
 }

@@ -22,7 +22,6 @@ constexpr std::int64_t kStepsBetweenPolls = 1 << 15;
 constexpr std::int64_t kStepsACorner = 300, kLeastSteps = 50'000'000;  // limits of steps of the search for ears
 constexpr std::int64_t kStepsCrossing = 30;                            // likewise once the polygon is known to meet
                                                                        // itself
-constexpr std::int64_t kSearches = 4;  // passes over all corners, for an ear that the search at neighbours misses
 
 /// Cuts ears off one polygon at a time; keeps its memory between them.
 ///
@@ -97,7 +96,7 @@ class EarCutter {
     for (std::int32_t i = 0; i < n; ++i) untried_.insert(i);
     all_are_tried_ = true;  // holds once untried_ is empty
     is_small_ = n <= kSmall;
-    searches_left_ = kSearches * n;
+    searches_left_ = 4 * n;  // of all corners, for an ear that the search at neighbours misses
     steps_ = 0;
     last_step_ = std::max(kLeastSteps, kStepsACorner * n);
     widest_.clear();

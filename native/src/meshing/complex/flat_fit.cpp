@@ -35,10 +35,9 @@ struct Fit::Spread {
 /// Source: the Rayleigh quotient iteration.
 bool Fit::refine(const Spread& k) {
   Vec3& n = normal;
-  constexpr int kSteps = 3;
   constexpr double kSmall = 1e-6;  // squared, of a step: the one after it would change nothing that counts
   double turned = 1;
-  for (int step = 0; step < kSteps && turned > kSmall; ++step) {
+  for (int step = 0; step < 3 && turned > kSmall; ++step) {
     const Vec3 next = k.adjugate_times(n.dot(k.times(n)), n);
     const double length = next.norm();
     if (!(length > 1e-12)) return false;

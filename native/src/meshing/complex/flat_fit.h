@@ -9,12 +9,10 @@
 
 namespace isimp::meshing {
 
-/// The weights of the energy of places (placement.h). The mean square distance of a chart from the plane of its polygon
-/// weighs 1.
-struct PlaceWeights {
-  double bend = 6;    ///< mean square distance of the polygon's corners from its plane
-  double tie = 0.06;  ///< square distance of a corner from its place at the start
-};
+// The weights of the energy of places (placement.h). The mean square distance of a chart from the plane of its polygon
+// weighs 1.
+constexpr double kOfBend = 6;    ///< tuned places: mean square distance of the polygon's corners from its plane
+constexpr double kOfTie = 0.06;  ///< tuned places: square distance of a corner from its place at the start
 
 /// A corner may move by this times the length of its shortest edge.
 constexpr double kOfEdge = 1.5;

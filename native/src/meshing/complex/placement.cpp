@@ -12,7 +12,6 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr PlaceWeights kWeights;
 /// Held planes whose eigenvalues have a smaller share of the largest fix no place.
 constexpr double kTruncate = 0.2;
 /// Planes of cells whose eigenvalues have a smaller share are parallel.
@@ -23,8 +22,7 @@ constexpr double kOfShortest = 0.5, kMeets = 1e-6;
 constexpr double kJoined = 0.5;
 // The least work that is worth another thread:
 constexpr std::int32_t kTogether = 64;  ///< corners that are placed
-constexpr std::int32_t kFitted = 192,
-                       kMoved = 384;  ///< in a turn, polygons that are fitted and corners that are moved
+constexpr std::int32_t kFitted = 192;   ///< polygons that are fitted in a turn
 
 /// The shortest edge at a corner.
 /// \param place  returns the place of a corner
@@ -149,7 +147,7 @@ Vec3 place_of_least(const Group& g, std::int32_t i) {
   }
   if (!(area > 0)) return anchor.at;
   const double share = g.round_of(i).size() > 3 ? kJoined : 1;
-  const double tie = area * share * kWeights.tie / kWeights.bend;
+  const double tie = area * share * kOfTie / kOfBend;
   const Vec3 step = (a + tie * Eigen::Matrix3d::Identity()).inverse() * r;
   return within(anchor.at + step, anchor.centre, anchor.radius);
 }
@@ -183,7 +181,7 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
   const auto fit = [&](Group& g, std::int32_t begin, std::int32_t end, int turn) {
     for (std::int32_t i = begin; i < end; ++i)
       g.fits[i].to(polygons.of(g.polygons[i]), position, planes[polygons.chart(g.polygons[i])],
-                   turn == 0 ? 0 : kWeights.bend);
+                   turn == 0 ? 0 : kOfBend);
   };
   const auto move = [&](Group& g, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i) {
@@ -201,7 +199,7 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
     for (int turn = 0; turn < rounds; ++turn) {
       threads.blocks(fits, kFitted,
                      [&](std::int32_t, std::int32_t begin, std::int32_t end) { fit(g, begin, end, turn); });
-      threads.blocks(moves, kMoved, [&](std::int32_t, std::int32_t begin, std::int32_t end) { move(g, begin, end); });
+      threads.blocks(moves, 384, [&](std::int32_t, std::int32_t begin, std::int32_t end) { move(g, begin, end); });
     }
   }
   const auto small = static_cast<std::int32_t>(groups.size()) - large;

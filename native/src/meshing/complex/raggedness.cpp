@@ -8,7 +8,6 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kWindows = 16;         // least number per loop: a square has its corners in a quarter of them
-constexpr int kSamples = 33;         // points of a window
 constexpr double kOfRagged = 2.0;    // times the raggedness: the reach
 constexpr double kRounding = 1e-12;  // share of the diagonal
 constexpr double kRagged = 0.8;      // mean edges of the border: one that is more ragged is straightened by itself

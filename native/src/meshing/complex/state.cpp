@@ -6,13 +6,16 @@
 
 #include "complex/coplanar.h"
 #include "complex/raggedness.h"
+#include "discs/no_length.h"
 #include "isimp/core/check.h"
 #include "isimp/core/sorted.h"
 
 namespace isimp::meshing {
 namespace {
 
-constexpr double kRimWindow = 0.5;  ///< window of the raggedness, in sqrt(area / regions)
+constexpr double kMostOff = 0.03, kMostOffBorder = 0.01;  ///< tuned unrecorded: chords of few regions, of the diagonal
+constexpr double kLeastSine = 0.15;  ///< tuned unrecorded: how much less a chord counts between flat neighbours at most
+constexpr double kRimWindow = 0.5;   ///< window of the raggedness, in sqrt(area / regions)
 
 ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, const Partition& partition,
                                const MeshingOptions& options) {
@@ -21,18 +24,15 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
   const double side = std::sqrt(area / std::max(partition.region_count(), 1)),
                tolerance = options.chord_tolerance * side;
   ChordTolerance t;
-  t.most = std::min(tolerance, 0.03 * mesh.diagonal());
-  t.most_on_border = std::min(tolerance, 0.01 * mesh.diagonal());
+  t.most = std::min(tolerance, kMostOff * mesh.diagonal());
+  t.most_on_border = std::min(tolerance, kMostOffBorder * mesh.diagonal());
   t.rim = rim_reach(mesh, partition, options, kRimWindow * side);
   t.of_area = options.chord_area;
-  t.least_sine = 0.15;
+  t.least_sine = kLeastSine;
   return t;
 }
 
-constexpr std::int32_t kFew = 4;    ///< charts that are measured on one thread
-constexpr double kStill = 1e-9;     ///< share of the diagonal: corners of plates with holes that would move less stay
-constexpr std::int32_t kMany = 60;  ///< faces a chart: with fewer it is as quick to measure all of them again
-constexpr double kFlat = 1e-12;     ///< share of the area: with a shorter vector area, faces define no direction
+constexpr double kFlat = 1e-12;  ///< share of the area: with a shorter vector area, faces define no direction
 
 /// A boundary half-edge of a chart, found from one of its faces.
 std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> faces) {
@@ -81,7 +81,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   job.report(0.02);
   cutter_.perforated = is_perforated(cutter_, regions, job);
   if (cutter_.perforated) {
-    corners_.still = kStill * m.diagonal();
+    corners_.still = kNoLength * m.diagonal();
     part_walls(cutter_, job);
     planes_.assign(planes_of(labels_, threads, job));
     join_coplanar(*this, labels_, job);
@@ -256,7 +256,7 @@ void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const st
     labels_.charts.edit(giver).face = kept;
   }
   touch(charts);
-  if (mesh.face_count() / kMany < labels.chart_count()) return;
+  if (mesh.face_count() / 60 < labels.chart_count()) return;  // it is as quick to measure all of them again
   pending_.handed_faces.insert(pending_.handed_faces.end(), faces.begin(), faces.end());
   const auto is_simple = [&](std::int32_t l) {  // neither held nor of a region that may change with its faces
     return labels.charts[l].cause == Cause::region && !planes[l].held && planes[l].projected > kFlat * planes[l].area;
@@ -381,11 +381,10 @@ void State::derive_charts(std::span<const std::int32_t> touched, Pending& pendin
     fitted[l] = plane_of(mesh, faces, labels.moments);
     hold_by_hand(fitted[l], partition, charts[l].region, mesh.origin());
   };
-  threads.blocks(static_cast<std::int32_t>(loops.size()), kFew,
-                 [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-                   job_.poll();
-                   for (std::int32_t i = begin; i < end; ++i) derive(touched[i], loops[i]);
-                 });
+  threads.blocks(static_cast<std::int32_t>(loops.size()), 4, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    job_.poll();
+    for (std::int32_t i = begin; i < end; ++i) derive(touched[i], loops[i]);
+  });
   ISIMP_ASSERT(planes.size() == labels.charts.size() && diagonals.size() == labels.charts.size(),
                "every chart has a plane and diagonals");
   complex_.refresh(touched, std::move(loops), job_);

@@ -49,6 +49,8 @@ void slide(std::span<const Vec3> line, double reach, std::vector<std::size_t>& k
   }
 }
 
+constexpr double kNearlyFarthest =
+    0.96;                        // tuned unrecorded: of the square distance, of points that are nearly farthest
 constexpr double kWithin = 0.9;  // share of a ragged line that is within reach of the straight line along it
 
 struct StraightLine {
@@ -122,7 +124,7 @@ Farthest farthest(std::span<const Vec3> line) {
   if (most <= 1e-18 * size) return {std::sqrt(most), where};
   double longest = -1;
   for (std::size_t i = 1; i + 1 < line.size(); ++i) {
-    if (squared_distance(line[i], a, b) < 0.96 * most) continue;
+    if (squared_distance(line[i], a, b) < kNearlyFarthest * most) continue;
     const double way = (line[i] - a).norm() + (line[i] - b).norm();
     if (way <= longest * (1 + 1e-12)) continue;
     longest = way;

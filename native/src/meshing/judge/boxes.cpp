@@ -10,7 +10,6 @@
 namespace isimp::meshing {
 
 namespace {
-constexpr std::int32_t kLeaf = 8;
 constexpr std::size_t kFew = 32,
                       kShare = 4;  ///< kFew + all / kShare boxes may be new before the tree is rebuilt
 }  // namespace
@@ -33,7 +32,7 @@ void BoxTree::make(std::int32_t begin, std::int32_t end, std::int32_t parent, co
     }
   }
   const auto node = static_cast<std::int32_t>(nodes_.size());
-  const bool is_leaf = end - begin <= kLeaf;
+  const bool is_leaf = end - begin <= 8;
   nodes_.push_back({around, begin, is_leaf ? end : begin, 0, parent});
   if (is_leaf) {
     std::fill(leaf_.begin() + begin, leaf_.begin() + end, node);

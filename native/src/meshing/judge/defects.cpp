@@ -10,10 +10,6 @@
 
 namespace isimp::meshing {
 
-namespace {
-constexpr std::int32_t kFew = 4;  ///< charts that are judged on one thread
-}
-
 Defects::Source Defects::source_of(std::int32_t chart) const {
   Source s{{}, {}, s_.planes[chart].normal, s_.labels.is_face(chart)};
   s_.polygons.for_each_of(chart, [&](std::int32_t q) {
@@ -118,7 +114,7 @@ void Defects::judge(std::span<const std::int32_t> charts) {
   std::vector<Was> was(charts.size(), Was::same);
   std::vector<Found> fresh(charts.size());
   const auto n = static_cast<std::int32_t>(charts.size());
-  s_.threads.blocks(n, kFew, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+  s_.threads.blocks(n, 4, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     job_.poll();
     for (std::int32_t i = begin; i < end; ++i) {
       const std::int32_t l = charts[i];

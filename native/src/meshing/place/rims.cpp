@@ -12,10 +12,9 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr int kSamples = 33;         // points of a window
-constexpr double kEnds = 0.1;        // share of a border at each end that does not count for its line
-constexpr double kLeastSine = 0.35;  // sine of 20 degrees: lines that meet at less count as one line
-constexpr std::size_t kLeastPoints = 4;
+constexpr double kEnds = 0.1;            // share of a border at each end that does not count for its line
+constexpr double kLeastSine = 0.35;      // sine of 20 degrees: lines that meet at less count as one line
+constexpr std::size_t kLeastPoints = 4;  // vertices of a border that has a line
 
 /// The border along a chord of a chart, in the order of the loop.
 std::vector<Vec3> border_along(const State& s, std::int32_t chart, std::size_t chord) {
@@ -41,10 +40,9 @@ std::optional<Line> line_through(std::vector<Vec3> border, const Plane& plane, d
   const Along along(border);
   const double length = along.length();
   std::vector<Vec3> points;
-  const int samples = kSamples;
   if (border.size() < kLeastPoints || !(length > 0)) return std::nullopt;
-  for (int i = 0; i < samples; ++i) {
-    const Vec3 p = along.at(length * (kEnds + (1 - 2 * kEnds) * i / (samples - 1)));
+  for (int i = 0; i < kSamples; ++i) {
+    const Vec3 p = along.at(length * (kEnds + (1 - 2 * kEnds) * i / (kSamples - 1)));
     points.push_back(p - plane.normal * plane.normal.dot(p - plane.centre));
   }
   std::vector<double> weight(points.size(), 1.0);

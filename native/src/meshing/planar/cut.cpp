@@ -15,8 +15,6 @@ namespace {
 constexpr double kOfSurface = 0.02;
 constexpr double kBad = 100;  ///< cost of a triangle that faces away or has no area: used only if there is no other way
 constexpr double kNever = 1e30;
-/// The cosine between a triangle and its unit below which it faces away, a little above the bound of the judge.
-constexpr double kFacing = 2 * kFacingApart;
 
 /// The conditions on triangles under which the judge finds no defect in them.
 struct Rules {
@@ -86,7 +84,7 @@ class Triangulation {
     if (is_core(i, k, j)) return faces || size <= rules_.thickness * extent ? share : kBad;
     const double turn = std::max(area.dot(direction(i, k, j)), area.dot(rules_.facing));
     const bool thin = size <= rules_.thickness * extent;
-    if (!faces || thin || turn <= kFacing * size) return kBad + share;
+    if (!faces || thin || turn <= 2 * kFacingApart * size) return kBad + share;  // twice the bound of the judge
     return 1 + share;
   }
 

@@ -14,7 +14,6 @@ namespace isimp::meshing::planar {
 namespace {
 
 constexpr std::size_t kMostPlanes = 7;  ///< planes at a corner that are tried in all combinations
-constexpr std::int32_t kTogether = 64;  ///< corners on one thread
 constexpr double kRank = 1e-7;          ///< singular values below this share of the largest fix nothing
 constexpr double kOfTriangle = 0.25;    ///< weight of the given plane of a triangle, which is planar without it
 constexpr double kOfMissed = 0.5;       ///< weight of the plane of a polygon that is cut already
@@ -181,7 +180,7 @@ Kept meet(const std::vector<Unit>& units, const Around& around, const Places& pl
   for (std::size_t u = 0; u < units.size(); ++u) kept[u].assign(units[u].loop.size(), 0);
   at.resize(places.start.size());
   const auto n = static_cast<std::int32_t>(places.start.size());
-  threads.blocks(n, kTogether, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+  threads.blocks(n, 64, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     job.poll();
     for (std::int32_t c = begin; c < end; ++c) at[c] = meet_at(c, units, around, places, kept);
   });

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "discs/no_length.h"
 #include "isimp/core/sorted.h"
 #include "planar/cut.h"
 #include "planar/draft.h"
@@ -16,7 +17,6 @@ namespace {
 
 constexpr int kGentle = 12;       ///< rounds in which corners that are held back keep half their way
 constexpr std::size_t kFew = 12;  ///< most corners of a unit that is triangulated before its corners are held back
-constexpr double kStill = 1e-9;   ///< share of the diagonal: smaller moves count as none
 constexpr std::array kShares{0.95, 0.5, 0.25, 0.0};  ///< shares of its way kept by a corner that mends a defect
 constexpr double kWhole = 1.5;   ///< cost of the first corner that a polygon loses; each further one costs 1
 constexpr double kOfFace = 0.7;  ///< cost of each face of a polygon that is triangulated. Source: own trials
@@ -134,7 +134,7 @@ class HoldBack {
   void find_way(std::int32_t c, Function is_mended, Way& best) {
     const Vec3 was = draft_.at[c];
     const double moved = draft_.moved(c), reach = draft_.places.reach[c], before = worth(c);
-    if (moved <= kStill * draft_.places.diagonal) return;
+    if (moved <= kNoLength * draft_.places.diagonal) return;
     for (const double share : kShares) {
       draft_.places.reach[c] = share * moved;
       const Vec3 to = draft_.meet(c);
@@ -172,7 +172,7 @@ class HoldBack {
     const bool is_triangle = unit.loop.size() == 3;
     double most = 0;
     for (const std::int32_t c : corners) most = std::max(most, draft_.moved(c));
-    const bool moved = most > kStill * draft_.places.diagonal;
+    const bool moved = most > kNoLength * draft_.places.diagonal;
     if (!is_triangle && !unit.held && (unit.loop.size() <= kFew || !moved) && set(unit.free)) return true;
     if (moved) {
       const double left = firmly ? 0 : most / 2;

@@ -64,12 +64,11 @@ void Places::limit(std::span<const Unit> units) {
 }
 
 bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double diagonal) {
-  constexpr double kPlanar = 1e-6;
   if (polygon.size() == 3) return true;
-  if (bend_of(polygon, at) > kPlanar * diagonal) return false;
+  if (bend_of(polygon, at) > kThickness * diagonal) return false;
   std::vector<Vec3> rounded;
   for (const std::int32_t c : polygon) rounded.push_back(rounded_to_float(at[c]));
-  return bend_of(numbers_below(static_cast<std::int32_t>(polygon.size())), rounded) <= kPlanar * diagonal;
+  return bend_of(numbers_below(static_cast<std::int32_t>(polygon.size())), rounded) <= kThickness * diagonal;
 }
 
 std::vector<Unit> units_of(const State& state) {

@@ -11,6 +11,7 @@
 
 #include "complex/angles.h"
 #include "complex/flat_fit.h"
+#include "discs/no_length.h"
 #include "isimp/core/sorted.h"
 #include "judge/bounds.h"
 #include "repair/gifts.h"
@@ -18,22 +19,23 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr PlaceWeights kWeights;
-constexpr int kPasses = 2;
-constexpr double kRounding = 1e-9;  ///< share of the diagonal: the deviation of a scan is not less
+constexpr int kPasses = 2;  ///< over all chords
 constexpr double kParallel = 1e-6,
                  kMeets = 1e-6;  ///< of cells' planes: see step_onto; how far they may miss, of the size
 // The energy of polygons, in edges: an edge is worth a mean square distance of kOfEdge square deviations of the scan along
 // the side of a chart. A full turn by which reflex corners open too far is worth kOfReflex edges, and a full turn that sharp
 // corners lack is worth kOfSharp edges.
-constexpr double kOfEdge = 15, kOfReflex = 15, kOfSharp = 300;
-constexpr double kMisses = 1.5;  ///< bounds of bent polygons: planes that a place misses by more do not meet there
+constexpr double kOfEdge = 15;    ///< price of an edge, in square deviations of the scan
+constexpr double kOfReflex = 15;  ///< price of a full turn of reflex corners, in edges
+constexpr double kOfSharp = 300;  ///< price of a full turn that sharp corners lack, in edges
+constexpr double kMisses = 1.5;   ///< bounds of bent polygons: planes that a place misses by more do not meet there
 /// The price of an edge where cells of several round parts meet, in edges, so that these cells are quads. At any cell the
 /// side is sqrt(area / charts).
 constexpr double kOfCell = 2;
 /// A chord is short up to this times sqrt(area / charts). At cells of round parts longer ones stay. Elsewhere borders that
 /// move by the removal of a longer one count where both planes are one too, by this square sine.
-constexpr double kShort = 0.4, kLeastSine = 0.02;
+constexpr double kShort = 0.4;       ///< of sqrt(area / charts): longer chords stay at cells
+constexpr double kLeastSine = 0.02;  ///< least square sine at the moved borders of long chords
 
 using Charts = std::vector<std::int32_t>;  ///< in rising order
 
@@ -201,7 +203,7 @@ class Joiner {
       : s_(state), joins_(joins), job_(job), net_(state), planes_(planes_with_cells(state)) {
     const Scale scale = s_.scale();
     size_ = scale.size;
-    const double deviation = scale.deviation + kRounding * s_.mesh.diagonal();
+    const double deviation = scale.deviation + kNoLength * s_.mesh.diagonal();
     const double bend = bounds_of(s_).bend;
     gap_ = bend > 0 ? kMisses * bend : std::numeric_limits<double>::infinity();
     edge_ = kOfEdge * deviation * deviation;
@@ -246,7 +248,7 @@ class Joiner {
       const auto misses = [&](const Plane* p) { return std::abs(p->normal.dot(at - p->centre)) > kMeets * size_; };
       if (std::any_of(cells.begin(), cells.end(), misses)) return {};
     }
-    Eigen::Matrix3d a = kWeights.tie / kWeights.bend * Eigen::Matrix3d::Identity();
+    Eigen::Matrix3d a = kOfTie / kOfBend * Eigen::Matrix3d::Identity();
     Vec3 r = Vec3::Zero();
     for (const std::int32_t l : charts) {
       const Vec3 n = free * planes_[l].normal;

@@ -76,8 +76,7 @@ Vec3 normal_at(const Mesh& mesh, std::int32_t v) {
 /// \param value  value(v) for a vertex
 template <class Value>
 double median_along(const Mesh& mesh, std::int32_t step, const Value& value, const Threads& threads, Job& job) {
-  constexpr double kOut = -1;
-  std::vector<double> lengths(static_cast<std::size_t>((mesh.vertex_count() - 1) / step + 1), kOut);
+  std::vector<double> lengths(static_cast<std::size_t>((mesh.vertex_count() - 1) / step + 1), -1.0);
   threads.run(static_cast<std::int32_t>(lengths.size()), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i) {
       if ((i & kPollEvery) == 0) job.poll();
@@ -87,7 +86,7 @@ double median_along(const Mesh& mesh, std::int32_t step, const Value& value, con
       if (const double length = normal.norm(); length > 0) lengths[i] = std::abs(value(v).dot(normal)) / length;
     }
   });
-  std::erase(lengths, kOut);
+  std::erase(lengths, -1.0);
   return median_of(std::move(lengths));
 }
 

@@ -29,6 +29,9 @@ double mean_edge(const Mesh& mesh);
 /// Cost: O(V + F).
 double estimate_noise(const Mesh& mesh, const Threads& threads, Job& job);
 
+/// Noise of a scan, as a share of the mean edge: scans have .01 and more, CAD models .001 and less.
+inline constexpr double kScanNoise = 0.005;
+
 /// Whether `estimate_noise` is above a length, scene units.
 /// Cost: O(1) where a sample of the vertices is clear, else that of `estimate_noise`.
 bool is_noisier(const Mesh& mesh, double least, Job& job);

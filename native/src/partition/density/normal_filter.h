@@ -9,6 +9,8 @@
 
 namespace isimp {
 
+inline constexpr int kFilterPasses = 8;  // of filtered_faces
+
 /// Median difference |n - n'| of the normals of neighbouring faces: mostly the effect of noise, less of curvature.
 /// Cost: O(F).
 double median_bend(const FaceGraph& graph);

@@ -11,6 +11,8 @@ inline constexpr double kNoise = 2.4;
 /// Deviations below which all is noise: faces merge up to here by their filtered normals, and the search for gaps
 /// begins here.
 inline constexpr double kLeastNoise = 2.5;
+/// Share of the area: lower costs of merges are rounding errors.
+inline constexpr double kNoCost = 1e-9;
 
 /// The limit of the increase of error by a merge, for regions that are off their planes by about t: 16 t^2.
 ///

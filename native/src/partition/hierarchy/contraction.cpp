@@ -13,9 +13,8 @@ namespace isimp {
 namespace {
 
 constexpr float kGate = 0.7F;
-constexpr float kWideGate = 64;  // factor of the gate: the highest price when satellites join
-constexpr float kTie = 1e-6F;    // share of the lengths
-constexpr std::int32_t kAlone = -1;
+constexpr float kWideGate = 64;                  // factor of the gate: the highest price when satellites join
+constexpr float kTie = 1e-6F;                    // share of the lengths
 constexpr std::int32_t kWorthAThread = 1 << 12;  // nodes
 
 /// The cheapest partner of each node, and its price.
@@ -38,14 +37,14 @@ float tie_break(std::int32_t u, std::int32_t v, float lengths) {
 Best find_partners(const MergeGraph& graph, const std::vector<std::uint8_t>& takes_part, float most,
                    const Threads& threads, Job& job) {
   const std::int32_t n = graph.size();
-  Best best{std::vector<std::int32_t>(n, kAlone), std::vector<float>(n, std::numeric_limits<float>::infinity())};
+  Best best{std::vector<std::int32_t>(n, kNone), std::vector<float>(n, std::numeric_limits<float>::infinity())};
   threads.run(n, threads.pieces(n, kWorthAThread), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     for (std::int32_t u = begin; u < end; ++u) {
       if ((u & 0x3fff) == 0) job.poll();
       if (takes_part[graph.component_of(u)] == 0) continue;
       const NodeSum a = graph.sum[u];
       float least = std::numeric_limits<float>::infinity();
-      std::int32_t partner = kAlone;
+      std::int32_t partner = kNone;
       for (const std::int32_t v : graph.around(u)) {
         const NodeSum b = graph.sum[v];
         const float lengths = a.length + b.length;
@@ -96,12 +95,12 @@ std::vector<std::uint8_t> components_above(const MergeGraph& graph, std::int32_t
   return above;
 }
 
-/// Clusters as linked lists of their nodes: head[w], then next[u]; kAlone ends.
+/// Clusters as linked lists of their nodes: head[w], then next[u]; kNone ends.
 struct Lists {
   std::vector<std::int32_t> head, next;
 };
 
-/// Returns the lower node of the pair that each node is in, kAlone if it is in none. A pair is two nodes that are each
+/// Returns the lower node of the pair that each node is in, kNone if it is in none. A pair is two nodes that are each
 /// other's cheapest partner, at no more than the limit. The code here and below has no branches, since no processor
 /// predicts pairs.
 std::vector<std::int32_t> pair_up(const Best& best, float limit, const Threads& threads) {
@@ -109,9 +108,9 @@ std::vector<std::int32_t> pair_up(const Best& best, float limit, const Threads& 
   std::vector<std::int32_t> leader(static_cast<std::size_t>(n));
   threads.run(n, threads.pieces(n, 4 * kWorthAThread), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     for (std::int32_t u = begin; u < end; ++u) {
-      const std::int32_t v = best.partner[u], other = best.partner[v == kAlone ? u : v];
+      const std::int32_t v = best.partner[u], other = best.partner[v == kNone ? u : v];
       const std::int32_t paired = -static_cast<std::int32_t>((other == u) & (best.price[u] <= limit));
-      leader[u] = (std::min(u, v) & paired) | (kAlone & ~paired);
+      leader[u] = (std::min(u, v) & paired) | (kNone & ~paired);
     }
   });
   return leader;
@@ -129,9 +128,9 @@ Lists number_clusters(const Best& best, const std::vector<std::int32_t>& leader,
   std::int32_t clusters = 0, joining = 0;
   for (std::int32_t u = 0; u < n; ++u) {
     const std::int32_t v = best.partner[u], first = leader[u];
-    const bool alone = first == kAlone, leads = first == u;
-    const bool joined = satellites & alone & (leader[v == kAlone ? u : v] != kAlone);
-    lists.next[u] = leads ? v : kAlone;
+    const bool alone = first == kNone, leads = first == u;
+    const bool joined = satellites & alone & (leader[v == kNone ? u : v] != kNone);
+    lists.next[u] = leads ? v : kNone;
     lists.head[clusters] = joins[joining] = u;
     map[u] = clusters;
     map[u] = map[alone ? u : first];
@@ -154,9 +153,9 @@ std::vector<std::int32_t> contract_between(const MergeGraph& graph, const std::v
                                            Job& job) {
   std::size_t room = 1;  // one spare, written before its use is known
   for (std::int32_t w = begin; w < end; ++w)
-    for (std::int32_t u = lists.head[w]; u != kAlone; u = lists.next[u]) room += graph.around(u).size();
+    for (std::int32_t u = lists.head[w]; u != kNone; u = lists.next[u]) room += graph.around(u).size();
   const auto rows = std::make_unique_for_overwrite<std::int32_t[]>(room);
-  std::vector<std::int32_t> seen(lists.head.size(), kAlone);  // last cluster that listed each
+  std::vector<std::int32_t> seen(lists.head.size(), kNone);  // last cluster that listed each
   std::size_t out = 0;
   for (std::int32_t w = begin; w < end; ++w) {
     if ((w & 0x3fff) == 0) job.poll();
@@ -164,7 +163,7 @@ std::vector<std::int32_t> contract_between(const MergeGraph& graph, const std::v
     const std::size_t start = out;
     NodeSum sum;
     seen[w] = w;
-    for (std::int32_t u = head; u != kAlone; u = lists.next[u]) {
+    for (std::int32_t u = head; u != kNone; u = lists.next[u]) {
       const NodeSum& s = graph.sum[u];
       sum.x += s.x;
       sum.y += s.y;
@@ -177,7 +176,7 @@ std::vector<std::int32_t> contract_between(const MergeGraph& graph, const std::v
       }
     }
     sum.length =
-        lists.next[head] == kAlone ? graph.sum[head].length : std::sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z);
+        lists.next[head] == kNone ? graph.sum[head].length : std::sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z);
     result.sum[w] = sum;
     result.first[w + 1] = static_cast<std::int32_t>(out - start);
     if (!graph.component.empty()) result.component[w] = graph.component[head];
@@ -217,7 +216,7 @@ MergeGraph merge_round(const MergeGraph& graph, const MergeRules& rules, std::ve
   } else if (rules.most == std::numeric_limits<double>::infinity()) {
     limit = kWideGate * gate(best);
     for (std::size_t u = 0; u < best.partner.size(); ++u)
-      if (best.price[u] > limit) best.partner[u] = kAlone;  // neither as a satellite
+      if (best.price[u] > limit) best.partner[u] = kNone;  // neither as a satellite
   }
   const Lists lists = number_clusters(best, pair_up(best, limit, threads), rules.satellites, map);
   return contract_lists(graph, map, lists, threads, job);
@@ -225,8 +224,8 @@ MergeGraph merge_round(const MergeGraph& graph, const MergeRules& rules, std::ve
 
 MergeGraph contract(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters,
                     const Threads& threads, Job& job) {
-  Lists lists{std::vector<std::int32_t>(static_cast<std::size_t>(clusters), kAlone),
-              std::vector<std::int32_t>(map.size(), kAlone)};
+  Lists lists{std::vector<std::int32_t>(static_cast<std::size_t>(clusters), kNone),
+              std::vector<std::int32_t>(map.size(), kNone)};
   for (auto u = static_cast<std::int32_t>(map.size()) - 1; u >= 0; --u)
     lists.next[u] = std::exchange(lists.head[map[u]], u);
   return contract_lists(graph, map, lists, threads, job);

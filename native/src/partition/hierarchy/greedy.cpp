@@ -11,8 +11,6 @@
 namespace isimp {
 namespace {
 
-constexpr std::int32_t kAlone = -1;
-constexpr std::int32_t kUnsure = -1;  // version of a partner whose price is only a lower bound
 // A cluster with at least this many neighbours is a hub. All values from 32 to 1024 are about as fast; a scan without
 // such clusters merges as if there were none.
 constexpr std::int32_t kManyAround = 256;
@@ -40,7 +38,7 @@ class Greedy {
         row_(graph.neighbour),
         border_(graph.border),
         node_(sums.size()),
-        seen_(sums.size(), kAlone),
+        seen_(sums.size(), kNone),
         place_(sums.size(), 0),
         left_(need.size(), 0) {
     border_.resize(row_.size(), 0.0);
@@ -108,11 +106,11 @@ class Greedy {
   struct Node {
     double x, y, z, length;
     double price = 0;
-    std::int32_t partner = kAlone, partner_version = 0, version = 0;
+    std::int32_t partner = kNone, partner_version = 0, version = 0;
     std::int32_t first = 0, last = 0;  // its neighbours in row_; may name clusters that have merged since
     std::int32_t parent = 0, component = 0;
-    std::int32_t hub = kAlone;  // in hubs_
-    std::int32_t watched = 0;   // the number of its newest watches
+    std::int32_t hub = kNone;  // in hubs_
+    std::int32_t watched = 0;  // the number of its newest watches
     bool live = false;
     bool goes_on = false;  // beyond the border of the graph
     [[nodiscard]] std::int32_t around() const { return last - first; }
@@ -130,7 +128,7 @@ class Greedy {
     std::size_t room = 1024;   // number of watches at which outdated ones are dropped
   };
 
-  [[nodiscard]] bool is_hub(std::int32_t u) const { return node_[u].hub != kAlone; }
+  [[nodiscard]] bool is_hub(std::int32_t u) const { return node_[u].hub != kNone; }
 
   [[nodiscard]] static double price_of(const Node& a, const Node& b) {
     if constexpr (kInside)
@@ -162,7 +160,7 @@ class Greedy {
   bool find_partner(std::int32_t u) {
     Node& node = node_[u];
     double least = std::numeric_limits<double>::infinity();
-    std::int32_t partner = kAlone;
+    std::int32_t partner = kNone;
     bool beside_hub = false;
     tidy(u);
     for (std::int32_t k = node.first; k < node.last; ++k) {
@@ -173,7 +171,7 @@ class Greedy {
       least = price;
       partner = v;
     }
-    if (partner == kAlone) return false;
+    if (partner == kNone) return false;
     settle(u, partner, least, beside_hub);
     return true;
   }
@@ -191,7 +189,7 @@ class Greedy {
     const double margin = std::min(kMargin * std::abs(node.price), above / 2);
     if (!(margin > kRounding * (node.length + node_[node.partner].length))) return;
     node.price -= margin;
-    node.partner_version = kUnsure;
+    node.partner_version = kNone;  // its price is only a lower bound
   }
   /// The angle by which a hub can turn before its price for a node falls by `slack`.
   ///
@@ -212,7 +210,7 @@ class Greedy {
     ++node.watched;
     for (std::int32_t k = node.first; k < node.last; ++k) {
       const Node& beside = node_[row_[k]];
-      if (beside.hub == kAlone) continue;
+      if (beside.hub == kNone) continue;
       Hub& hub = hubs_[beside.hub];
       const double slack = price_of(node, beside) - border_[k] - node.price;
       hub.watch.push_back({hub.turned + turn_for(beside, node, slack), u, node.watched});
@@ -343,7 +341,7 @@ class Greedy {
     into.first = begin;
     into.last = static_cast<std::int32_t>(row_.size());
     double least = std::numeric_limits<double>::infinity();
-    std::int32_t partner = kAlone;
+    std::int32_t partner = kNone;
     bool beside_hub = false;
     for (std::int32_t k = into.first; k < into.last; ++k) {
       const std::int32_t w = row_[k];
@@ -357,7 +355,7 @@ class Greedy {
       take_partner(w, u, price);
       push(w);
     }
-    if (partner == kAlone) return;
+    if (partner == kNone) return;
     settle(u, partner, least, beside_hub);
     push(u);
     if (into.around() > kManyAround) make_hub(u);
@@ -417,7 +415,7 @@ class Greedy {
   }
   void append(const Node& node, std::int32_t u) {
     for (std::int32_t k = node.first; k < node.last; ++k) {
-      row_.push_back(kAlone);
+      row_.push_back(kNone);
       border_.push_back(0);
       if (put(k, u, static_cast<std::int32_t>(row_.size()) - 1)) continue;
       row_.pop_back();
