@@ -9,7 +9,7 @@
 
 namespace isimp::meshing {
 
-/// Moves corners onto the planes that `regularise` has snapped and onto those of cells of round parts, one region after
+/// Moves corners onto the planes that `regularise` has snapped and onto planes of cells of round parts, one region after
 /// another, the largest first. If polygons are to be planar, only cells count, since other planes move then. The corners
 /// of a region move onto its plane and the planes kept before, and those of its neighbours with them; if a polygon would
 /// get a new defect or would meet another one, the region's own corners are tried alone. If that fails too, the corners
