@@ -1,429 +1,376 @@
-"""Prints the effect of half and twice each tuned constant of the engine, as the tables of docs/constants.md.
+"""Measures the effects of half and twice each tuned constant, and writes the table of docs/constants.md.
 
-    python -m bench.quality.constants [--data DIR] [--only kNu,kOfEdge] [--folder DIR] [--jobs N] [--json OUT.json]
-    python -m bench.quality.constants --tables OUT.json [--no-times]
+    python -m bench.quality.constants [--only kNu,curved/] [--folder DIR] [--jobs N] [--json OUT.json]
+    python -m bench.quality.constants --table OUT.json       writes the table of an earlier run into docs/constants.md
 
 Needs the tools that build the Python module, and pybind11 in this Python. The tree is copied into --folder
-(out/constants) and built there once. For each value one constant is changed in the copy, ninja compiles the files that
-contain it and links the module, and a process of its own measures. The sources of the caller are only read. Runs with
-the present value alternate with runs with the other one, and the least time counts; times on a machine that others use
-mean nothing, and --no-times leaves them out. With --json a run that was cut off continues from its last result.
-Defaults of options are changed without a build.
+(out/constants). In the copy each tuned constant of native becomes a function that reads its value from a table, so one
+build serves all values; its results have the bits of an ordinary build. Each value is measured by the runs of
+small_runs.py that read the constant, in a forked process, so that a crash or endless work is a result too. With --json
+a run that was cut off continues.
 
-Columns, changes in % of the value of now, geometric means over the meshes of `MESHES`:
-  distance    of the scan's vertices from the polygons, mean
-  planarity   distance of corners from their polygon's plane, mean by area
-  polygons    made from the requested regions
-  concave     polygons with a corner above 190 degrees
-  found       regions that `detail` finds at its default
-  time        of the processor, partition and polygons together
-= in all columns but the last: the results are the same, number by number.
+A comment begins with the kind of its constant (`KINDS`). Where it does not, the constant was tuned on the data that the
+last line `// tuned DATA` above it names.
+
+A value is halved and doubled; of shares and cosines from .6 to 1, and of factors from 1 to 1.5, the difference from 1.
+
+A row has the number of tried runs and of runs with other bits, and the changes in % of the number of polygons and of
+the mean distance of the scan's vertices from them, geometric means over the tried runs.
 """
 
-from __future__ import annotations
-
 import argparse
+import ctypes
 import json
 import os
 import re
+import resource
 import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-MESHES = {"scan/bunny_69k.ply": 300, "building/openmvs_castle_175k.ply": 300, "building/fandisk_13k.ply": 100}
-TURNS, TIMES = 2, 2  # processes, and runs in each of them: the least time counts
-COLUMNS = ("distance", "planarity", "polygons", "concave", "found", "time")
-PARTS = ("CMakeLists.txt", "CMakePresets.json", "cmake", "native", "cuda", "python", "third_party")
+PAGE = ROOT / "docs/constants.md"
+PARTS = ("CMakeLists.txt", "CMakePresets.json", "README.md", "cmake", "native", "cuda", "python", "third_party")
 
-PARTITION, MESHING = "native/src/partition/", "native/src/meshing/"
-OPTIONS = {
-    "partition": "native/include/isimp/partition/options.h",
-    "meshing": "native/include/isimp/meshing/options.h",
+QUICKEST = 8  # runs that are tried for the table; the others only where none of these differs, up to one that does
+
+KINDS = {
+    "tuned": "chosen from data",
+    "rounding": "far above the rounding of numbers, far below lengths that matter",
+    "work": "blocks, threads and caches; changes no result",
+    "limit": "an end for inputs that are larger or worse than others",
+    "format": "of a file or an interface",
+    "mark": "no number, but a label, a flag or infinity",
+    "unit": "follows from its meaning",
 }
-UNKNOWN = "own trials, not recorded"
-SHAPES = "own trials for short borders and convex polygons, trials.md"
-JOINS = "six scans at 300 regions, thirteen others at 100, trials.md"
-CURVED = "bench.quality.curved at noise .1 %, seeds 77 and 78"
-NEEDLES = "four scans at 100, 300 and 1,000 regions, trials.md"
-PLACES = "own trials of one energy of places (bench/quality/fit.py), trials.md"
-REAL = "open buildings, cartons, chunks (bench/quality/real.py)"
-HOUSES = "30 drawn houses (bench/quality/real.py --houses), known shapes"
-FOUND = "own trials, numbers of regions of shapes that have a known one"
+# Defaults of options: the data that each was tuned on, and its meaning.
+OPTIONS = {
+    "smooth": ("shapes", "weight of borders relative to the error"),
+    "chord_tolerance": ("shapes", "distance of a boundary from its chord"),
+    "chord_area": ("castle", "area that chords leave out or add"),
+    "join_junctions": ("shapes", "length of chords whose ends may become one"),
+    "reach": ("places", "how far a corner may go"),
+    "flatten": ("places", "rounds of placing corners"),
+    "flatness": ("unrecorded", "bend beyond which a polygon is split"),
+}
+TYPES = "double|float|int|(?:std::)(?:u?int(?:8|32|64)_t|size_t|ptrdiff_t)"
+DECLARATION = re.compile(
+    rf"^([ \t]*)((?:static |inline )*)(?:const|constexpr) ({TYPES})\s+(k[A-Z]\w*\s*(?:=|\{{)[^;]*);"
+    r"([^\n]*(?:\n[ \t]*//[^\n]*(?=\n))*)",
+    re.M,
+)
+ANOTHER = re.compile(r",\s*(?=k[A-Z]\w*\s*(?:=|\{))")
+ABOVE = re.compile(r"(?:^|(?<=\n))((?:[ \t]*//[^\n]*\n)+)$")
+TAG = re.compile(rf"({'|'.join(KINDS)})(?: ([a-z]\w*))?(?:: (.*)|$)", re.S)
+TUNED = re.compile(r"^[ \t]*// tuned (\w+)$", re.M)
 
 
 @dataclass(frozen=True)
-class Tuned:
-    """A number that trials gave."""
-
-    file: str  # below the root; of an option the struct it is a default of
+class Constant:
+    file: str  # below native/
     name: str
-    meaning: str
-    source: str
-    text: str = ""  # text before the number; else "name = "
-    values: tuple[str, str] = ("", "")  # in place of half and twice, where these mean nothing
-    smooth: float | None = None  # PartitionOptions.smooth, where the default makes no use of the number
+    type: str
+    value: str  # as in the source
+    kind: str = ""
+    data: str = ""
+    meaning: str = ""
 
     @property
-    def path(self) -> str:
-        return OPTIONS.get(self.file, self.file)
-
-    @property
-    def place(self) -> str:
-        """Its name in the table."""
-        used = "" if self.smooth is None else f", at smooth {self.smooth:g}"
-        return f"`{self.name}`, `{Path(self.path).relative_to('native')}`{used}"
-
-    @property
-    def given(self) -> dict[str, dict[str, float]]:
-        """Options to measure with."""
-        return {} if self.smooth is None else {"partition": {"smooth": self.smooth}}
-
-    @property
-    def pattern(self) -> str:
-        return r"(?<![\w.])" + re.escape(self.text or f"{self.name} = ") + r"(-?[0-9][0-9.]*(?:e-?[0-9]+)?)"
-
-    def value(self, root: Path = ROOT) -> str:
-        found = re.findall(self.pattern, (root / self.path).read_text())
-        if len(found) != 1:
-            raise SystemExit(f"{self.path}: {self.name} occurs {len(found)} times where once is expected")
-        return found[0]
-
-    def variants(self, root: Path = ROOT) -> list[str]:
-        now = self.value(root)
-        is_whole = re.fullmatch(r"-?[0-9]+", now) is not None
-        scaled = [f"{max(1, int(int(now) * by))}" if is_whole else f"{float(now) * by:.6g}" for by in (0.5, 2)]
-        fixed = [given or other for given, other in zip(self.values, scaled, strict=True)]
-        return [v if is_whole or "." in v or "e" in v else f"{v}.0" for v in fixed]
+    def key(self) -> str:
+        return f"{self.file}:{self.name}"
 
 
-TUNED = (
-    Tuned(PARTITION + "borders/relax.h", "border_weight", "factor of the weight of borders for the least error",
-          "D and borders of four scans at 100 to 2,000 regions (afdbf73)",
-          "BorderWeight border_weight(double error) { return {std::min(", smooth=0.0),
-    Tuned(PARTITION + "borders/relax.h", "border_weight, exponent", "of the error, in the same weight",
-          "the same", "std::pow(error, ", smooth=0.0),
-    Tuned(PARTITION + "borders/relax.h", "border_weight, most", "of the same weight",
-          "the same", "std::pow(error, 1.35), ", smooth=0.0),
-    Tuned(PARTITION + "borders/relax.h", "kNu", "weight of a border as long as a region is wide, relative to the error",
-          SHAPES),
-    Tuned(PARTITION + "borders/relax.h", "kMostError", "error from which borders weigh no more", SHAPES),
-    Tuned(PARTITION + "borders/border_moves.h", "kOfVertex", "weight of two faces that share only a vertex, in edges",
-          SHAPES),
-    Tuned(PARTITION + "borders/distances.cpp", "kLength",
-          "distance that counts as 60 degrees between normals, in sides of a mean region",
-          "mean distance of five scans at 100, 300 and 1,000 regions, trials.md"),
-    Tuned(PARTITION + "borders/relax.h", "kRounds", "rounds of relaxing by distances", "the same"),
-    Tuned(PARTITION + "hierarchy/hierarchy.cpp", "kLargestPatch", "faces of a patch at most",
-          "D, borders and time of four scans (afdbf73)"),
-    Tuned(PARTITION + "hierarchy/hierarchy.cpp", "kPatchesARegion", "patches of the largest size to a region",
-          "the same"),
-    Tuned(PARTITION + "hierarchy/hierarchy.cpp", "kCrease", "cosine: neighbours beyond it are never in one patch",
-          UNKNOWN, values=("0.8", "0.9875")),
-    Tuned(PARTITION + "hierarchy/contraction.cpp", "kWideGate", "the gate where satellites join, times the other one",
-          "eleven scans at 100, 300 and 1,000 regions, a street"),
-    Tuned(PARTITION + "hierarchy/contraction.cpp", "kGate", "share of the nodes whose best price lets them merge",
-          UNKNOWN, values=("0.35", "1.0")),
-    Tuned(PARTITION + "hierarchy/optimise.cpp", "kSmoothSurplus", "regions before the last merging, of those wanted",
-          SHAPES, values=("1.1", "4.4")),
-    Tuned(PARTITION + "hierarchy/optimise.cpp", "kTries", "teleports in a row that do not pay", UNKNOWN),
-    Tuned(PARTITION + "hierarchy/optimise.cpp", "kNodesOfRegion", "nodes a region of the level that is relaxed first",
-          "borders of one scan with 1, 4 and 16 times the faces (291f5fe)"),
-    Tuned(PARTITION + "hierarchy/detail_tree.cpp", "kBorder", "weight of an edge between regions, before the tree",
-          FOUND),
-    Tuned(PARTITION + "hierarchy/detail_tree.cpp", "kNoisyBorder", "weight that noise adds to `kBorder`", FOUND),
-    Tuned(PARTITION + "hierarchy/detail_tree.cpp", "kFilterPasses", "of the filter of normals", FOUND),
-    Tuned(PARTITION + "hierarchy/choose_cut.h", "kNoise", "deviations of the noise that are no detail", HOUSES),
-    Tuned(PARTITION + "hierarchy/choose_cut.h", "kLeastNoise", "deviations at which the search for gaps begins", FOUND),
-    Tuned(PARTITION + "hierarchy/features.cpp", "kSteep", "cosine of the angle at which a part stands on another",
-          HOUSES, values=("0.2", "0.5")),
-    Tuned(PARTITION + "hierarchy/features.cpp", "kFeature", "least cost of such a part, in limits", HOUSES),
-    Tuned(PARTITION + "hierarchy/detail_tree.cpp", "kFaded", "of its cost that smooth borders may leave of a region",
-          HOUSES),
-    Tuned(PARTITION + "density/normal_filter.cpp", "kBlind", "range of normals that falls as they are filtered",
-          HOUSES),
-    Tuned(PARTITION + "hierarchy/choose_cut.cpp", "kWindow", "tolerances in which gaps count, times the least", FOUND),
-    Tuned(PARTITION + "hierarchy/choose_cut.cpp", "kRatio", "of the costs at a gap, at least", FOUND),
-    Tuned(PARTITION + "hierarchy/choose_cut.cpp", "kSlack", "a gap counts no further beyond the window, times the cost",
-          "scanned cartons, 36 scans at three details, known shapes"),
-    Tuned(PARTITION + "hierarchy/choose_cut.cpp", "kSurprise", "a gap is larger than chance makes it by", FOUND),
-    Tuned(PARTITION + "hierarchy/choose_cut.cpp", "kSpread", "tolerances of which the number is a mean",
-          "steps of the number when detail changes by 5 % (bench/quality/counts.py)", values=("1.1", "1.44")),
-    Tuned("partition", "smooth", "weight of borders relative to the error", SHAPES, values=("0.25", "1.0")),
-    Tuned("meshing", "chord_tolerance", "distance of a boundary from its chord",
-          "12 scans at 100, 300, 1,000 regions and by detail, trials.md"),
-    Tuned("meshing", "chord_area", "area that chords leave out or add",
-          "corners of the castle against mean distance (8ffc6be)"),
-    Tuned("meshing", "join_junctions", "length of chords whose ends may become one", SHAPES),
-    Tuned("meshing", "reach", "how far a corner may go", PLACES),
-    Tuned("meshing", "flatten", "rounds of placing corners", PLACES),
-    Tuned("meshing", "flatness", "bend beyond which a polygon is split", UNKNOWN),
-    Tuned(MESHING + "complex/state.cpp", "tolerance, most", "chords of few regions, of the diagonal", UNKNOWN,
-          "t.most = std::min(tolerance, "),
-    Tuned(MESHING + "complex/state.cpp", "least_sine", "how much less a chord counts between flat neighbours, at most",
-          UNKNOWN, "t.least_sine = "),
-    Tuned(MESHING + "complex/complex.cpp", "kOfTriangle", "area that the chords of a triangle may leave out",
-          "windows of a street (bench/quality/street.py), corners of figures (bench/quality/shape.py)"),
-    Tuned(MESHING + "complex/complex.cpp", "kOfThree", "the same, of one between three junctions", "the same"),
-    Tuned(MESHING + "discs/polyline.cpp", "farthest", "points that are nearly farthest, of the square distance",
-          UNKNOWN, "squared_distance(line[i], a, b) < ", ("0.9", "0.99")),
-    Tuned(MESHING + "complex/flat_fit.h", "kOfEdge", "way of a corner, of its shortest edge", SHAPES),
-    Tuned(MESHING + "complex/flat_fit.h", "bend", "weight of corners' distance from a plane; the chart's is 1", PLACES),
-    Tuned(MESHING + "complex/flat_fit.h", "tie", "weight of corners off their vertices, of the same", PLACES),
-    Tuned(MESHING + "judge/judge.h", "kFacingChart", "cosine up to which a polygon is flipped", UNKNOWN),
-    Tuned(MESHING + "repair/repair.cpp", "kPull", "share of a corner's distance from its vertex that a pull leaves",
-          UNKNOWN, values=("0.25", "0.75")),
-    Tuned(MESHING + "repair/plans.h", "kAfterSplit", "index in its plan at which a chart continues after a split",
-          "success of actions (plans.h)"),
-    Tuned(MESHING + "repair/coarsen.cpp", "kError", "added deviation of a union of two regions, in mean errors",
-          "15 meshes at 50 to 1,000 regions (9e9b5bb)", values=("0.5", "2")),
-    Tuned(MESHING + "repair/coarsen.cpp", "kSquare", "the same, in square distances", "the same",
-          values=("1.5", "6")),
-    Tuned(MESHING + "repair/junctions.cpp", "kOfEdge", "price of an edge, in square deviations of the scan", JOINS),
-    Tuned(MESHING + "repair/junctions.cpp", "kOfReflex", "price of a full turn of reflex corners, in edges", JOINS),
-    Tuned(MESHING + "repair/junctions.cpp", "kOfSharp", "price of a full turn that sharp corners lack", JOINS),
-    Tuned(MESHING + "repair/junctions.cpp", "kOfCell", "worth of an edge where round parts meet", CURVED),
-    Tuned(MESHING + "repair/junctions.cpp", "kLeastSine", "least square sine at borders of long chords", JOINS),
-    Tuned(MESHING + "repair/junctions.cpp", "kShort", "a short chord, of sqrt(area / charts)", JOINS),
-    Tuned(MESHING + "repair/junctions.cpp", "kMisses", "miss of a plane at a joint vertex, in bounds of bends", JOINS),
-    Tuned(MESHING + "complex/placement.cpp", "kJoined", "share of the tie at joint vertices", JOINS),
-    Tuned(MESHING + "place/slide.cpp", "kFar", "way of a sliding corner, of sqrt(area / charts)", SHAPES),
-    Tuned(MESHING + "place/slide.cpp", "kOff", "off the planes, in deviations of the scan", SHAPES),
-    Tuned(MESHING + "place/slide.cpp", "kOfSharp", "reflex degrees that a degree too sharp counts as", NEEDLES),
-    Tuned(MESHING + "place/slide.cpp", "kBend", "degrees that a bend counts as", NEEDLES),
-    Tuned(MESHING + "discs/polyline.cpp", "kWithin", "share of a ragged border that is near its rim", REAL),
-    Tuned(MESHING + "complex/raggedness.cpp", "kOfRagged",
-          "how far a rim may leave a ragged border, times the raggedness", REAL),
-    Tuned(MESHING + "complex/raggedness.cpp", "kRagged",
-          "raggedness from which a rim is straight, in edges of the border", REAL),
-    Tuned("native/src/simplify/sharp_edges.cpp", "kEdges", "width of a strip of an edge, in mean edges", REAL),
-    Tuned("native/src/simplify/sharp_edges.cpp", "kMostAngle", "degrees of planes that meet at an edge, at most",
-          HOUSES, values=("120.0", "170.0")),
-    Tuned("native/src/simplify/sharp_edges.cpp", "kFlatFaces", "mean faces of a region on scans of planes", HOUSES,
-          values=("50", "200")),
-    Tuned("native/src/simplify/sharp_edges.cpp", "kZigzag", "length of a border along faces, over its line's length",
-          REAL, values=("1.0", "1.6")),
-    Tuned("native/src/mesh/cleaning/stitch.cpp", "kEdges", "gap of borders that are stitched, in mean edges", REAL),
-    Tuned("native/src/mesh/cleaning/stitch.cpp", "kShare", "of the border that has another near, to be stitched", REAL),
-    Tuned("native/src/mesh/cleaning/stitch.cpp", "kNearEnd", "of an edge: nearer vertices become one with its end",
-          REAL, values=("0.2", "0.5")),
-    Tuned("native/src/mesh/cleaning/close.cpp", "kOffPlane",
-          "deviation of a hole in a wall from its plane, share of sqrt(its area)", REAL),
-    Tuned("native/src/simplify/openings.cpp", "kFlat",
-          "longest hole in a wall that is closed, in sqrt(area / regions)", REAL),
-    Tuned("native/src/simplify/openings.cpp", "kMostPatch",
-          "largest patch that draws no region, in mean regions", REAL),
-)  # fmt: skip
+def text_of(comment: str) -> str:
+    lines = [line.strip().lstrip("/<").strip() for line in comment.split("\n") if not TUNED.match(line)]
+    return " ".join(lines).strip()
 
 
-def measure(data: Path, changed: dict[str, dict[str, float]], times: int) -> dict[str, dict[str, float]]:
-    """The columns by mesh, of the engine that can be imported; no time where it is measured 0 times."""
-    import isimp_engine as engine
-    from bench.quality import shape
-
-    partition, meshing = changed.get("partition", {}), changed.get("meshing", {})
-    rows = {}
-    for name, proxies in MESHES.items():
-        mesh = engine.clean(*engine.read(data / name))
-        row, _, _ = shape.run(mesh, proxies, partition, meshing)
-        found = engine.partition(mesh, engine.PartitionOptions(**partition))
-        seconds = []
-        for _ in range(times):
-            started = time.process_time()
-            part = engine.partition(mesh, engine.PartitionOptions(proxies=proxies, **partition))
-            engine.polygonize(mesh, part, engine.MeshingOptions(**meshing))
-            seconds.append(time.process_time() - started)
-        rows[name] = {
-            "distance": row["mean"],
-            "planarity": row["bend"],
-            "polygons": row["polygons"],
-            "concave": row["conc"],
-            "found": found.region_count,
-        } | ({"time": min(seconds)} if seconds else {})
-    return rows
+def declared(file: str, text: str) -> Iterator[tuple[re.Match[str], list[Constant]]]:
+    """Each declaration of a source, with its constants."""
+    for at in DECLARATION.finditer(text):
+        before = text[: at.start()]
+        above = ABOVE.search(before)
+        meaning = text_of(at.group(5)) or (text_of(above.group(1)) if above else "")
+        data = (TUNED.findall(before) or [""])[-1]
+        kind = "tuned" if data else ""
+        if tag := TAG.match(meaning):
+            kind, data, meaning = (group or "" for group in tag.groups())
+        found = []
+        for one in ANOTHER.split(re.sub(r"//[^\n]*", "", at.group(4))):
+            name, value = re.match(r"(k\w+)\s*(.*)", " ".join(one.split())).groups()
+            value = value.removeprefix("= ") if value.startswith("=") else value[1:-1]
+            found.append(Constant(file, name, at.group(3), value, kind, data, meaning.strip()))
+        yield at, found
 
 
-class Build:
-    """A copy of the tree and its build."""
+def sources(root: Path = ROOT) -> dict[str, str]:
+    files = sorted((root / "native").rglob("*"))
+    return {str(p.relative_to(root / "native")): p.read_text() for p in files if p.suffix in (".h", ".cpp")}
 
-    def __init__(self, folder: Path, jobs: int) -> None:
-        self.source = folder / "source"
-        self.base = folder / "base"
-        self.jobs = jobs
-        self.tree = self.source / "build-dev"
-        for part in PARTS:
-            self._copy(ROOT / part)
-        # With the dev preset's flags and these two, ccache knows the objects of an ordinary build.
-        self.environment = os.environ | {"CCACHE_BASEDIR": str(self.source), "CCACHE_NOHASHDIR": "1"}
-        pybind = self._run([sys.executable, "-m", "pybind11", "--cmakedir"]).strip()
-        self._run(["cmake", "--preset", "dev", "-DISIMP_TESTS=OFF", "-DISIMP_BENCH=OFF", "-DISIMP_THESIS=OFF",
-                   f"-DPython_EXECUTABLE={sys.executable}", f"-Dpybind11_DIR={pybind}"])  # fmt: skip
-        self.make()
-        shutil.rmtree(self.base, ignore_errors=True)
-        shutil.copytree(self.tree / "python", self.base)
 
-    def _copy(self, path: Path) -> None:
-        """Unchanged files keep their times, so that ninja does not build their objects again."""
-        files = [p for p in path.rglob("*") if p.is_file()] if path.is_dir() else [path] if path.exists() else []
-        copied = self.source / path.relative_to(ROOT)
-        for old in copied.rglob("*") if copied.is_dir() else ():
-            if old.is_file() and not (ROOT / old.relative_to(self.source)).exists():
-                old.unlink()
-        for file in files:
-            to = self.source / file.relative_to(ROOT)
-            if to.exists() and to.read_bytes() == file.read_bytes():
-                continue
+def constants(root: Path = ROOT) -> list[Constant]:
+    return [c for file, text in sources(root).items() for _, found in declared(file, text) for c in found]
+
+
+def options() -> list[Constant]:
+    """The defaults of `OPTIONS`."""
+    from isimp_engine.recipe.engine_options import MESHING, PARTITION
+
+    tables, found = PARTITION | MESHING, []
+    for name, (data, meaning) in OPTIONS.items():
+        kind = "int" if tables[name].kind == "int" else "double"
+        found.append(Constant("option", name, kind, str(tables[name].default), "tuned", data, meaning))
+    return found
+
+
+LOOKUP = "isimp/core/lookup.h"
+HEADER = """#pragma once
+#include <type_traits>
+namespace isimp {
+extern double other_value[2048];
+extern unsigned char lookup_state[2048];  // 1: was read, 2: has another value
+template <typename T>
+T looked_up(int place, T now) {
+  if (lookup_state[place] & 2) return static_cast<T>(other_value[place]);
+  if (!(lookup_state[place] & 1)) other_value[place] = static_cast<double>(now);
+  if (!(lookup_state[place] & 1)) lookup_state[place] |= 1;
+  return now;
+}
+}  // namespace isimp
+#define ISIMP_LOOKUP(T, place, now) \\
+  { return std::is_constant_evaluated() ? static_cast<T>(now) : isimp::looked_up<T>(place, static_cast<T>(now)); }
+"""
+SOURCE = f"""#include "{LOOKUP}"
+namespace isimp {{
+double other_value[2048];
+unsigned char lookup_state[2048];
+}}
+extern "C" __attribute__((visibility("default"))) double* isimp_values() {{ return isimp::other_value; }}
+extern "C" __attribute__((visibility("default"))) unsigned char* isimp_states() {{ return isimp::lookup_state; }}
+"""
+
+
+def looked_up(texts: dict[str, str], places: dict[str, int]) -> dict[str, str]:
+    """Sources whose constants of `places` are functions. In constant expressions they have the value of the source."""
+    names = {f: {n.split(":")[1] for n in places if n.startswith(f"{f}:")} for f in texts}
+    headers = [f for f in texts if f.endswith(".h")]
+
+    def included(file: str, seen: set[str]) -> set[str]:
+        for name in re.findall(r'#include ["<]([^">]+\.h)[">]', texts[file]):
+            for header in (h for h in headers if f"/{h}".endswith(f"/{name}")):
+                if header not in seen:
+                    seen.add(header)
+                    included(header, seen)
+        return seen
+
+    result = {}
+    for file, text in texts.items():
+        own = names[file]
+        known = own.union(*(names[h] for h in included(file, set())))
+        if not known:
+            continue
+        use = re.compile(r"(?<![\w.>])(" + "|".join(sorted(known)) + r")\b(?!\s*\()")
+        parts, end = [], 0
+        for at, found in declared(file, text):
+            indent, storage = at.group(1), at.group(2)
+            parts.append(use.sub(r"\1()", text[end : at.start()]))
+            end = at.end()
+            for c in found:
+                value = use.sub(r"\1()", c.value)
+                if c.name not in own:
+                    parts.append(f"{indent}{storage}constexpr {c.type} {c.name} = {value};\n")
+                    continue
+                body = f"ISIMP_LOOKUP({c.type}, {places[c.key]}, ({value}))"
+                is_local = indent and "static" not in storage
+                head = f"static constexpr auto {c.name} = []() -> {c.type} {body};"
+                member = f"{'static ' if indent else '[[maybe_unused]] '}constexpr {c.type} {c.name}() {body}"
+                parts.append(f"{indent}{head if is_local else member}\n")
+        body = "".join(parts) + use.sub(r"\1()", text[end:])
+        first = "#pragma once\n" if "#pragma once" in body else ""
+        result[file] = f'{first}#include "{LOOKUP}"\n' + body.replace(first, "", 1)
+    return result
+
+
+def tuned() -> list[Constant]:
+    return [c for c in constants() if c.kind == "tuned"]
+
+
+def places_of(some: list[Constant]) -> dict[str, int]:
+    return {c.key: k for k, c in enumerate(some)}
+
+
+def build(folder: Path, jobs: int) -> Path:
+    """Builds a copy of the tree. Unchanged files keep their times, so that ninja does not build them again."""
+    changed = {f"native/{f}": t for f, t in looked_up(sources(), places_of(tuned())).items()}
+    changed |= {f"native/include/{LOOKUP}": HEADER, "native/src/core/lookup.cpp": SOURCE}
+    for path in (p for part in PARTS for p in [ROOT / part, *(ROOT / part).rglob("*")] if p.is_file()):
+        changed.setdefault(str(path.relative_to(ROOT)), "")
+    for name, text in changed.items():
+        new, to = text.encode() or (ROOT / name).read_bytes(), folder / "source" / name
+        if not to.exists() or to.read_bytes() != new:
             to.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(file, to)
-
-    def _run(self, command: list[str]) -> str:
-        done = subprocess.run(command, cwd=self.source, env=self.environment, capture_output=True, text=True)
-        if done.returncode != 0:
-            raise SystemExit(f"{' '.join(command)}\n{done.stdout[-4000:]}{done.stderr[-4000:]}")
-        return done.stdout
-
-    def make(self) -> None:
-        self._run(["ninja", "-C", str(self.tree), f"-j{self.jobs}", "isimp_python"])
-
-    def with_value(self, tuned: Tuned, value: str) -> Path:
-        """The package of an engine with another value; the next call restores the files that this one has changed."""
-        file = self.source / tuned.path
-        text = file.read_text()
-        at = re.search(tuned.pattern, text)
-        assert at is not None
-        file.write_text(text[: at.start(1)] + value + text[at.end(1) :])
-        try:
-            self.make()
-        finally:
-            file.write_text(text)
-        return self.tree / "python"
+            to.write_bytes(new)
+    found = subprocess.run([sys.executable, "-m", "pybind11", "--cmakedir"], check=True, capture_output=True, text=True)
+    tree, pybind = folder / "build", found.stdout.strip()
+    flags = ["-DISIMP_THESIS=OFF", "-DISIMP_CUDA=OFF", "-DISIMP_PYTHON=ON", f"-DPython_EXECUTABLE={sys.executable}"]
+    flags += [f"-Dpybind11_DIR={pybind}", *(["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else [])]
+    subprocess.run(["cmake", "-S", folder / "source", "-B", tree, "-G", "Ninja", *flags], check=True)
+    subprocess.run(["ninja", "-C", tree, f"-j{jobs}", "isimp_python"], check=True)
+    return tree / "python"
 
 
-def measured(package: Path, data: Path, changed: dict[str, dict[str, float]], times: int) -> dict:
-    """The measurements of a process of its own with a package; empty where it fails."""
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(package), str(ROOT)])}
-    command = [sys.executable, __file__, "--measure", json.dumps([changed, times]), "--data", str(data)]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True)
-    if done.returncode == 0:
-        return json.loads(done.stdout)
-    print(done.stderr, file=sys.stderr)
-    return {}
+def other_values(value: float, kind: str) -> list[float]:
+    """Half and twice a value."""
+    if kind not in ("double", "float"):
+        return [max(1, int(value) // 2) if value > 1 else 0, 2 * int(value)]
+    if 0.6 <= value < 1:
+        return [1 - 2 * (1 - value), 1 - (1 - value) / 2]
+    if 1 < value <= 1.5:
+        return [1 + (value - 1) / 2, 1 + (value - 1) * 2]
+    return [value / 2, value * 2]
 
 
-def in_turns(packages: list[Path], data: Path, options: list[dict], turns: int) -> list[dict]:
-    """Measures some packages with options for each, one after the other and again; their shortest times."""
-    rows: list[dict] = [{} for _ in packages]
-    for _ in range(max(1, turns)):
-        for k, (package, changed) in enumerate(zip(packages, options, strict=True)):
-            new = measured(package, data, changed, TIMES if turns else 0)
-            for mesh, row in new.items():
-                if "time" in row and rows[k]:
-                    row["time"] = min(row["time"], rows[k][mesh]["time"])
-            rows[k] = new
-    return rows
+Change = list[float] | None
 
 
-def changes(new: dict[str, dict[str, float]], old: dict[str, dict[str, float]]) -> dict[str, float]:
-    """The change in %, as geometric mean over meshes."""
-    return {
-        column: 100 * (float(np.exp(np.mean([np.log(new[m][column] / old[m][column]) for m in old]))) - 1)
-        for column in COLUMNS
-        if all(column in row for rows in (new, old) for row in rows.values())
-    }
+class Engine:
+    """The runs, with the engine of `build`."""
+
+    def __init__(self, places: dict[str, int]) -> None:
+        import isimp_engine
+        from bench.quality import small_runs
+
+        library = ctypes.CDLL(isimp_engine._core.__file__)
+        library.isimp_values.restype = ctypes.POINTER(ctypes.c_double)
+        library.isimp_states.restype = ctypes.POINTER(ctypes.c_ubyte)
+        self.values, self.states = library.isimp_values(), library.isimp_states()
+        self.places, self.runs, self.options = places, small_runs.RUNS, small_runs.OPTIONS
+        self.base: dict[str, small_runs.Outcome] = {}
+        self.reads: dict[str, list[int]] = {}
+        self.seconds: dict[str, float] = {}
+        for name, run in self.runs.items():
+            run()  # makes the input
+            for place in range(2048):
+                self.states[place] = 0
+            started = time.process_time()
+            self.base[name] = run()
+            self.seconds[name] = time.process_time() - started
+            self.reads[name] = [place for place in range(2048) if self.states[place]]
+
+    def value_of(self, c: Constant) -> float:
+        return float(c.value) if c.file == "option" else self.values[self.places[c.key]]
+
+    def readers(self, c: Constant) -> list[str]:
+        """The runs that read a constant, the quickest first."""
+        some = [name for name in self.runs if c.file == "option" or self.places[c.key] in self.reads[name]]
+        return sorted(some, key=self.seconds.__getitem__)
+
+    def tried(self, c: Constant, value: float) -> dict[str, Change]:
+        """By tried run: polygons and distance where the bits are others, [] for the same bits, None for a failure."""
+        runs = self.readers(c)
+        seconds = int(5 + 4 * sum(self.seconds[name] for name in runs))
+        end, write = os.pipe()
+        child = os.fork()
+        if child == 0:
+            resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+            if c.file == "option":
+                self.options[c.name] = int(value) if c.type == "int" else value
+            else:
+                self.values[self.places[c.key]], self.states[self.places[c.key]] = value, 2
+            differs = False
+            for k, name in enumerate(runs):
+                if differs and k >= QUICKEST:
+                    break
+                os.write(write, (json.dumps([name, None]) + "\n").encode())
+                new = self.runs[name]()
+                line = [name, [new.polygons, new.distance] if new.bits != self.base[name].bits else []]
+                differs = differs or line[1] != []
+                os.write(write, (json.dumps(line) + "\n").encode())
+            os._exit(0)
+        os.close(write)
+        with os.fdopen(end) as pipe:
+            rows = dict(json.loads(line) for line in pipe)
+        os.waitpid(child, 0)
+        return rows
+
+
+def compared(base: dict[str, tuple[int, float]], rows: dict[str, Change]) -> list[float]:
+    """The numbers of tried, differing and failed runs, and the changes of polygons and of the mean distance in %."""
+
+    def change(column: int) -> float:
+        pairs = [(row[column], base[name][column]) for name, row in rows.items() if row and row[column] > 0]
+        return 100 * (float(np.exp(sum(np.log(a / b) for a, b in pairs if b > 0) / max(1, len(rows)))) - 1)
+
+    others = [row for row in rows.values() if row != []]
+    return [len(rows), len(others), others.count(None), change(0), change(1)]
+
+
+def measure(only: list[str], out: Path) -> None:
+    results = json.loads(out.read_text()) if out.exists() else {}
+    engine = Engine(places_of(tuned()))
+    base = {name: (o.polygons, o.distance) for name, o in engine.base.items()}
+    for c in tuned() + options():
+        is_wanted = not only or any(part in c.key for part in only)
+        if not is_wanted or results.get(c.key, {}).get("value") == c.value:
+            continue
+        runs, rows = engine.readers(c), {}
+        for value in other_values(engine.value_of(c), c.type) if runs else ():
+            rows[f"{value:.4g}"] = compared(base, engine.tried(c, value))
+        results[c.key] = {"value": c.value, "runs": len(runs), "rows": rows}
+        out.write_text(json.dumps(results, indent=1))
+        print(c.key, results[c.key], file=sys.stderr, flush=True)
 
 
 def cell(change: float) -> str:
     return "0" if abs(change) < 0.05 else f"{change:+.1f}" if abs(change) < 10 else f"{change:+.0f}"
 
 
-def tables(results: dict[str, dict], columns: Sequence[str] = COLUMNS) -> str:
-    """The table of docs/constants.md."""
-    lines = [
-        "| constant | value | meaning | tuned on | to | " + " | ".join(columns) + " |",
-        "|---" * 4 + "|---:" * (1 + len(columns)) + "|",
-    ]
-    for tuned in TUNED:
-        result = results.get(f"{tuned.path} {tuned.name}")
-        head = f"| {tuned.place} | {tuned.value()} | {tuned.meaning} | {tuned.source} |"
-        variants = result["variants"] if result else dict.fromkeys(tuned.variants())
-        for value, rows in variants.items():
-            if rows is None:
-                cells = ["not run"] * len(columns)
-            elif not rows:
-                cells = ["fails"] * len(columns)
-            else:
-                change = changes(rows, result["base"])
-                same = all(rows[m][c] == result["base"][m][c] for m in rows for c in COLUMNS if c != "time")
-                cells = ["=" if same and c != "time" else cell(change[c]) if c in change else "" for c in columns]
-            lines.append(f"{head} {value} | " + " | ".join(cells) + " |")
-            head = "| | | | |"
-    return "\n".join(lines)
+def head_of(c: Constant) -> str:
+    place = c.file.removeprefix("src/").removeprefix("include/isimp/")
+    meaning = c.meaning.replace("|", "\\|")
+    return f"| `{c.name}`, `{place}` | {c.value} | {c.data} | {meaning} |"
 
 
-def result_of(tuned: Tuned, build: Build, data: Path, turns: int, bases: dict[str, dict]) -> dict:
-    """The effect of half and twice a constant, compared with its present value.
-
-    :param bases: by options, the figures that do not change without times
-    """
-    key = str(tuned.given)
-    if turns == 0 and key not in bases:
-        (bases[key],) = in_turns([build.base], data, [tuned.given], 0)
-    variants: dict[str, dict] = {}
-    for value in tuned.variants():
-        is_option = tuned.file in OPTIONS
-        package = build.base if is_option else build.with_value(tuned, value)
-        changed = {tuned.file: {tuned.name: json.loads(value)}} if is_option else tuned.given
-        if turns == 0:
-            (variants[value],) = in_turns([package], data, [changed], 0)
-        else:
-            variants[value], bases[key] = in_turns([package, build.base], data, [changed, tuned.given], turns)
-    return {"value": tuned.value(), "base": bases[key], "variants": variants}
+def row_of(c: Constant, result: dict | None) -> str:
+    """A line of the table: half and twice with the runs that differ, polygons and distance."""
+    cells = []
+    for value, (tried, other, failed, polygons, distance) in (result["rows"] if result else {}).items():
+        change = f"{other} of {tried}: {cell(polygons)}, {cell(distance)}" if other else "="
+        cells.append(f"{value}: {change}" + (f", {failed} fail" if failed else ""))
+    cells += [""] * (2 - len(cells))
+    return f"{head_of(c)} {result['runs'] if result else ''} | " + " | ".join(cells) + " |"
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=ROOT.parent / "shared" / "data")
-    parser.add_argument("--only", default="", help="names")
+    parser.add_argument("--only", default="", help="parts of FILE:NAME")
     parser.add_argument("--folder", type=Path, default=ROOT / "out" / "constants")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--json", type=Path)
-    parser.add_argument("--tables", type=Path, help="prints the table of an earlier run and ends")
-    parser.add_argument("--no-times", action="store_true")
-    parser.add_argument("--measure", type=json.loads, help=argparse.SUPPRESS)
+    parser.add_argument("--json", type=Path, default=ROOT / "out" / "constants.json")
+    parser.add_argument("--table", type=Path)
+    parser.add_argument("--measure", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
-    if given.measure is not None:
-        print(json.dumps(measure(given.data, *given.measure)))
+    if given.table:
+        results = json.loads(given.table.read_text())
+        head, _, _ = PAGE.read_text().partition("| constant |")
+        lines = ["| constant | value | tuned on | meaning | runs | half | twice |", "|---|---|---|---|---:|---|---|"]
+        lines += [row_of(c, results.get(c.key)) for c in tuned() + options()]
+        PAGE.write_text(head + "\n".join(lines) + "\n")
         return 0
-    columns = [c for c in COLUMNS if c != "time" or not given.no_times]
-    if given.tables:
-        print(tables(json.loads(given.tables.read_text()), columns))
+    if given.measure:
+        measure([p for p in given.only.split(",") if p], given.json)
         return 0
-    wanted = given.only.split(",") if given.only else []
-    # All are found before the first build; constants that need many compilations come last.
-    some = sorted((t for t in TUNED if not wanted or t.name in wanted), key=lambda t: (t.path.endswith(".h"), t.path))
-    some.sort(key=lambda t: t.file not in OPTIONS)
-    for tuned in some:
-        tuned.value()
-    results = json.loads(given.json.read_text()) if given.json and given.json.exists() else {}
-    build = Build(given.folder, given.jobs)
-    bases: dict[str, dict] = {}
-    for tuned in some:
-        key = f"{tuned.path} {tuned.name}"
-        if key in results and results[key]["value"] == tuned.value():
-            continue
-        started = time.monotonic()
-        results[key] = result_of(tuned, build, given.data, 0 if given.no_times else TURNS, bases)
-        print(f"{tuned.name}: {time.monotonic() - started:.0f} s", file=sys.stderr, flush=True)
-        if given.json:
-            given.json.write_text(json.dumps(results, indent=1))
-    print(tables(results, columns))
-    return 0
+    package = build(given.folder, given.jobs)
+    given.json.parent.mkdir(parents=True, exist_ok=True)
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(package), str(ROOT)])}
+    return subprocess.run([sys.executable, __file__, *sys.argv[1:], "--measure"], env=environment).returncode
 
 
 if __name__ == "__main__":

@@ -80,7 +80,7 @@ std::size_t rows_of(const py::array& array) { return static_cast<std::size_t>(ar
 
 /// Whether the numbers lie one after another, row by row, aligned for their type.
 bool is_packed(const py::array& array) {
-  constexpr int kPacked = int{py::array::c_style} | int{py::detail::npy_api::NPY_ARRAY_ALIGNED_};
+  constexpr int kPacked = int{py::array::c_style} | int{py::detail::npy_api::NPY_ARRAY_ALIGNED_};  // format
   return (array.flags() & kPacked) == kPacked;
 }
 

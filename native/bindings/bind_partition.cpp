@@ -21,6 +21,7 @@ using namespace py::literals;
 
 namespace {
 
+// tuned bound
 constexpr int kNoiseForBound = 4;  // deviations; a bound below that makes regions of noise
 
 py::object given_or_none(bool given, double value) { return given ? py::object(py::float_(value)) : py::none(); }

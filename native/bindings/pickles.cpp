@@ -23,8 +23,9 @@ bool all_in(const Integers& items, std::int32_t low, std::size_t end) {
                      [&](std::int32_t i) { return i >= low && i < static_cast<std::int64_t>(end); });
 }
 
-constexpr std::size_t kAny = std::numeric_limits<std::uint32_t>::max();  // for indices into arrays that are not in the
-                                                                         // pickle
+constexpr std::size_t kAny =
+    std::numeric_limits<std::uint32_t>::max();  // mark: for indices into arrays that are not in the
+                                                // pickle
 
 template <class... Numbers>
 bool all_finite(Numbers... numbers) {
@@ -250,7 +251,8 @@ namespace {
 /// The values of a partition without the ones of features that only older versions have: two counts of `regularise`, and
 /// the plane of symmetry.
 py::tuple without_gone(const py::tuple& values) {
-  constexpr std::size_t kCounts = 28, kPlane = 33, kBefore = 39;  // places of the first left-out values, and all values
+  constexpr std::size_t kCounts = 28, kPlane = 33,
+                        kBefore = 39;  // format: places of the first left-out values, and all values
   if (values.size() != kBefore) return values;
   py::list kept;
   for (std::size_t i = 0; i < kPlane; ++i)

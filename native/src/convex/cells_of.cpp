@@ -11,6 +11,7 @@
 namespace isimp::detail {
 namespace {
 
+// tuned colliders
 constexpr double kPad = 0.01;          // share of the diagonal, around the solid
 constexpr double kOpposite = -0.5;     // cosine between the normals of the two sides of a plate
 constexpr double kDoubtful = 0.25;     // turns off a whole number

@@ -19,6 +19,7 @@ namespace {
 using detail::Piece;
 using detail::Pieces;
 
+// tuned colliders
 constexpr double kDropped = 0.1;     // share of the tolerance: corners this near to a hull are left out
 constexpr std::size_t kSmall = 100;  // cells of a piece for which cuts are tried to their end
 constexpr std::int32_t kFew = 16;    // parts that such a piece may become

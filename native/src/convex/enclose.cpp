@@ -12,8 +12,9 @@
 namespace isimp::detail {
 namespace {
 
+// tuned colliders
 constexpr double kLooser = 1.05;     // times the volume: for which fewer facets are worth it
-constexpr double kRounding = 1e-12;  // share of the coordinates: the first distance that planes are moved
+constexpr double kRounding = 1e-12;  // rounding: share of the coordinates: the first distance that planes are moved
 
 /// The planes of a part, the largest facets first. Each has the whole part below it.
 std::vector<Plane> few_planes(const ConvexPart& part, double same) {

@@ -10,6 +10,7 @@
 namespace isimp::detail {
 namespace {
 
+// tuned colliders
 constexpr double kOutwards = 1e-3;  // weight of the distance from the middle among points that are as far out
 
 struct Facet {

@@ -13,10 +13,11 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kGridBits = 20;             // steps in the diagonal: the range of the integers in hull_of
+constexpr int kGridBits = 20;  // rounding: steps in the diagonal: the range of the integers in hull_of
+// tuned colliders
 constexpr std::size_t kMostChances = 24;  // planes that are tried in full for one cut
 constexpr double kConvex = 0.01;          // share of its volume that a convex piece may lack
-constexpr double kNothing = 1e-9;         // share of its volume: by rounding alone
+constexpr double kNothing = 1e-9;         // rounding: share of its volume: by rounding alone
 constexpr double kFinished = 0.1;         // weight of the volume that needs no more cuts
 
 Plane plane_of(const ConvexPart& part, const Triangle& t) {

@@ -12,7 +12,8 @@
 namespace isimp::detail {
 namespace {
 
-constexpr double kSnap = 1e-9;       // share of the diagonal
+constexpr double kSnap = 1e-9;  // rounding: share of the diagonal
+// tuned colliders
 constexpr double kSame = 0.4;        // share of the tolerance, and at most of the default one
 constexpr double kLikeNormal = 0.5;  // cosine of 60 degrees: of the normals of polygons that can be in one plane
 

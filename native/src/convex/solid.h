@@ -18,6 +18,7 @@ struct Facet {
   std::int32_t plane = 0;
 };
 
+// tuned colliders
 constexpr double kTolerance = 0.005;  ///< share of the diagonal: the default ConvexOptions::tolerance
 
 /// Lengths that count as nothing.

@@ -13,10 +13,11 @@
 namespace isimp::detail {
 namespace {
 
+// tuned colliders
 constexpr double kBent = 0.1;    ///< share of the tolerance: deeper corners of a face are reflex
 constexpr double kSpread = 1.0;  ///< the most by which the back of a slab is wider at an edge, in thicknesses
 
-constexpr double kAlong = 1e-6;  ///< cosine: a facet this upright on a polygon is not in front of it
+constexpr double kAlong = 1e-6;  ///< rounding: cosine: a facet this upright on a polygon is not in front of it
 
 using Edge = std::array<std::int32_t, 2>;
 

@@ -12,9 +12,10 @@
 namespace isimp::curved {
 namespace {
 
+// tuned round
 constexpr double kNoBend = 0.97;  ///< cosine between the axes
 constexpr double kWidest = 8;     ///< radius of a bend, over that of the pipe
-constexpr int kSteps = 80;        ///< number of tries of the radius
+constexpr int kSteps = 80;        ///< work: number of tries of the radius
 constexpr double kLeft = 0.5;     ///< least share of its area that a surface keeps, and least share outside the bend
 
 /// Two pipes whose axes meet, and the bend of one radius between them.

@@ -11,6 +11,7 @@
 namespace isimp::curved {
 namespace {
 
+// tuned round
 constexpr double kNear = 0.35;  ///< share of a segment's width: a vertex further from a corner does not become one
 
 class Cutter {

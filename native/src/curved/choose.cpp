@@ -13,6 +13,7 @@
 namespace isimp::curved {
 namespace {
 
+// tuned round
 constexpr double kSameAxis = 0.9995;  ///< cosine
 constexpr int kTries = 3;             ///< tries to find cells whose number is not larger than before
 

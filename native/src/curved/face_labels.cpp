@@ -10,6 +10,7 @@
 namespace isimp::curved {
 namespace {
 
+// tuned round
 constexpr int kSweeps = 12;           ///< moves of the faces at borders
 constexpr int kFilters = 3;           ///< averages of the normals
 constexpr double kFilters53 = 0.6;    ///< cosine: neighbours further apart are not averaged

@@ -11,7 +11,8 @@
 namespace isimp::curved {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kDegree = std::numbers::pi / 180;  // unit
+// tuned round
 constexpr std::int32_t kSeeds = 20;          ///< a round
 constexpr int kFails = 3;                    ///< rounds of seeds without a find, after which the search ends
 constexpr int kGrows = 4;                    ///< times that a surface is fitted again to the points that it reaches
@@ -253,7 +254,7 @@ class Search {
 }  // namespace
 
 double turn_share(const CurvedSurface& surface, const Samples& samples) {
-  constexpr std::size_t kSteps = 36;
+  constexpr std::size_t kSteps = 36;  // work
   std::array<bool, kSteps> seen{};
   const auto [u, w] = frame(surface.axis);
   for (const Vec3& x : samples.place) {

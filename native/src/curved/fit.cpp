@@ -14,6 +14,7 @@ namespace {
 using Eigen::Matrix3d;
 using Solver3 = Eigen::SelfAdjointEigenSolver<Matrix3d>;
 
+// tuned round
 constexpr double kThin = 1e-4;     ///< a least eigenvalue of normal lines below this: they do not meet
 constexpr double kMostTilt = 0.2;  ///< radians, of one step
 

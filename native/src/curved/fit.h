@@ -9,6 +9,7 @@
 
 namespace isimp::curved {
 
+// tuned round
 inline constexpr double kFlat = 0.01;  ///< a second eigenvalue of the normals below this: a plane
 
 /// Samples of a surface to which one is fitted.

@@ -8,7 +8,7 @@
 namespace isimp::curved {
 namespace {
 
-constexpr double kDampingOfCorners = 1e-6;  ///< share of the largest weight: a corner without faces stays
+constexpr double kDampingOfCorners = 1e-6;  ///< rounding: share of the largest weight: a corner without faces stays
 
 Vec2 across(const Vec2& edge) { return Vec2(edge.y(), -edge.x()).normalized(); }
 

@@ -8,6 +8,7 @@
 namespace isimp::curved {
 namespace {
 
+// tuned round
 constexpr int kTilts = 3;  ///< steps of the axis
 
 /// The surface with its axis tilted so that the samples have the least distances, by a step of Gauss-Newton.

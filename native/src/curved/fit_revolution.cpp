@@ -13,6 +13,7 @@
 namespace isimp::curved {
 namespace {
 
+// tuned round
 constexpr double kThin = 2e-3;               ///< eigenvalues of the normals below this are noise
 constexpr std::size_t kMostBins = 40;        ///< number of bins of the profile of a revolution
 constexpr std::size_t kPointsABin = 3;       ///< at the least: a profile through every point fits anything

@@ -8,6 +8,7 @@
 namespace isimp::curved {
 namespace {
 
+// tuned round
 constexpr double kEasier = 0.62;  ///< least good share of the border of a sphere, a tube and a fillet; else kMost
 constexpr double kHalf = 0.5;     ///< share of its border along planes, of a fillet
 constexpr double kSome = 0.25;    ///< least good share of the border of a full turn; share that faces may add when they

@@ -12,14 +12,16 @@
 namespace isimp::curved {
 namespace {
 
-constexpr int kBins = 120;           ///< number of bins of the profile
-constexpr int kSteps = 72;           ///< number of steps of a full turn in the search for gaps
+constexpr int kBins = 120;  ///< work: number of bins of the profile
+constexpr int kSteps = 72;  ///< work: number of steps of a full turn in the search for gaps
+// tuned round
 constexpr double kCapRadius = 0.12;  ///< share of the largest radius: an end nearer to the axis may be a cap
-constexpr double kStraight = 1e-6;   ///< radians: the turn of a strip of an extrusion
+constexpr double kStraight = 1e-6;   ///< rounding: radians: the turn of a strip of an extrusion
 constexpr double kFine = 1.1;        ///< times the mean square distance from the surface: no more strips
 constexpr double kLeastEdges = 2;    ///< edges of faces in the width of a segment: narrower ones have ragged borders
-constexpr double kShort = 1e-9;      ///< share of its distance from 0 along the profile: a shorter range is one place
-constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kShort =
+    1e-9;  ///< rounding: share of its distance from 0 along the profile: a shorter range is one place
+constexpr double kNever = std::numeric_limits<double>::infinity();  // mark
 
 using Row = std::array<double, kBins + 1>;
 

@@ -9,8 +9,9 @@
 
 namespace isimp::curved {
 
-inline constexpr std::int32_t kMostSegments = 256, kMostRings = 64;
-inline constexpr std::int32_t kMostStrips = 120;             ///< segments of an extrusion
+inline constexpr std::int32_t kMostSegments = 256, kMostRings = 64;  // limit
+inline constexpr std::int32_t kMostStrips = 120;                     ///< limit: segments of an extrusion
+// tuned round
 inline constexpr std::int32_t kLeastRound = 6;               ///< least number of segments of a full turn
 inline constexpr double kMoreCells = 1.03, kHalfCell = 0.5;  ///< cuts may have 1.03 n + .5 cells for n
 

@@ -13,6 +13,7 @@
 namespace isimp::curved {
 namespace {
 
+// tuned round
 constexpr int kSmoothBorders = 4;   ///< between two surfaces that may be one
 constexpr double kTurnsMore = 1.3;  ///< times the turn of the nearness, of a point that a surface explains
 constexpr double kFurther = 1.5;    ///< times the nearness: a surface explains such points

@@ -5,6 +5,7 @@
 /// Numbers that several steps share.
 namespace isimp::curved {
 
+// tuned round
 inline constexpr double kFullTurn = 0.92;       ///< share of a turn, a sphere, a border or points that counts as all
 inline constexpr double kCrease = 0.866;        ///< cosine between normals of points: a crease lies between others
 inline constexpr double kSquare = 0.1;          ///< cosine between directions that are square

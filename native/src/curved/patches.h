@@ -9,6 +9,7 @@
 
 namespace isimp::curved {
 
+// tuned round
 /// Cells may be that much worse by squared distance than the regions before, whose borders go by distances too.
 inline constexpr double kWorse = 1.7;
 

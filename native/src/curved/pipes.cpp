@@ -10,7 +10,7 @@
 namespace isimp::curved {
 namespace {
 
-constexpr std::int32_t kMostOfPipe = 128;
+constexpr std::int32_t kMostOfPipe = 128;  // limit
 
 /// The mean square distance of an arc of radius 1 from its chord through the mean.
 double of_chord(double angle) {

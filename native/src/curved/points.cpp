@@ -12,6 +12,7 @@
 namespace isimp::curved {
 namespace {
 
+// tuned round
 constexpr double kOff = 9;      ///< mean areas of its faces: a centre at a larger squared distance from them is off
 constexpr double kFlat = 0.98;  ///< least length of the mean normal: others are no rings on top of a round part
 const double kJoins = std::cos(33 * std::numbers::pi / 180);  ///< least cosine between normals of joined points

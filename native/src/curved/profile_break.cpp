@@ -9,6 +9,7 @@
 namespace isimp::curved {
 namespace {
 
+// tuned round
 constexpr std::size_t kLeast = 3;  ///< least number of corners of each part
 
 /// Sums over corners of a profile, from which lines and circles are fitted.

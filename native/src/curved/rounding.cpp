@@ -15,9 +15,10 @@
 namespace isimp::curved {
 namespace {
 
+// tuned round
 constexpr double kOfRegion = 0.3;  ///< share of a region's area: if patches leave less of it, the rest joins neighbours
 constexpr double kNarrow = 1;      ///< radians, the least span of one that is no full turn
-constexpr double kFar = 1e300;     ///< misfit of a face to a cell without a plane
+constexpr double kFar = 1e300;     ///< mark: misfit of a face to a cell without a plane
 
 /// Puts cells in the place of regions.
 class Rounding {

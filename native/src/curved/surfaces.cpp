@@ -11,6 +11,7 @@
 namespace isimp::curved {
 namespace {
 
+// tuned round
 constexpr double kBeyond = 3;  ///< extension of an open profile at both ends, in lengths of its end edges
 
 }  // namespace
@@ -55,7 +56,7 @@ Locator::Locator(const CurvedSurface& s) : surface_(&s) {
 }
 
 Locator::OnProfile Locator::nearest(double x, double y) const {
-  constexpr std::size_t kBlock = 32;
+  constexpr std::size_t kBlock = 32;  // work
   double least = std::numeric_limits<double>::infinity();
   std::size_t best = 0;
   for (std::size_t begin = 0; begin < x_.size(); begin += kBlock) {

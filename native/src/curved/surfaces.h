@@ -12,7 +12,7 @@ namespace isimp::curved {
 
 using Vec2 = Eigen::Vector2d;
 
-inline constexpr double kTurn = 2 * std::numbers::pi;  ///< a full turn, radians
+inline constexpr double kTurn = 2 * std::numbers::pi;  ///< unit: a full turn, radians
 
 /// A point seen from the axis of a surface. For an extrusion, `out` and `up` are the directions of its profile.
 struct Polar {

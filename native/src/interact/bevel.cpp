@@ -9,13 +9,14 @@
 namespace isimp {
 namespace {
 
-constexpr double kOutlier = 2.0;    // times the usual deviation in a region: from here on a normal is not one of it
-constexpr double kLeastOdd = 0.01;  // |n - N|^2; below it, 6 degrees, nothing is out of the usual
-constexpr int kLongestWalk = 32;    // steps at a vertex
-constexpr double kMostDepth = 4.0;  // depth of the plane across a corner, in mean depths of the turned faces
-constexpr double kLeastDepth = 2.0;
-constexpr double kMostWorse = 0.2;  // cost of the outline of a corner, as a share of a region's mean error
-constexpr std::size_t kCorner = 3;  // regions that meet in one
+// tuned edits
+constexpr double kOutlier = 2.0;     // times the usual deviation in a region: from here on a normal is not one of it
+constexpr double kLeastOdd = 0.01;   // |n - N|^2; below it, 6 degrees, nothing is out of the usual
+constexpr int kLongestWalk = 32;     // limit: steps at a vertex
+constexpr double kMostDepth = 4.0;   // depth of the plane across a corner, in mean depths of the turned faces
+constexpr double kLeastDepth = 2.0;  // the least such depth
+constexpr double kMostWorse = 0.2;   // cost of the outline of a corner, as a share of a region's mean error
+constexpr std::size_t kCorner = 3;   // unit: regions that meet in one
 
 /// The faces at the vertex between edges k and k + 1 of a face, the face first; on a border only the faces to one side.
 std::vector<std::int32_t> fan_of(const FaceGraph& graph, std::int32_t face, int k) {

@@ -12,7 +12,8 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 40;      // sweeps of the borders after an edit
+constexpr int kSweeps = 40;  // limit: sweeps of the borders after an edit
+// tuned edits
 constexpr double kStays = 0.2;   // share of a region's area that an edit may change before the region loses its own
                                  // plane
 constexpr double kTurns = 0.17;  // likewise its normal: 10 degrees

@@ -8,7 +8,7 @@
 
 namespace isimp {
 
-/// The label shown for a face of a held region, so that no local change moves a face from or to that region.
+/// mark: the label shown for a face of a held region, so that no local change moves a face from or to that region.
 inline constexpr std::int32_t kHeld = -3;
 
 /// Labels by graph index that lie in an array of n in the order of the mesh; labels of held regions are hidden.

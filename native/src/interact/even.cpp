@@ -10,7 +10,8 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 200;          // enough for a border that moves one face a sweep
+constexpr int kSweeps = 200;  // limit: enough for a border that moves one face a sweep
+// tuned edits
 constexpr double kLeastError = 5e-3;  // share of the area: below it, borders of exact shapes would have no weight
 
 }  // namespace

@@ -16,7 +16,7 @@
 namespace isimp {
 namespace {
 
-constexpr double kFlat = 1e-7;  // error below it, as a share of the whole area, is rounding
+constexpr double kFlat = 1e-7;  // rounding: error below it, as a share of the whole area, is rounding
 
 void check_times(std::int32_t times) {
   if (times < 1) throw InvalidInput("times must be at least 1, got " + std::to_string(times));

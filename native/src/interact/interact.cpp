@@ -11,6 +11,7 @@
 namespace isimp {
 namespace {
 
+// tuned edits
 constexpr int kRounds = 2;  // rounds of fitting a region that is split
 
 /// Makes a region of a part that was left out.

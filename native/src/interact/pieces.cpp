@@ -8,8 +8,9 @@
 namespace isimp {
 namespace {
 
-constexpr std::int32_t kFirstMark = -16;  // mark of walk 0, below all labels with a meaning; the marks of other walks
-                                          // follow
+constexpr std::int32_t kFirstMark =
+    -16;  // mark: mark of walk 0, below all labels with a meaning; the marks of other walks
+          // follow
 
 class Walks {
  public:

@@ -12,7 +12,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kArc = 12;  // points on the circle that closes a line around one side
+constexpr int kArc = 12;  // work: points on the circle that closes a line around one side
 
 using Vec2 = Eigen::Vector2d;
 
@@ -106,7 +106,7 @@ void settle(Edit& edit, std::span<const std::int32_t> faces, std::int32_t region
   largest_piece(graph, edit.labels, faces, left, fresh);
   for (const std::int32_t i : faces)
     if (edit.labels.get(i) == left) edit.labels.set(i, region);
-  constexpr std::int32_t kRest = -5;
+  constexpr std::int32_t kRest = -5;  // mark
   largest_piece(graph, edit.labels, faces, region, kRest);
   for (const std::int32_t i : faces) edit.labels.set(i, edit.labels.get(i) == kRest ? region : fresh);
   if (edit.labels.get(face) == fresh)
@@ -143,7 +143,7 @@ Partition split_region(const Mesh& mesh, const Partition& partition, std::int32_
 
 Partition split_along(const Mesh& mesh, const Partition& partition, std::int32_t face, std::span<const Vec3> line,
                       const Vec3& direction, Job& job) {
-  constexpr std::int32_t kLeft = -4;
+  constexpr std::int32_t kLeft = -4;  // mark
   Edit edit(mesh, partition);
   const FaceGraph& graph = edit.graph;
   const std::int32_t region = splittable(edit, face), start = edit.at(face);

@@ -10,10 +10,11 @@
 namespace isimp {
 namespace {
 
-constexpr std::int32_t kClosedNeed = 4;  // a closed surface of planar polygons has at least four
-constexpr double kTogether = 10.0;       // all components left out stay below this times `leave_out`,
-constexpr double kUnseenTogether = 20;   // or below this if each of the others is too small to be seen:
-constexpr double kUnseen = 0.1;          // share of the mean area of a region
+constexpr std::int32_t kClosedNeed = 4;  // unit: a closed surface of planar polygons has at least four
+// tuned real
+constexpr double kTogether = 10.0;      // all components left out stay below this times `leave_out`,
+constexpr double kUnseenTogether = 20;  // or below this if each of the others is too small to be seen:
+constexpr double kUnseen = 0.1;         // share of the mean area of a region
 
 /// Sets all members except `kept` and `need`.
 std::vector<Component> measure(const Surface& surface, Job& job) {

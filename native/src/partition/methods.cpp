@@ -20,7 +20,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kSmoothSweeps = 60;  // sweeps of the borders of regions from a detail
+constexpr int kSmoothSweeps = 60;  // limit: sweeps of the borders of regions from a detail
 
 /// The number of given ways to choose the number of regions; two or more contradict each other.
 void check_count(const Surface& surface, const PartitionOptions& options) {

@@ -9,9 +9,9 @@ namespace isimp {
 namespace {
 
 constexpr std::int32_t kPollEvery = 0xffff;
-// Sums are taken block by block and then added up, so that their rounding does not depend on the number of threads.
+// work: sums are taken block by block and then added up, so that their rounding does not depend on the number of threads.
 constexpr std::int32_t kBlocks = 8;
-constexpr std::size_t kManyRegions = 1 << 14;  // from here on the blocks' own sums would cost more than they save
+constexpr std::size_t kManyRegions = 1 << 14;  // work: from here on the blocks' own sums would cost more than they save
 
 void sum_between(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::int32_t begin, std::int32_t end,
                  std::vector<RegionSum>& sums, Job& job) {

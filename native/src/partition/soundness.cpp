@@ -10,7 +10,7 @@
 namespace isimp {
 namespace {
 
-constexpr std::int32_t kMostParts = 4096;  // segments or rings: many more than any patch is cut into
+constexpr std::int32_t kMostParts = 4096;  // limit: segments or rings: many more than any patch is cut into
 
 std::string region_text(std::int32_t region) { return "region " + std::to_string(region); }
 

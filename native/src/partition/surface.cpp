@@ -13,10 +13,12 @@
 namespace isimp {
 namespace {
 
-constexpr double kLeastWeight = 1e-4;  // share of the largest: without any weight a face would have no normal either
-constexpr double kLargest = 1e30;      // largest of weights, so that they and their sums with areas stay finite as
-                                       // float
-constexpr double kSmallest = 1e-30;    // smallest, so that they do not vanish
+constexpr double kLeastWeight =
+    1e-4;  // rounding: share of the largest: without any weight a face would have no normal either
+constexpr double kLargest =
+    1e30;  // rounding: largest of weights, so that they and their sums with areas stay finite as
+           // float
+constexpr double kSmallest = 1e-30;  // rounding: smallest, so that they do not vanish
 
 std::string shown(double number) { return (std::ostringstream() << number).str(); }
 

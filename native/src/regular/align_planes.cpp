@@ -18,6 +18,7 @@ namespace {
 
 using namespace regular;
 
+// tuned regular
 constexpr double kAllowed = 0.01;    ///< share of the diagonal
 constexpr double kDirection = 0.05;  ///< length of a normal's part: below it, the direction of the turn is unknown
 

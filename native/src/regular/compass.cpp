@@ -8,7 +8,8 @@
 namespace isimp::regular {
 namespace {
 
-constexpr double kQuarter = std::numbers::pi / 2;
+constexpr double kQuarter = std::numbers::pi / 2;  // unit
+// tuned regular
 constexpr double kVote = 1.5 * std::numbers::pi / 180;  ///< width of a vote for a frame
 
 double azimuth_difference(double a, double b) {

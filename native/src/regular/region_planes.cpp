@@ -12,6 +12,7 @@
 namespace isimp::regular {
 namespace {
 
+// tuned regular
 constexpr double kThin = 0.25;  ///< a spread whose smallest eigenvalue is above this share of the next fixes no plane
 constexpr double kAgree = 0.8;  ///< cosine between that plane and the faces' mean normal below which the mean counts
 

@@ -11,7 +11,7 @@ namespace isimp::regular {
 
 using meshing::Plane;
 
-/// Difference of two normals that are one direction; as a share of the diagonal, also of two offsets that are one.
+/// rounding: difference of two normals that are one direction; as a share of the diagonal, also of two offsets that are one.
 constexpr double kSame = 1e-9;
 
 /// A region of a partition as a plane: the best fit, and the given plane.

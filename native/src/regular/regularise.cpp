@@ -19,6 +19,7 @@ namespace {
 
 using namespace regular;
 
+// tuned regular
 constexpr double kOfMedian = 1.2;   ///< the default length, times the median distance of a region from its plane
 constexpr double kUnsure = 3.5;     ///< times that distance * sqrt(3 / faces): uncertainty of a region's plane
 constexpr double kMostAdded = 0.1;  ///< share of the root mean square distance that all planes together may add by
@@ -27,7 +28,7 @@ constexpr double kSure = 0.6;       ///< share of a given length: regions that m
 /// By default a plane may be turned by at most kTimesUsual times the turn of half of the area, and kLeastTurn: where
 /// that is little, a plane that is some degrees off its neighbours was made so. Source: own trials on MFCAD and houses.
 constexpr double kTimesUsual = 10, kLeastTurn = std::numbers::pi / 180;
-constexpr double kLeastLength = 1e-5;  ///< share of the diagonal
+constexpr double kLeastLength = 1e-5;  ///< rounding: share of the diagonal
 
 /// The regions of a partition, then one for each axis of its round parts.
 std::vector<Region> regions_of(const Partition& partition, const std::vector<RegionPlane>& planes,

@@ -8,7 +8,7 @@
 namespace isimp::regular {
 namespace {
 
-constexpr double kApart = 1e-7;  ///< share of the diagonal: distance of two axes that are one
+constexpr double kApart = 1e-7;  ///< rounding: share of the diagonal: distance of two axes that are one
 
 bool is_bend(const CurvedProxy& p) { return p.kind == CurvedKind::revolution && p.closed && !p.full; }
 

@@ -10,11 +10,12 @@
 namespace isimp::regular {
 namespace {
 
+// tuned regular
 constexpr int kFrames = 3;  ///< directions of walls, each with the directions square to it
 /// A part has an upward direction of its own if kMostOfArea is parallel or square to it, kTimesOfUp times as much as to
 /// that of the scene: then the latter says nothing about it. It is looked for among kLargest regions.
 constexpr double kMostOfArea = 0.75, kTimesOfUp = 2;
-constexpr std::size_t kLargest = 12;
+constexpr std::size_t kLargest = 12;  ///< regions among which an upward direction is searched
 
 /// The normal that some regions fit best together.
 Vec3 fitted_normal(const std::vector<Region>& regions, const Some& some) {

@@ -48,6 +48,7 @@ struct Limits {
   [[nodiscard]] bool allow(const RegionPlane& region, const Vec3& normal) const;
 };
 
+// tuned regular
 constexpr double kWider = 3;  ///< times the angle: allowed to regions that it hardly moves
 
 /// The upward direction, or the own one of a part that stands askew in the scene: its planes are parallel and square to

@@ -18,9 +18,10 @@
 namespace isimp {
 namespace {
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kMargin = 1e-7;  // margin of boxes, as a share of the diagonal, for the rounding of distances
-constexpr std::int32_t kPollEvery = 64;
+constexpr double kInfinite = std::numeric_limits<double>::infinity();  // mark
+constexpr double kMargin =
+    1e-7;  // rounding: margin of boxes, as a share of the diagonal, for the rounding of distances
+constexpr std::int32_t kPollEvery = 64;  // work
 
 /// The box of floats that contains one of doubles: rounded away from the middle.
 meshing::Box box_between(const Vec3& low, const Vec3& high) {

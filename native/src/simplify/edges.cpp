@@ -77,7 +77,7 @@ struct FaceNormal {
   bool whole = false;  // it has an area
 };
 
-constexpr double kThin = 1e-12;  // times the square of its longest side: a face of less area has no normal
+constexpr double kThin = 1e-12;  // rounding: times the square of its longest side: a face of less area has no normal
 
 std::vector<FaceNormal> face_normals(const Mesh& mesh, Job& job) {
   std::vector<FaceNormal> normals(static_cast<std::size_t>(mesh.face_count()));

@@ -15,6 +15,7 @@
 namespace isimp {
 namespace {
 
+// tuned real
 constexpr double kOfRegion = 0.5;    // share of sqrt(area / regions)
 constexpr double kMostEdges = 20;    // mean edges
 constexpr double kFlat = 2.0;        // sqrt(area / regions): holes in walls

@@ -61,6 +61,7 @@ Partitioner::Partitioner(const Mesh& mesh, Keep keep)
 Partitioner::~Partitioner() = default;
 
 std::int32_t proxies_for(std::int32_t triangles, std::int32_t faces) {
+  // tuned expected
   constexpr double kTriangles = 3.5;  // mean number of triangles of a polygon
   return std::clamp(static_cast<std::int32_t>(std::lround(triangles / kTriangles)), 1, faces);
 }

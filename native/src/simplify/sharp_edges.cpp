@@ -17,19 +17,23 @@
 namespace isimp {
 namespace {
 
+// tuned real
 constexpr double kEdges = 3.0;        // mean edges: the width where none is given
 constexpr double kZigzag = 1.3;       // a border along faces is that much longer than the line that it follows
 constexpr double kOfRim = 0.2;        // largest share of a strip's perimeter on the border
 constexpr double kBeside = 0.7;       // least share of a strip's perimeter along wider regions
 constexpr double kWider = 1.5;        // times a strip's width, from which a region is wider
 constexpr double kLeastAngle = 25.0;  // degrees between the planes that meet at a strip
+// tuned houses
 constexpr double kMostAngle = 150.0;  // from here on they are the two faces of a plate, which meet at no edge
-constexpr double kSpareAngle = 20.0;  // degrees that the angles to both may be more than that
-constexpr double kOfNormal = 0.25;    // weight of the squared difference of normals; the distance in widths has 1
-constexpr double kOff = 0.5;          // share of the width: largest distance of a strip's faces from their planes
-constexpr double kMostOff = 0.9;      // share of the faces that are
-constexpr int kRounds = 3, kFits = 12;
-constexpr std::size_t kBesideLooked = 3;
+// tuned real
+constexpr double kSpareAngle = 20.0;      // degrees that the angles to both may be more than that
+constexpr double kOfNormal = 0.25;        // weight of the squared difference of normals; the distance in widths has 1
+constexpr double kOff = 0.5;              // share of the width: largest distance of a strip's faces from their planes
+constexpr double kMostOff = 0.9;          // share of the faces that are
+constexpr int kRounds = 3, kFits = 12;    // limit
+constexpr std::size_t kBesideLooked = 3;  // limit
+// tuned houses
 constexpr int kFlatFaces = 100;  // least mean number of faces of a region where planes are sure
 
 double degrees_between(const Vec3& a, const Vec3& b) {
@@ -299,7 +303,7 @@ class Sharpener {
     }
   }
 
-  static constexpr std::int32_t kFree = -2;  // label of a strip's face without a region yet
+  static constexpr std::int32_t kFree = -2;  // mark: label of a strip's face without a region yet
 
   const Mesh& mesh_;
   double width_;

@@ -11,7 +11,8 @@ namespace isimp {
 namespace {
 
 constexpr double kShares[] = {1.0, 0.5, 0.25};  // share of the bound; borders and corners may use up half of it
-constexpr double kStep = 0.75, kLeast = 0.2;    // factor for the regions' own bound, and its least share
+// tuned bound
+constexpr double kStep = 0.75, kLeast = 0.2;  // factor for the regions' own bound, and its least share
 
 /// The largest of some distances; NaN where there is none.
 double largest(const std::vector<double>& distances) {

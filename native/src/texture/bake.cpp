@@ -24,6 +24,7 @@ using detail::Scene;
 using detail::Texel;
 using detail::TexelBox;
 
+// tuned texture
 constexpr std::int32_t kLeastSamples = 2, kMostSamples = 4;  // a side of a texel
 
 /// Bakes all polygons: small ones share the threads, and so do the squares of large ones. `make_shade(view, q)` returns

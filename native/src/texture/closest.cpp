@@ -10,8 +10,8 @@
 namespace isimp::detail {
 namespace {
 
-constexpr float kRounding = 1.0001F;
-constexpr float kFar = std::numeric_limits<float>::infinity();
+constexpr float kRounding = 1.0001F;                            // rounding
+constexpr float kFar = std::numeric_limits<float>::infinity();  // mark
 
 /// The closest point of a face to (x, y, 0) (Ericson, Real-Time Collision Detection, 5.1.5): its weights, and the
 /// squared distance.

@@ -11,9 +11,10 @@
 namespace isimp {
 namespace {
 
-constexpr double kNear = 1e-9;   // share of the diagonal: rounding
-constexpr double kReach = 0.02;  // share of the diagonal by which a repair may have moved a corner
-constexpr std::int32_t kPoll = 1 << 16;
+constexpr double kNear = 1e-9;  // rounding: share of the diagonal: rounding
+// tuned texture
+constexpr double kReach = 0.02;          // share of the diagonal by which a repair may have moved a corner
+constexpr std::int32_t kPoll = 1 << 16;  // work
 
 /// The closest place of a triangle to p: weights of corners 1 and 2, and the distance.
 struct Place {

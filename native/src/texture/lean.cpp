@@ -10,6 +10,7 @@
 namespace isimp::detail {
 namespace {
 
+// tuned texture
 // Polygons at sharper edges do not bend each other's directions: the walls of a house are drawn straight. Cosine.
 constexpr double kSmooth = 0.2;
 constexpr float kOnEdge = 1e-3F;  // squared texels

@@ -20,8 +20,9 @@
 namespace isimp {
 namespace {
 
+// tuned texture
 constexpr std::int32_t kGroup = 3;  // texels a side that share all directions
-constexpr float kLift = 1e-5F;      // share of the diagonal by which rays start above their face
+constexpr float kLift = 1e-5F;      // rounding: share of the diagonal by which rays start above their face
 
 /// Directions about z, cosine-weighted: points of a spiral that cover the disc evenly, lifted to the hemisphere (Malley's
 /// method; the spiral turns by the golden ratio). Each texel of a group uses every ninth one.
@@ -113,7 +114,7 @@ void check(const Mesh& mesh, const BakeMap& map) {
 /// A grey pixel: the mean of the texels around this one that belong to the same polygon.
 void smooth(const BakeMap& map, const Array<float>& open, std::size_t at, std::uint8_t* rgba) {
   const auto x = static_cast<std::int32_t>(at % map.side), y = static_cast<std::int32_t>(at / map.side);
-  constexpr std::int32_t kReach = kGroup / 2;
+  constexpr std::int32_t kReach = kGroup / 2;  // unit
   float sum = 0, count = 0;
   for (std::int32_t j = std::max(0, y - kReach); j <= std::min(map.rows - 1, y + kReach); ++j)
     for (std::int32_t i = std::max(0, x - kReach); i <= std::min(map.side - 1, x + kReach); ++i) {

@@ -12,7 +12,7 @@
 namespace isimp::detail {
 namespace {
 
-constexpr double kGuess = 0.57;  // the fill to begin with: the search then takes few tries
+constexpr double kGuess = 0.57;  // work: the fill to begin with: the search then takes few tries
 
 /// The skyline of a tile: the filled height of each column, and the largest.
 struct Pile {

@@ -10,7 +10,7 @@
 namespace isimp::detail {
 namespace {
 
-constexpr std::int32_t kCells = 1024;  // columns of a tile, as profiles have them
+constexpr std::int32_t kCells = 1024;  // work: columns of a tile, as profiles have them
 
 /// Columns that no edge crosses, if any, are taken whole.
 void close(Profile& profile) {

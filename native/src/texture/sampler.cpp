@@ -14,7 +14,7 @@
 namespace isimp::detail {
 namespace {
 
-constexpr float kEdge = 1e-4F;  // rounding beyond an image's edge is no repetition
+constexpr float kEdge = 1e-4F;  // rounding: rounding beyond an image's edge is no repetition
 
 void check(const Mesh& mesh, const Appearance& look) {
   const auto faces = static_cast<std::size_t>(mesh.face_count());

@@ -10,6 +10,7 @@
 namespace isimp::detail {
 namespace {
 
+// tuned texture
 constexpr float kSeen = 1.5F;  // texels of the gutter that show at an edge, between pixels
 
 /// Finds the texels of a polygon. Their weight of the closest point is 0 so far.

@@ -10,6 +10,7 @@
 namespace isimp::detail {
 namespace {
 
+// tuned texture
 constexpr float kSteep = 0.25F;  // texels: narrower faces are sampled by weights, which end at their edges
 
 /// Twice the area over the longest edge: the width of a face in the plane.

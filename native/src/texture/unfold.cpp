@@ -12,8 +12,9 @@
 namespace isimp::detail {
 namespace {
 
+// tuned texture
 constexpr double kLargest = 0.22;  // extent of a chart over that of the whole atlas: larger ones pack badly
-constexpr double kSlack = 1e-4;    // overlap that is rounding, as a share of a polygon's usual extent
+constexpr double kSlack = 1e-4;    // rounding: overlap that is rounding, as a share of a polygon's usual extent
 
 struct Flat3 {
   std::array<Vec2, 3> p;  // counter-clockwise

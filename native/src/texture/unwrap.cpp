@@ -17,8 +17,9 @@ using detail::Packing;
 using detail::Room;
 using detail::Vec2;
 
-constexpr std::int32_t kLeastSide = 16, kMostSide = 8192, kMostChosen = 16384, kMostTiles = 100;
-constexpr double kUsualFill = 0.55;
+constexpr std::int32_t kLeastSide = 16, kMostSide = 8192, kMostChosen = 16384, kMostTiles = 100;  // limit
+// tuned texture
+constexpr double kUsualFill = 0.55;  // share of an image that charts fill, before it is known
 
 double gutter_of(std::int32_t side, std::int32_t gutter) { return gutter > 0 ? gutter : std::clamp(side / 512, 3, 16); }
 

@@ -9,10 +9,12 @@
 namespace isimp::detail {
 namespace {
 
-constexpr float kTouch = 2e-3F;  // samples by which a face is wider than it is, so that no gap shows between two
-constexpr float kMostCells = 65536;
+constexpr float kTouch =
+    2e-3F;  // rounding: samples by which a face is wider than it is, so that no gap shows between two
+constexpr float kMostCells = 65536;  // work
+// tuned texture
 constexpr float kShifted = 0.2F;  // share of a polygon's margin; faces further away are not drawn on it
-constexpr float kInCell = 2;      // faces in a cell, about
+constexpr float kInCell = 2;      // work: faces in a cell, about
 
 /// The least integer not below x, for x of at least 0; cheaper than std::ceil.
 std::int32_t ceiling(float x) {

@@ -24,7 +24,7 @@ struct Neighbourhood {
     Vec3 middle;
     double radius;
   };
-  static constexpr std::int32_t kBlock = 32;  ///< faces of a block, at most
+  static constexpr std::int32_t kBlock = 32;  ///< work: faces of a block, at most
   std::vector<std::int32_t> start, faces;     ///< region r has faces[start[r]] to faces[start[r + 1]], in Morton order
   std::vector<std::int32_t> block_start;      ///< and its blocks block_start[r] to block_start[r + 1]
   std::vector<Block> blocks;
@@ -135,7 +135,8 @@ class Visited {
 /// The faces that a polygon can show, seen along its normal and the directions that lean from it.
 class PolygonView {
  public:
-  static constexpr std::int32_t kSquare = 128;  // texels: side of the squares that are drawn; samples fit into a cache
+  static constexpr std::int32_t kSquare =
+      128;  // work: texels: side of the squares that are drawn; samples fit into a cache
 
   PolygonView(const Mesh& mesh, const Neighbourhood& near) : mesh_(mesh), near_(near) {}
 

@@ -43,10 +43,10 @@ class Flooding {
   }
 
  private:
-  // The bits of a positive float rise with its value: exponent and four bits of mantissa number the lists.
+  // work: the bits of a positive float rise with its value: exponent and four bits of mantissa number the lists.
   static constexpr std::int32_t kShift = 19, kSteps = 1 << (23 - kShift);
-  static constexpr std::int32_t kBase = (127 - 24) * kSteps;          // errors below 2^-24 are rounding of the normals
-  static constexpr std::int32_t kLists = (127 + 3) * kSteps - kBase;  // no error is above 4
+  static constexpr std::int32_t kBase = (127 - 24) * kSteps;  // work: errors below 2^-24 are rounding of the normals
+  static constexpr std::int32_t kLists = (127 + 3) * kSteps - kBase;  // work: no error is above 4
 
   void burst(std::int32_t face, std::int32_t region);
 

@@ -19,7 +19,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 60;  // sweeps of the borders on the dense mesh
+constexpr int kSweeps = 60;  // limit: sweeps of the borders on the dense mesh
 
 /// The coarse mesh without the components that are left out, and the way back to the dense one.
 struct Coarse {

@@ -18,8 +18,8 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 200;  // sweeps of the borders between flooding and teleports
-constexpr int kTries = 50;    // teleports in a row without gain that end a round
+constexpr int kSweeps = 200;  // limit: sweeps of the borders between flooding and teleports
+constexpr int kTries = 50;    // limit: teleports in a row without gain that end a round
 
 /// Teleports until none helps. The borders are relaxed before and after, so the input is returned if it was better.
 Regions teleport(const Surface& surface, const Components& components, Regions regions, std::vector<double>& history,

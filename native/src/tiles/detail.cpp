@@ -91,6 +91,7 @@ Patches detail_patches(const Mesh& mesh, double tolerance, double noise, Job& jo
 }
 
 double least_cost(double tolerance, double noise) {
+  // tuned tiles
   constexpr double kSpread = 1.5;  // the cut is chosen among costs down to this factor below the limit
   return merge_limit(tolerance, noise, kLeastNoise) / kSpread;
 }

@@ -11,16 +11,17 @@
 namespace isimp::tiles {
 namespace {
 
+// tuned tiles
 // Cosine of the angle between a face and the mean direction of the scan faces that it represents. Structures inside a
 // region stay, such as houses in one region with the ground: polygons are cut by the directions of their sides, if the
 // roughness of the sides is at most 0.035 (meshing/discs/direction_cut.cpp). Source: own trials; at 0.95 the sides are
 // lost in some tilings of a city.
-constexpr double kLeastCosine = 0.97;
-constexpr double kLeastSine = 0.02;  // sine between two edges of a new face; far above rounding, so signs are certain
-constexpr std::size_t kLargestRing = 40;
-constexpr std::size_t kTries = 8;     // neighbours that a vertex may be collapsed into
-constexpr std::int64_t kEnough = 50;  // passes end if at most one vertex is removed for kEnough that stay
-constexpr std::int32_t kPollEvery = 0x3fff;
+constexpr double kLeastCosine = 0.97;  // of the angle by which a face may turn
+constexpr double kLeastSine = 0.02;    // sine between two edges of a new face; far above rounding, so signs are certain
+constexpr std::size_t kLargestRing = 40;     // limit: faces around a vertex that may go
+constexpr std::size_t kTries = 8;            // limit: neighbours that a vertex may be collapsed into
+constexpr std::int64_t kEnough = 50;         // limit: passes end if at most one vertex is removed for kEnough that stay
+constexpr std::int32_t kPollEvery = 0x3fff;  // work
 
 /// Removes vertices inside regions from a mesh.
 class Thinner {

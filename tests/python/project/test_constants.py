@@ -1,48 +1,71 @@
-"""docs/constants.md has the tuned constants with the values that the sources have."""
+"""Each number of native says its kind, and docs/constants.md has a row for each tuned one."""
 
-from pathlib import Path
+import re
 
 import pytest
 
-from bench.quality import constants, curved_constants
+from bench.quality import constants
 
-ROOT = Path(__file__).resolve().parents[3]
-ROWS = (ROOT / "docs/constants.md").read_text().splitlines()
-
-
-@pytest.mark.parametrize("tuned", constants.TUNED, ids=lambda tuned: f"{Path(tuned.path).name}:{tuned.name}")
-def test_the_table_has_each_with_its_value(tuned):
-    mine = [row for row in ROWS if row.startswith(f"| {tuned.place} |")]
-    assert len(mine) == 1
-    assert mine[0].split("|")[2].strip() == tuned.value()
+PAGE = constants.PAGE.read_text()
+ROWS = [row for row in PAGE.splitlines() if re.match(r"\| `\w+`, `", row)]
+ALL = constants.constants()
+TUNED = constants.tuned()
 
 
-@pytest.mark.parametrize("tuned", constants.TUNED, ids=lambda tuned: f"{Path(tuned.path).name}:{tuned.name}")
-def test_half_and_twice_are_others(tuned):
-    below, above = map(float, tuned.variants())
-    assert below < float(tuned.value()) < above
+def test_each_constant_says_its_kind():
+    assert [c.key for c in ALL if c.kind not in constants.KINDS] == []
 
 
-def test_the_table_has_no_other():
-    named = [row for row in ROWS if row.startswith("| `")]
-    assert len(named) == len(constants.TUNED) + len(curved_constants.constants())
+def test_a_tuned_constant_names_known_data_and_its_meaning():
+    known = set(re.findall(r"^\| `(\w+)` \|", PAGE, re.M))
+    assert [c.key for c in TUNED if c.data not in known or not c.meaning] == []
+    assert known - constants.KINDS.keys() == {c.data for c in TUNED} | {d for d, _ in constants.OPTIONS.values()}
 
 
-def test_the_table_of_round_parts_has_each_with_its_value_and_meaning():
-    for constant in curved_constants.constants():
-        start = f"| {constant.place} | {constant.text} | {constant.meaning} |"
-        assert sum(row.startswith(start) for row in ROWS) == 1, start
+def test_the_table_has_a_row_for_each_tuned_constant_and_no_other():
+    heads = [constants.head_of(c) for c in TUNED + constants.options()]
+    assert [row for row in ROWS if not row.startswith(tuple(heads))] == []
+    assert [head for head in heads if sum(row.startswith(head) for row in ROWS) != 1] == []
 
 
-def test_constants_are_found_with_several_in_a_line_and_a_meaning_of_two_lines():
-    text = """constexpr double kOne = 0.5, kTwo = 2;  ///< first
-                                              ///< second
+def test_kinds_are_found_behind_above_and_for_several_in_a_line():
+    text = """// work: one
+constexpr int kZero = 0;
+constexpr int kLost = 0;  // of no kind
+// tuned houses
+constexpr double kOne = 0.5, kTwo = 2;  ///< first
+                                        ///< second
 constexpr std::array kThree = {1, 2};
-const double kFour = std::cos(1.0);
-  constexpr int kInner = 3;
+/// rounding: a share
+static constexpr float kFour{1e-6F};
+
+  const int kFive = 3;  // and more
+// tuned walls
+constexpr int kSix = 6;  // mark
 """
-    found = [(c.name, c.text, c.meaning) for c in curved_constants.constants_in("file.cpp", text)]
-    assert found == [("kOne", "0.5", "first second"), ("kTwo", "2", "first second"), ("kFour", "std::cos(1.0)", "")]
+    found = [(c.name, c.value, c.kind, c.data, c.meaning) for _, some in constants.declared("f.h", text) for c in some]
+    assert found == [
+        ("kZero", "0", "work", "", "one"),
+        ("kLost", "0", "", "", "of no kind"),
+        ("kOne", "0.5", "tuned", "houses", "first second"),
+        ("kTwo", "2", "tuned", "houses", "first second"),
+        ("kFour", "1e-6F", "rounding", "", "a share"),
+        ("kFive", "3", "tuned", "houses", "and more"),
+        ("kSix", "6", "mark", "", ""),
+    ]
+
+
+def test_constants_become_functions_where_they_are_declared_and_included():
+    texts = {
+        "src/flat/flat.h": "#pragma once\nconstexpr double kHigh = 2;  // tuned houses: x\n",
+        "src/flat/regions.cpp": """#include "flat/flat.h"
+constexpr int kLow = 3;  // work
+double f() { return kHigh * kLow; }
+""",
+    }
+    changed = constants.looked_up(texts, {"src/flat/flat.h:kHigh": 7})
+    assert "constexpr double kHigh() ISIMP_LOOKUP(double, 7, (2))" in changed["src/flat/flat.h"]
+    assert "return kHigh() * kLow;" in changed["src/flat/regions.cpp"]
 
 
 @pytest.mark.parametrize(
@@ -52,19 +75,8 @@ const double kFour = std::cos(1.0);
         (0.8, "double", [0.6, 0.9]),
         (1.2, "double", [1.1, 1.4]),
         (6, "int", [3, 12]),
-        (1, "int", [2]),
+        (1, "int", [0, 2]),
     ],
 )
 def test_other_values(value, kind, others):
-    assert curved_constants.other_values(value, kind) == pytest.approx(others)
-
-
-def test_a_changed_value_is_found_and_a_missing_name_is_refused(tmp_path):
-    tuned = next(t for t in constants.TUNED if t.name == "kNu")
-    file = tmp_path / tuned.path
-    file.parent.mkdir(parents=True)
-    file.write_text("constexpr double kNu = 0.25;  // kNu of a turn\n")
-    assert tuned.value(tmp_path) == "0.25"
-    file.write_text("constexpr double kOther = 0.25;\n")
-    with pytest.raises(SystemExit, match="kNu occurs 0 times"):
-        tuned.value(tmp_path)
+    assert constants.other_values(value, kind) == pytest.approx(others)

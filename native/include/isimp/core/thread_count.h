@@ -6,7 +6,7 @@
 
 namespace isimp {
 
-/// Largest number of threads, unless the machine has more cores: systems limit it.
+/// limit: largest number of threads, unless the machine has more cores: systems limit it.
 inline constexpr std::int32_t kMostThreads = 256;
 
 /// The number of threads for a requested number. All loops and libraries use it. Results never depend on it.

@@ -20,7 +20,7 @@ inline Vec3 rounded_to_float(const Vec3& p) {
   return {rounded(p.x()), rounded(p.y()), rounded(p.z())};
 }
 
-/// The index that means "none": no neighbour, no region.
+/// mark: the index that means "none": no neighbour, no region.
 inline constexpr std::int32_t kNone = -1;
 
 }  // namespace isimp

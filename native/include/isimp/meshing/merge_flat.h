@@ -10,7 +10,7 @@
 
 namespace isimp {
 
-/// The default of `merge_flat`, in degrees: far below any angle that someone draws, above the rounding of float32.
+/// rounding: the default of `merge_flat`, in degrees: far below any angle that someone draws, above the rounding of float32.
 inline constexpr double kFlatAngle = 0.01;
 
 /// The result of `merge_flat`.

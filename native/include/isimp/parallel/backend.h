@@ -14,7 +14,7 @@
 
 namespace isimp::parallel {
 
-inline constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
+inline constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();  // mark
 
 /// The data-parallel kernels of one back end. Their arguments are spans of plain numbers, no mesh; the memory of the
 /// device is hidden. Every kernel gives the same bits on every back end and any number of threads.

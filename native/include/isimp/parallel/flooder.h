@@ -10,7 +10,7 @@
 
 namespace isimp::parallel {
 
-/// The most regions that naive flooding compares for a face.
+/// limit: the most regions that naive flooding compares for a face.
 inline constexpr std::int32_t kMostNearest = 32;
 
 /// A surface in the form for flooding. Index N is a sentinel that stands for "no neighbour".

@@ -82,10 +82,11 @@ struct PartitionOptions {
   double fraction = 0.125;
 };
 
+// tuned found
 /// The value of PartitionOptions::detail if neither it nor another way to choose the number is given.
 inline constexpr double kDefaultDetail = 0.005;
 /// The finest step of the detail slider, as a share of the surface's size.
-inline constexpr double kFinestDetail = 0.00125;
+inline constexpr double kFinestDetail = 0.00125;  // limit
 
 constexpr auto fields(const PartitionOptions*) {
   using O = PartitionOptions;

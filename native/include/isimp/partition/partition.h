@@ -38,16 +38,16 @@ struct Regularity {
 };
 
 /// Values of Partition::region_held.
-constexpr std::uint8_t kPlaneSnapped = 1;  ///< snapped by `regularise`
-constexpr std::uint8_t kPlaneByHand = 2;   ///< set by `align_planes`, which `regularise` keeps
-constexpr std::uint8_t kPlaneFree = 3;     ///< released by `align_planes`: not held, and `regularise` leaves it free
+constexpr std::uint8_t kPlaneSnapped = 1;  ///< mark: snapped by `regularise`
+constexpr std::uint8_t kPlaneByHand = 2;   ///< mark: set by `align_planes`, which `regularise` keeps
+constexpr std::uint8_t kPlaneFree = 3;  ///< mark: released by `align_planes`: not held, and `regularise` leaves it free
 constexpr std::uint8_t kPlaneRound =
-    4;  ///< of a cell of a curved patch; it moves with the patch's axis and radius only
+    4;  ///< mark: of a cell of a curved patch; it moves with the patch's axis and radius only
 
 /// Values of Partition::region_locked.
-constexpr std::uint8_t kLocked = 1;   ///< edits do not change the region
-constexpr std::uint8_t kLeftOut = 2;  ///< locked, and no polygon is made of it
-constexpr std::uint8_t kBoxed = 3;    ///< left out, and a box replaces it and adjacent ones of this kind
+constexpr std::uint8_t kLocked = 1;   ///< mark: edits do not change the region
+constexpr std::uint8_t kLeftOut = 2;  ///< mark: locked, and no polygon is made of it
+constexpr std::uint8_t kBoxed = 3;    ///< mark: left out, and a box replaces it and adjacent ones of this kind
 
 /// A surface split into connected, near-planar regions.
 struct Partition {

@@ -15,6 +15,7 @@
 /// A bound that the polygons keep too: the distance of the scan from them, and the search for a smaller one.
 namespace isimp {
 
+// tuned bound
 /// The polygons may be this many times further from the scan than the planes of its regions.
 inline constexpr double kSlack = 1.5;
 

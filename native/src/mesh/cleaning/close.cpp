@@ -11,7 +11,8 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kPasses = 8;
+constexpr int kPasses = 8;  // limit
+// tuned real
 constexpr double kOffPlane = 0.1;    // deviation of a flat hole's border from its plane, share of sqrt(its area)
 constexpr double kFlatCosine = 0.9;  // the same for the angle between that plane and the faces around the hole
 constexpr double kAlike = 0.7;       // length of the mean of their normals
@@ -246,6 +247,7 @@ class Closer {
     return dropped;
   }
 
+  // tuned repairs
   static constexpr double kLargestShare = 0.5;  // share of the area of its component: a hole has less
   static constexpr double kWider = 0.5;  // share of a box's diagonal: another loop of the handle may be that far away
 

@@ -38,7 +38,7 @@ struct Opening {
 std::vector<std::int32_t> rising(std::vector<std::int32_t> numbers);
 
 // patch.cpp
-constexpr int kPlans = 2;  ///< ways to cover a loop
+constexpr int kPlans = 2;  ///< unit: ways to cover a loop
 /// Covers a loop, inside its box, without new vertices where `plan` is 0, with one in the middle where it is 1; empty if that can't be.
 /// \param beyond  a point of the face on the other side of each edge of the loop, from place i to i + 1
 /// Source: Liepa 2003 (the triangulation of least dihedral angles, then least area), by CGAL.

@@ -12,9 +12,9 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kRounds = 64;     // a row of flat faces takes one round for each face
-constexpr double kThin = 2e-6;  // height over the diagonal: about the resolution of float32
-constexpr double kFlat = 1e-3;  // height over its longest edge: a face is not flat for being small
+constexpr int kRounds = 64;     // limit: a row of flat faces takes one round for each face
+constexpr double kThin = 2e-6;  // rounding: height over the diagonal: about the resolution of float32
+constexpr double kFlat = 1e-3;  // rounding: height over its longest edge: a face is not flat for being small
 
 /// Flips edges of a manifold mesh and updates its topology.
 class EdgeFlipper {

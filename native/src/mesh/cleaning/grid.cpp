@@ -15,7 +15,8 @@
 namespace isimp::detail {
 namespace {
 
-constexpr double kSame = 1e-4;        // share of the extent: values at a smaller distance are equal
+constexpr double kSame = 1e-4;  // rounding: share of the extent: values at a smaller distance are equal
+// tuned repairs
 constexpr std::size_t kLeast = 8;     // values along an axis, with fewer there is no grid to be found
 constexpr double kOffLattice = 0.02;  // share of half a cell
 constexpr double kShare = 0.98;       // least share of the vertices at places of a grid of occupancy
@@ -26,7 +27,7 @@ std::vector<double> distinct_values(const std::vector<double>& values) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   const double first = *low, same = kSame * (*high - first);
   if (!(same > 0)) return {first};
-  constexpr std::size_t kIntervals = 1.5 / kSame;
+  constexpr std::size_t kIntervals = 1.5 / kSame;  // unit
   const auto interval = [&](double v) { return to_integer((v - first) / same, std::size_t{0}, kIntervals - 1); };
   std::vector<std::size_t> start(kIntervals + 1, 0);
   for (const double v : values) ++start[interval(v) + 1];
@@ -115,7 +116,7 @@ double find_cell(const std::vector<Vec3>& vertices) {
 /// The directions of a grid that a mesh was cut on and turned with, as columns; nothing where it was not. An edge of
 /// such a mesh joins middles of edges of one cell, so it has one of four lengths, and the second of them along an axis.
 std::optional<Eigen::Matrix3d> find_axes(const MeshArrays& arrays) {
-  constexpr double kSameLength = 2e-3;  // share of a cell
+  constexpr double kSameLength = 2e-3;  // rounding: share of a cell
   const std::array lengths{std::sqrt(0.5), 1.0, std::sqrt(1.5), std::sqrt(2.0)};
   const auto edge = [&](const Triangle& t, int k) -> Vec3 {
     return arrays.vertices[t[k < 2 ? k + 1 : 0]] - arrays.vertices[t[k]];

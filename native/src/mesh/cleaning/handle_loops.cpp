@@ -104,11 +104,12 @@ class HandleLoops {
   }
 
  private:
+  // tuned repairs
   static constexpr double kNearPlace = 8;       // edges from a place at which a handle may be
   static constexpr std::size_t kMostLoops = 4;  // of a start, the shortest ones
-  static constexpr double kFar = std::numeric_limits<double>::infinity();
-  static constexpr std::size_t kAhead = 8;        // vertices ahead of the current one whose neighbours are prefetched
-  static constexpr std::size_t kSample = 16;      // faces from one edge that is measured to the next
+  static constexpr double kFar = std::numeric_limits<double>::infinity();  // mark
+  static constexpr std::size_t kAhead = 8;    // work: vertices ahead of the current one whose neighbours are prefetched
+  static constexpr std::size_t kSample = 16;  // faces from one edge that is measured to the next
   static constexpr std::size_t kMostReached = 4;  // starts are halved in one group while their trees have at most
                                                   // this many times edges / starts edges
   static constexpr std::size_t kMostBuckets = 1U << 16;  // the last one has all that is farther

@@ -21,7 +21,7 @@
 namespace isimp::detail {
 namespace {
 
-constexpr std::int32_t kFacesOfDisc = 64;
+constexpr std::int32_t kFacesOfDisc = 64;  // work
 
 /// A border of two discs, or of a disc and a hole, from one junction to the next.
 struct Chain {
@@ -96,7 +96,7 @@ class Complex {
       const std::int32_t other = topology_.opposite[h];
       return other == kNone ? hole.at(h) : node_[other / 3];
     };
-    constexpr std::uint8_t kMany = 3;
+    constexpr std::uint8_t kMany = 3;                              // mark
     std::vector<std::uint8_t> degree(arrays_.vertices.size(), 0);  // border edges at a vertex, up to kMany
     std::vector<std::int32_t> border;                              // half-edges, one of each edge
     for_each_index(topology_.opposite.size(), job_, [&](std::size_t i) {

@@ -15,7 +15,7 @@ namespace {
 
 using Loop = HandleLoop;
 
-constexpr int kAttempts = 8;  // to close handles where the loops tried before could not be
+constexpr int kAttempts = 8;  // limit: to close handles where the loops tried before could not be
 
 /// The faces that touch a loop, if they are a ring with two borders and the surface does not fall apart without them
 /// and all that was taken before.
@@ -48,6 +48,7 @@ class Rings {
   }
 
  private:
+  // tuned repairs
   static constexpr double kWider = 1.3;  // times the loop's length: a border beyond is no longer in the tunnel
 
   [[nodiscard]] Opening ring_of(const Loop& loop) {

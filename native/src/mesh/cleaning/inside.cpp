@@ -11,8 +11,8 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kProbes = 8;               ///< vertices of a component that must all be inside
-constexpr std::size_t kContainers = 64;  ///< the largest components are those that may contain others
+constexpr int kProbes = 8;               ///< limit: vertices of a component that must all be inside
+constexpr std::size_t kContainers = 64;  ///< limit: the largest components are those that may contain others
 
 /// A connected component.
 struct Part {

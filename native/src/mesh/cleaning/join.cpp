@@ -10,7 +10,7 @@
 namespace isimp::detail {
 namespace {
 
-constexpr double kSameAngle = 1e-9;  // radians between faces that lie on each other except for rounding
+constexpr double kSameAngle = 1e-9;  // rounding: radians between faces that lie on each other except for rounding
 
 /// Joins pairs that were an edge of two faces already before welding, and leaves the others in `group`.
 void keep_old_pairs(Soup& soup, std::vector<std::int32_t>& group) {

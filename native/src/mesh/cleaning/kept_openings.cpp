@@ -6,6 +6,7 @@
 namespace isimp::detail {
 namespace {
 
+// tuned repairs
 constexpr double kReach =
     0.25;  // share of an opening's length: a circle's radius is .16 of it, its neighbour's center .32 off
 

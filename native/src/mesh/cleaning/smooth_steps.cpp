@@ -10,6 +10,7 @@
 namespace isimp::detail {
 namespace {
 
+// tuned grids
 constexpr int kRounds = 200;    // the steps of a plane that is nearly parallel to an axis are tens of cells long
 constexpr int kTurns = 3;       // of filtering normals and following them
 constexpr int kPasses = 8;      // of the filter

@@ -16,13 +16,14 @@
 namespace isimp::detail {
 namespace {
 
+// tuned real
 constexpr double kEdges = 2.0;       // mean edges: the distance where none is given
 constexpr double kShare = 0.1;       // least share of the border near another component, if no distance is given
 constexpr double kLeast = 100;       // vertices that go to another component then: fewer are no chunks of a scan
 constexpr double kNearEnd = 0.35;    // share of an edge: a vertex nearer to its end is merged with the end
 constexpr double kFacing = 0.5;      // cosine of the angle between faces that are joined
 constexpr std::int32_t kApart = 12;  // places along a border from which it counts as another one
-constexpr std::uint32_t kPollEvery = 0xffff;
+constexpr std::uint32_t kPollEvery = 0xffff;  // work
 
 /// The target of a border vertex.
 struct Hit {

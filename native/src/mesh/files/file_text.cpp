@@ -66,7 +66,7 @@ std::optional<std::int64_t> to_integer(std::string_view word) {
 }
 
 std::string shown(std::string_view word) {
-  constexpr std::size_t kShown = 24;
+  constexpr std::size_t kShown = 24;  // format
   std::string result = "\"";
   for (const char c : word.substr(0, kShown)) result += c >= ' ' && c <= '~' ? c : '?';
   return result + (word.size() > kShown ? "...\"" : "\"");

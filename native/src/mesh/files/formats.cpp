@@ -39,7 +39,7 @@ void SoupBuilder::drop_polygons(std::size_t count, std::size_t corners) {
 }
 
 PolygonSoup SoupBuilder::finish(std::int32_t first_index, Job& job) {
-  constexpr std::size_t kChunk = std::size_t{1} << 24;  // corners between two polls
+  constexpr std::size_t kChunk = std::size_t{1} << 24;  // format: corners between two polls
   const auto n = static_cast<std::int64_t>(soup_.vertices.size());
   for (std::size_t begin = 0; begin < soup_.loops.size(); begin += kChunk) {
     job.poll();

@@ -70,8 +70,8 @@ class SoupBuilder {
   PolygonSoup finish(std::int32_t first_index, Job& job);
 
  private:
-  static constexpr std::size_t kMost = 0x7fffffff - 1;
-  static constexpr std::int32_t kOut = 0x7fffffff;  // replaces every number that no vertex can have
+  static constexpr std::size_t kMost = 0x7fffffff - 1;  // limit
+  static constexpr std::int32_t kOut = 0x7fffffff;      // limit: replaces every number that no vertex can have
   [[noreturn]] void too_many(const char* what) const;
 
   const FileText& file_;

@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostDrafts = 1000;  // drafts of other programs next to a place
-constexpr int kMostLinks = 40;     // in a row; more are a circle
+constexpr int kMostDrafts = 1000;  // format: drafts of other programs next to a place
+constexpr int kMostLinks = 40;     // format: in a row; more are a circle
 
 /// The end of a chain of links, also if it does not exist.
 fs::path end_of_links(fs::path place) {

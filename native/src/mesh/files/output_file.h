@@ -29,7 +29,7 @@ class OutputFile {
   void keep();
 
  private:
-  static constexpr std::size_t kFull = std::size_t{1} << 20;
+  static constexpr std::size_t kFull = std::size_t{1} << 20;  // format
   void open_draft(const std::filesystem::file_status& before);
   void flush();
   [[noreturn]] void fail(const std::string& what) const;

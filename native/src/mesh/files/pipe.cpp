@@ -24,7 +24,7 @@ bool is_stream(const fs::file_status& status) {
 
 namespace {
 
-constexpr std::size_t kPiece = std::size_t{1} << 16;
+constexpr std::size_t kPiece = std::size_t{1} << 16;  // format
 
 [[noreturn]] void fail(const std::string& name, const std::string& what) {
   throw FileError(name + ": " + what + ": " + std::strerror(errno));

@@ -11,7 +11,7 @@
 namespace isimp::detail {
 namespace {
 
-constexpr std::size_t kBlock = 4096;  // rows that a thread decodes at once: they stay in its cache
+constexpr std::size_t kBlock = 4096;  // format: rows that a thread decodes at once: they stay in its cache
 
 /// The offset of each property in a row, and of the row's end; nothing if a property besides `list` is a list. The list
 /// counts as no bytes in the offsets behind it.

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using detail::FileText;
 
-constexpr std::size_t kBlock = std::size_t{1} << 22;  // bytes between two polls: some milliseconds
+constexpr std::size_t kBlock = std::size_t{1} << 22;  // format: bytes between two polls: some milliseconds
 
 std::string lower_extension(const fs::path& path) {
   std::string extension = detail::utf8(path.extension());

@@ -9,7 +9,7 @@
 namespace isimp::detail {
 namespace {
 
-constexpr std::size_t kMostSkipped = 64;  // keywords; a file of other content may have any number
+constexpr std::size_t kMostSkipped = 64;  // format: keywords; a file of other content may have any number
 
 void read_vertex(const FileText& file, std::string_view line, Words& words, SoupBuilder& soup) {
   Vec3 place;

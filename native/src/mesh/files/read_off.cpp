@@ -28,7 +28,7 @@ class OffLines {
   }
 
  private:
-  static constexpr std::size_t kNoNumber = ~std::size_t{0};
+  static constexpr std::size_t kNoNumber = ~std::size_t{0};  // format
   const FileText& file_;
   Lines lines_;
 };

@@ -226,7 +226,7 @@ void finish_uv(const FileText& file, std::size_t row, std::size_t before, std::s
 /// stretch the next one is tried over few rows, then over more: so files without long stretches lose little.
 void read_faces(const FileText& file, const PlyElement& element, Values& values, Columns& columns, SoupBuilder& soup,
                 const Threads& threads, Job& job) {
-  constexpr std::size_t kOneByOne = 1024, kFew = 1 << 12;  // rows
+  constexpr std::size_t kOneByOne = 1024, kFew = 1 << 12;  // format: rows
   const int corners = list_of_corners(file, element, "faces");
   Targets targets = add_columns(element, columns.names, columns.faces);
   if (const int list = element.find("texcoord"); !columns.names.empty() && list >= 0)

@@ -11,7 +11,8 @@
 namespace isimp::detail {
 namespace {
 
-constexpr std::size_t kHead = 84, kFacet = 50;  // bytes of a binary file: 80 of comment and the count; each facet
+constexpr std::size_t kHead = 84,
+                      kFacet = 50;  // format: bytes of a binary file: 80 of comment and the count; each facet
 
 /// Corners at one place become one vertex.
 class FacetBuilder {

@@ -17,14 +17,17 @@ namespace {
 using detail::for_each_index;
 using detail::gather;
 
-constexpr double kFlat = 1e-12;  // doubled area over longest edge squared, below which a normal is rounding noise
-constexpr double kLeastScaled = 1e-20;  // share of the whole area: below it, floats would not hold the areas of single
-                                        // faces
-constexpr int kAxisBits = 11;  // cells an axis, as a power of two: 33 bits of place leave 31 for the face's number
-constexpr int kFaceBits = 31;
-constexpr int kDigitBits = 11;      // bits of the sort's first digit
-constexpr int kByteBits = 8;        // bits of digits 2 to 4 of the sort's key
-constexpr std::size_t kAhead = 12;  // faces to prefetch ahead
+constexpr double kFlat =
+    1e-12;  // rounding: doubled area over longest edge squared, below which a normal is rounding noise
+constexpr double kLeastScaled =
+    1e-20;  // rounding: share of the whole area: below it, floats would not hold the areas of single
+            // faces
+constexpr int kAxisBits =
+    11;  // work: cells an axis, as a power of two: 33 bits of place leave 31 for the face's number
+constexpr int kFaceBits = 31;       // work
+constexpr int kDigitBits = 11;      // work: bits of the sort's first digit
+constexpr int kByteBits = 8;        // work: bits of digits 2 to 4 of the sort's key
+constexpr std::size_t kAhead = 12;  // work: faces to prefetch ahead
 
 /// Moves every bit of the lower eleven to a place divisible by three.
 constexpr std::uint32_t spread_bits(std::uint32_t x) {
@@ -65,7 +68,7 @@ class Curve {
 template <int kBits>
 std::array<std::uint32_t, (1 << kBits) + 1> sort_by_bits(std::span<const std::uint64_t> keys, std::uint64_t* sorted,
                                                          int shift, Job& job) {
-  constexpr std::uint64_t kMask = (1 << kBits) - 1;
+  constexpr std::uint64_t kMask = (1 << kBits) - 1;  // unit
   std::array<std::uint32_t, (1 << kBits) + 1> begin{};
   for_each_index(keys.size(), job, [&](std::size_t i) { ++begin[(keys[i] >> shift & kMask) + 1]; });
   for (std::size_t d = 1; d < begin.size(); ++d) begin[d] += begin[d - 1];
@@ -77,8 +80,8 @@ std::array<std::uint32_t, (1 << kBits) + 1> sort_by_bits(std::span<const std::ui
 /// Sorts keys by the first digit, in pieces, one a thread.
 std::vector<std::uint32_t> sort_by_first_digit(std::span<const std::uint64_t> keys, std::uint64_t* sorted,
                                                const Threads& threads, Job& job) {
-  constexpr int kShift = kFaceBits + 3 * kAxisBits - kDigitBits;
-  constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
+  constexpr int kShift = kFaceBits + 3 * kAxisBits - kDigitBits;  // unit
+  constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;   // unit
   const auto n = static_cast<std::int32_t>(keys.size());
   const std::int32_t pieces = threads.pieces(n);
   std::vector<std::vector<std::uint32_t>> next(static_cast<std::size_t>(pieces));  // places of a piece's keys
@@ -108,7 +111,7 @@ std::vector<std::uint32_t> sort_by_first_digit(std::span<const std::uint64_t> ke
 /// Sorts by the bits above the face's number; equal ones keep their order. The highest digit comes first: the faces of
 /// each of its values then fit into a cache together, where the other digits cost little.
 void sort_by_place(std::span<std::uint64_t> keys, const Threads& threads, Job& job) {
-  constexpr std::size_t kFew = 64;  // keys that are sorted by comparisons
+  constexpr std::size_t kFew = 64;  // work: keys that are sorted by comparisons
   const auto other = std::make_unique_for_overwrite<std::uint64_t[]>(keys.size());
   const std::vector<std::uint32_t> begin = sort_by_first_digit(keys, other.get(), threads, job);
   const auto sort_digit = [&](std::size_t d) {
@@ -205,7 +208,7 @@ void set_order(FaceGraph& graph, const Curve& curve, std::span<const Vec3> verti
 std::vector<std::int32_t> measure_all(FaceGraph& graph, std::span<const Vec3> vertices,
                                       std::span<const Triangle> triangles, std::span<const std::int32_t> opposite,
                                       double scale, const Threads& threads, Job& job) {
-  constexpr std::size_t kRound = std::size_t{1} << 19;  // faces whose areas are kept until they are added
+  constexpr std::size_t kRound = std::size_t{1} << 19;  // work: faces whose areas are kept until they are added
   const auto n = static_cast<std::int32_t>(triangles.size());
   std::vector<double> areas(std::min(kRound, triangles.size()));
   std::vector<std::int32_t> missing;

@@ -18,7 +18,7 @@ namespace {
 using detail::for_each_index;
 
 const char* const kHint = "; clean(...) repairs this";
-constexpr double kFarthest = 1e30;  // areas, their squares and sums of them stay finite
+constexpr double kFarthest = 1e30;  // rounding: areas, their squares and sums of them stay finite
 
 /// Bad input is reported even if the job was cancelled before the call, so that nothing is polled here.
 void check_arrays(std::span<const Vec3> vertices, std::span<const Triangle> triangles, const Threads& threads) {

@@ -14,7 +14,7 @@
 
 namespace isimp::detail {
 
-/// Vertices or faces between two polls of a loop: about a millisecond of work.
+/// work: vertices or faces between two polls of a loop: about a millisecond of work.
 inline constexpr std::size_t kPollEvery = 1 << 16;
 
 /// Calls visit(i) for i in [0, n), polling the job between pieces.

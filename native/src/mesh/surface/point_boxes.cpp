@@ -10,9 +10,10 @@
 namespace isimp::detail {
 namespace {
 
-constexpr double kRounding = 2e-14;    // rounding of twice an area, as a share of the largest coordinate squared
-constexpr std::size_t kFew = 1 << 12;  // keys that are sorted by comparisons
-constexpr int kDigitBits = 11;
+constexpr double kRounding =
+    2e-14;  // rounding: rounding of twice an area, as a share of the largest coordinate squared
+constexpr std::size_t kFew = 1 << 12;  // work: keys that are sorted by comparisons
+constexpr int kDigitBits = 11;         // work
 
 /// Moves every bit of the lower sixteen to an even place.
 std::uint64_t spread_bits(std::uint64_t x) {
@@ -31,7 +32,7 @@ std::uint64_t cell(double x, double low, double scale) {
 void sort_keys(std::vector<std::uint64_t>& keys, Job& job) {
   if (keys.size() <= kFew) return std::sort(keys.begin(), keys.end());
   std::vector<std::uint64_t> other(keys.size());
-  constexpr std::uint64_t kMask = (1 << kDigitBits) - 1;
+  constexpr std::uint64_t kMask = (1 << kDigitBits) - 1;  // unit
   for (int shift = 32; shift < 64; shift += kDigitBits) {
     std::array<std::size_t, kMask + 2> next{};
     for_each_index(keys.size(), job, [&](std::size_t i) { ++next[(keys[i] >> shift & kMask) + 1]; });
@@ -75,7 +76,7 @@ void PointBoxes::sort(const std::vector<Vec2>& place, Job& job) {
 }
 
 void PointBoxes::make_levels(const std::vector<Vec2>& place) {
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();  // mark
   const Node nothing{kInfinite, -kInfinite, kInfinite, -kInfinite, 0};
   const auto boxes_for = [](std::size_t n) { return (n + kBranches - 1) / kBranches; };
   levels_.emplace_back(boxes_for(points_.size()), nothing);

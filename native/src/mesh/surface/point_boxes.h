@@ -59,7 +59,7 @@ class PointBoxes {
   }
 
  private:
-  static constexpr std::int32_t kBranches = 8;
+  static constexpr std::int32_t kBranches = 8;  // work
   struct Node {
     double left, right, low, high;
     std::int32_t count;  // number of points in it

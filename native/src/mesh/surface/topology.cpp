@@ -16,9 +16,9 @@
 namespace isimp::detail {
 namespace {
 
-constexpr std::uint32_t kMany = 24;        // entries of a bucket from which it is sorted and searched by halves
-constexpr std::int32_t kMostReaders = 8;   // threads that read all faces, each for its own vertices
-constexpr std::int32_t kWalkBlock = 4096;  // vertices that a thread takes at a time
+constexpr std::uint32_t kMany = 24;        // work: entries of a bucket from which it is sorted and searched by halves
+constexpr std::int32_t kMostReaders = 8;   // work: threads that read all faces, each for its own vertices
+constexpr std::int32_t kWalkBlock = 4096;  // work: vertices that a thread takes at a time
 
 std::string edge_name(std::int32_t a, std::int32_t b) {
   return "the edge of vertices " + std::to_string(std::min(a, b)) + " and " + std::to_string(std::max(a, b));
@@ -41,7 +41,7 @@ struct Range {
 /// since no processor can predict their directions.
 template <bool kRising, class Wanted, class Visit>
 void for_each_halfedge(std::span<const Triangle> triangles, Range faces, Job& job, Wanted wanted, Visit visit) {
-  constexpr std::size_t kBunch = 512, kAhead = 12;  // faces
+  constexpr std::size_t kBunch = 512, kAhead = 12;  // work: faces
   std::array<HalfEdge, 3 * kBunch + 1> found;
   const auto first = static_cast<std::size_t>(faces.begin), last = static_cast<std::size_t>(faces.end);
   for (std::size_t begin = first; begin < last; begin += kBunch) {
@@ -126,7 +126,7 @@ class RisingHalfedges {
   struct HalfEdgeEnd {
     std::int32_t to, half_edge;
   };
-  static constexpr std::uint32_t kAtOnce = 4;  // entries compared before each decision
+  static constexpr std::uint32_t kAtOnce = 4;  // work: entries compared before each decision
 
   template <class Visit>
   static void for_each_rising(std::span<const Triangle> triangles, Range from, Job& job, const Visit& visit) {
@@ -257,7 +257,7 @@ std::string describe_bad_vertex(const Topology& topology, std::span<const Triang
 /// Several walks at once, which take the next vertex by a choice between values and not by a branch: the length of a
 /// walk can't be predicted, and each of its steps waits for the one before.
 std::int64_t walk_all(const Array<std::int32_t>& opposite, std::span<const std::int32_t> starts) {
-  constexpr std::size_t kWalks = 4;
+  constexpr std::size_t kWalks = 4;  // work
   std::int64_t met = 0;
   std::size_t next = std::min(kWalks, starts.size());
   std::array<std::int32_t, kWalks> start{}, at{};

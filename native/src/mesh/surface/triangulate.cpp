@@ -17,11 +17,11 @@ namespace {
 using detail::turn;
 using detail::Vec2;
 
-constexpr std::int32_t kSmall = 64;  // corners of a polygon whose corners are all checked again after every ear
-constexpr std::int64_t kStepsBetweenPolls = 1 << 15;
-constexpr std::int64_t kStepsACorner = 300, kLeastSteps = 50'000'000;  // limits of steps of the search for ears
-constexpr std::int64_t kStepsCrossing = 30;                            // likewise once the polygon is known to meet
-                                                                       // itself
+constexpr std::int32_t kSmall = 64;  // work: corners of a polygon whose corners are all checked again after every ear
+constexpr std::int64_t kStepsBetweenPolls = 1 << 15;                   // work
+constexpr std::int64_t kStepsACorner = 300, kLeastSteps = 50'000'000;  // limit: limits of steps of the search for ears
+constexpr std::int64_t kStepsCrossing = 30;  // limit: likewise once the polygon is known to meet
+                                             // itself
 
 /// Cuts ears off one polygon at a time; keeps its memory between them.
 ///

@@ -8,6 +8,7 @@
 
 namespace isimp::meshing {
 
+// tuned needles
 constexpr double kReflex = 190;  ///< degrees: from here on a corner counts as reflex
 
 constexpr double kNeedle = 20;  ///< degrees: below, a corner is sharp

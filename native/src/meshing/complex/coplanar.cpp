@@ -10,7 +10,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kStride = 1 << 10;  ///< charts from one poll to the next
+constexpr std::int32_t kStride = 1 << 10;  ///< work: charts from one poll to the next
 
 class CoplanarJoiner {
  public:

@@ -6,7 +6,7 @@
 namespace isimp::meshing {
 namespace {
 
-/// Share of the largest eigenvalue. If both smaller ones are below it, the spread is a line, which fixes no plane.
+/// rounding: share of the largest eigenvalue. If both smaller ones are below it, the spread is a line, which fixes no plane.
 constexpr double kLine = 1e-4;
 
 }  // namespace
@@ -35,7 +35,7 @@ struct Fit::Spread {
 /// Source: the Rayleigh quotient iteration.
 bool Fit::refine(const Spread& k) {
   Vec3& n = normal;
-  constexpr double kSmall = 1e-6;  // squared, of a step: the one after it would change nothing that counts
+  constexpr double kSmall = 1e-6;  // rounding: squared, of a step: the one after it would change nothing that counts
   double turned = 1;
   for (int step = 0; step < 3 && turned > kSmall; ++step) {
     const Vec3 next = k.adjugate_times(n.dot(k.times(n)), n);

@@ -14,6 +14,7 @@ namespace isimp::meshing {
 constexpr double kOfBend = 6;    ///< tuned places: mean square distance of the polygon's corners from its plane
 constexpr double kOfTie = 0.06;  ///< tuned places: square distance of a corner from its place at the start
 
+// tuned shapes
 /// A corner may move by this times the length of its shortest edge.
 constexpr double kOfEdge = 1.5;
 

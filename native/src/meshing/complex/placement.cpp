@@ -12,17 +12,19 @@
 namespace isimp::meshing {
 namespace {
 
+// tuned places
 /// Held planes whose eigenvalues have a smaller share of the largest fix no place.
 constexpr double kTruncate = 0.2;
 /// Planes of cells whose eigenvalues have a smaller share are parallel.
 constexpr double kParallel = 1e-6;
-/// Shares of the shortest edge: the furthest move of a corner to where cells meet; the distance at which planes meet.
+/// rounding: shares of the shortest edge: the furthest move of a corner to where cells meet; the distance at which planes meet.
 constexpr double kOfShortest = 0.5, kMeets = 1e-6;
 /// The tie is this share of the usual one at a corner of more than three polygons: its vertex is one of two junctions.
+// tuned joins
 constexpr double kJoined = 0.5;
 // The least work that is worth another thread:
-constexpr std::int32_t kTogether = 64;  ///< corners that are placed
-constexpr std::int32_t kFitted = 192;   ///< polygons that are fitted in a turn
+constexpr std::int32_t kTogether = 64;  ///< work: corners that are placed
+constexpr std::int32_t kFitted = 192;   ///< work: polygons that are fitted in a turn
 
 /// The shortest edge at a corner.
 /// \param place  returns the place of a corner

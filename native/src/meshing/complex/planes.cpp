@@ -8,8 +8,8 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kAhead = 12;        ///< faces between the current one and the one whose corners are prefetched
-constexpr std::int32_t kStride = 1 << 14;  ///< faces from one poll to the next
+constexpr std::int32_t kAhead = 12;  ///< work: faces between the current one and the one whose corners are prefetched
+constexpr std::int32_t kStride = 1 << 14;  ///< work: faces from one poll to the next
 
 /// Integrals over a set of faces, about an origin that keeps the numbers small.
 struct Moments {

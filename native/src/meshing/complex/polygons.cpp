@@ -103,7 +103,7 @@ void Polygons::add(std::int32_t chart, std::span<const Cycle> cycles, Corners& c
 
 void Polygons::close_gaps() {
   ISIMP_ASSERT(!loops_.in_transaction(), "numbers last as long as a transaction");
-  constexpr std::size_t kFew = 1024;
+  constexpr std::size_t kFew = 1024;  // work
   const std::size_t polygons = in_use_[0], used = in_use_[1];
   if (loops_.size() <= 2 * polygons + kFew && corners_.size() <= 2 * used + kFew) return;
   std::vector<Loop> loops;

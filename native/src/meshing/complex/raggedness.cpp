@@ -7,9 +7,10 @@
 namespace isimp::meshing {
 namespace {
 
+// tuned real
 constexpr int kWindows = 16;         // least number per loop: a square has its corners in a quarter of them
 constexpr double kOfRagged = 2.0;    // times the raggedness: the reach
-constexpr double kRounding = 1e-12;  // share of the diagonal
+constexpr double kRounding = 1e-12;  // rounding: share of the diagonal
 constexpr double kRagged = 0.8;      // mean edges of the border: one that is more ragged is straightened by itself
 
 /// The closed lines of the border, faces in no region left out.

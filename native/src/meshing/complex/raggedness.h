@@ -12,6 +12,7 @@
 /// How ragged the border of an open scan is, by which corners on it are chosen.
 namespace isimp::meshing {
 
+// tuned real
 constexpr int kSamples = 33;  ///< points of a piece of a border that is measured
 
 /// Points of a closed line at some lengths along it.

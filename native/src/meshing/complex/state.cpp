@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kMostOff = 0.03, kMostOffBorder = 0.01;  ///< tuned unrecorded: chords of few regions, of the diagonal
 constexpr double kLeastSine = 0.15;  ///< tuned unrecorded: how much less a chord counts between flat neighbours at most
-constexpr double kRimWindow = 0.5;   ///< window of the raggedness, in sqrt(area / regions)
+// tuned real
+constexpr double kRimWindow = 0.5;  ///< window of the raggedness, in sqrt(area / regions)
 
 ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, const Partition& partition,
                                const MeshingOptions& options) {
@@ -32,7 +33,7 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
   return t;
 }
 
-constexpr double kFlat = 1e-12;  ///< share of the area: with a shorter vector area, faces define no direction
+constexpr double kFlat = 1e-12;  ///< rounding: share of the area: with a shorter vector area, faces define no direction
 
 /// A boundary half-edge of a chart, found from one of its faces.
 std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> faces) {

@@ -18,7 +18,7 @@
 
 namespace isimp::meshing {
 
-constexpr std::int32_t kLeastClosed = 4;  ///< no closed surface has fewer polygons
+constexpr std::int32_t kLeastClosed = 4;  ///< unit: no closed surface has fewer polygons
 
 /// How long the boundary of a chart is, and the part of it that each other chart is across of.
 struct SharedBoundary {

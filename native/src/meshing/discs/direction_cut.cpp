@@ -7,16 +7,17 @@
 namespace isimp::meshing {
 namespace {
 
+// tuned sides
 constexpr double kFlat = 0.03;       ///< roughness up to which a chart has one side
 constexpr double kExact = 1e-4;      ///< roughness of the sides up to which all of them are planes
-constexpr double kRounding = 1e-6;   ///< roughness that rounding makes
+constexpr double kRounding = 1e-6;   ///< rounding: roughness that rounding makes
 constexpr double kCurve = 0.035;     ///< roughness of the sides beyond which they are a curve
 constexpr double kGain = 3;          ///< times the roughness of the sides: a chart that is less rough stays whole
 constexpr double kNear = 0.7071;     ///< cosine of 45 degrees: how near to a direction its faces look
 constexpr double kStraight = 0.999;  ///< cosine of 2.5 degrees: a face that is nearer to a direction is no speck
 constexpr double kRest = 0.01;       ///< share of the area that needs no direction of its own
 constexpr double kSmall = 0.5;       ///< share of the adjacent component: a smaller one is no side of its own
-constexpr int kDirections = 10;      ///< at most
+constexpr int kDirections = 10;      ///< limit: at most
 constexpr int kRefinements = 3;      ///< rounds: each direction becomes the mean of the faces near it
 constexpr int kSmoothings = 2;       ///< rounds in which a face takes the direction of two of its neighbours
 

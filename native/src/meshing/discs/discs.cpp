@@ -8,6 +8,7 @@
 namespace isimp::meshing {
 namespace {
 
+// tuned holes
 /// Loops, and two for a handle, beyond which a chart is parted by the directions its faces look in. Then each wall of a
 /// hole is a polygon. Other cuts give half to a third as many polygons, but repairing them takes a time that grows with
 /// the square of the holes.

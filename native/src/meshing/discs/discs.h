@@ -13,6 +13,7 @@
 
 namespace isimp::meshing {
 
+// tuned sides
 /// Cosine of the largest angle at which a hole's wall and an adjacent surface may be one polygon.
 constexpr double kSameWay = 0.5;
 

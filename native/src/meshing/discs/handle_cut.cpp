@@ -9,7 +9,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr int kTries = 200;  ///< loops that do not lower genus, before the others are left alone
+constexpr int kTries = 200;  ///< limit: loops that do not lower genus, before the others are left alone
 
 struct Loop {
   double length = 0;

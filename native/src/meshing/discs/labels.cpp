@@ -15,8 +15,9 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kStride = 1 << 13;  ///< faces or vertices from one poll to the next
-constexpr std::int32_t kAhead = 12;  ///< faces between the current one and the one whose neighbours are prefetched
+constexpr std::int32_t kStride = 1 << 13;  ///< work: faces or vertices from one poll to the next
+constexpr std::int32_t kAhead =
+    12;  ///< work: faces between the current one and the one whose neighbours are prefetched
 
 /// Whether faces of one label can be reached from each other by way of each other. Uses no marks, which callers may.
 [[maybe_unused]] bool hang_together(const Labels& labels, std::span<const std::int32_t> faces) {
@@ -225,7 +226,7 @@ Bits label_charts(Labels& labels, std::span<const std::int32_t> face_region, con
   const std::int32_t count = mesh.face_count();
   Bits between(3 * static_cast<std::size_t>(count));
   std::vector<Hung> faces(count);
-  // Parts of the faces whose half-edges begin with a word of the bits.
+  // work: parts of the faces whose half-edges begin with a word of the bits.
   constexpr std::int32_t kAligned = 64;
   const std::int32_t parts = threads.pieces(count);
   std::vector<std::vector<std::int32_t>> outside(parts);

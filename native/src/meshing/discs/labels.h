@@ -14,7 +14,7 @@
 
 namespace isimp::meshing {
 
-/// Smallest share of the diagonal that float32 resolves. A thinner polygon counts as one without area.
+/// rounding: smallest share of the diagonal that float32 resolves. A thinner polygon counts as one without area.
 constexpr double kThickness = 1e-6;
 
 /// The reason for a chart.

@@ -2,7 +2,7 @@
 
 namespace isimp::meshing {
 
-/// Share of the diagonal: a shorter way of a corner, or distance from a plane, is none.
+/// rounding: share of the diagonal: a shorter way of a corner, or distance from a plane, is none.
 constexpr double kNoLength = 1e-9;
 
 }  // namespace isimp::meshing

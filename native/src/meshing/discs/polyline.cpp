@@ -32,6 +32,7 @@ bool fits(std::span<const Vec3> line, std::size_t first, std::size_t last, doubl
 
 /// Moves each kept point to where the two chords that meet there fit best, while both stay within reach.
 void slide(std::span<const Vec3> line, double reach, std::vector<std::size_t>& kept) {
+  // tuned unrecorded
   constexpr std::size_t kFar = 8;  // points that are tried on each side
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const std::size_t before = i > 0 ? kept[i - 1] : 0, after = i + 1 < kept.size() ? kept[i + 1] : line.size() - 1;
@@ -50,7 +51,8 @@ void slide(std::span<const Vec3> line, double reach, std::vector<std::size_t>& k
 }
 
 constexpr double kNearlyFarthest =
-    0.96;                        // tuned unrecorded: of the square distance, of points that are nearly farthest
+    0.96;  // tuned unrecorded: of the square distance, of points that are nearly farthest
+// tuned real
 constexpr double kWithin = 0.9;  // share of a ragged line that is within reach of the straight line along it
 
 struct StraightLine {

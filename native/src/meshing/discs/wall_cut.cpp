@@ -13,15 +13,17 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kTogether = 8;   ///< holes up to which all orders are tried; with more, a chain follows a row
-constexpr std::size_t kMostLoops = 64;  ///< with more, the choice of cuts takes too long
-constexpr double kThrough = 0.1;        ///< cost of the way across a hole, relative to a cut of that length
-constexpr double kCostLeftOut = 0.3;    ///< cost of a hole that the chain leaves out, in sqrt(area)
-constexpr double kOverlap = 0.5;        ///< least overlap of two holes of a row, as a share of the smaller one
+constexpr std::int32_t kTogether =
+    8;  ///< limit: holes up to which all orders are tried; with more, a chain follows a row
+constexpr std::size_t kMostLoops = 64;  ///< limit: with more, the choice of cuts takes too long
+// tuned walls
+constexpr double kThrough = 0.1;      ///< cost of the way across a hole, relative to a cut of that length
+constexpr double kCostLeftOut = 0.3;  ///< cost of a hole that the chain leaves out, in sqrt(area)
+constexpr double kOverlap = 0.5;      ///< least overlap of two holes of a row, as a share of the smaller one
 constexpr double kWide = 0.2;  ///< distance of a path from its straight cut at most, as a share of its length ...
 constexpr double kEdges = 3;   ///< ... but at least this number of edges of the mesh
 constexpr double kOff = 3;     ///< extra cost of each step of a path, times its distance from the straight cut
-constexpr int kTries = 4;      ///< chains that are tried, each without the cuts that the mesh has no path for
+constexpr int kTries = 4;      ///< limit: chains that are tried, each without the cuts that the mesh has no path for
 
 /// A chain of cuts from the outline over holes back to it, as the two ends of each.
 using Chain = std::vector<std::array<LoopPlace, 2>>;
@@ -54,7 +56,7 @@ class Chains {
     std::int32_t left_at = kNone;
   };
 
-  static constexpr std::size_t kMost = Wall::kMostCorners;
+  static constexpr std::size_t kMost = Wall::kMostCorners;  // unit
 
   /// A cut between two corners of holes.
   struct Link {

@@ -10,6 +10,7 @@
 namespace isimp::meshing {
 namespace {
 
+// tuned walls
 constexpr double kFlat = 0.9;     ///< vector area over area, below which a chart is no wall
 constexpr double kMain = 0.5;     ///< share of the boundary, by square length, that must follow the main directions
 constexpr double kReach = 0.015;  ///< distance of a boundary from the edges between its corners, in sqrt(area)

@@ -26,7 +26,7 @@ struct LoopPlace {
 /// hole.
 class Wall {
  public:
-  static constexpr std::size_t kMostCorners = 8;  ///< corners of a hole at which cuts may end
+  static constexpr std::size_t kMostCorners = 8;  ///< limit: corners of a hole at which cuts may end
 
   /// \return nullopt for a chart that is bent, or whose boundary has no main directions
   static std::optional<Wall> find(const Labels& labels, std::span<const std::int32_t> faces, const Shape& shape);

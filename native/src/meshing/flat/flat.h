@@ -10,7 +10,7 @@
 /// The steps of `merge_flat`.
 namespace isimp::meshing::flat {
 
-/// Distances below this share of the mesh's diagonal count as none.
+/// rounding: distances below this share of the mesh's diagonal count as none.
 inline constexpr double kSame = 1e-6;
 
 using Loop = std::vector<std::int32_t>;  ///< vertices in order

@@ -9,7 +9,7 @@
 namespace isimp::meshing::flat {
 namespace {
 
-constexpr std::int32_t kPollEvery = 1 << 12;
+constexpr std::int32_t kPollEvery = 1 << 12;  // work
 
 /// The sum of faces: twice their area times the normal, and twice their area times their middle.
 struct Sum {

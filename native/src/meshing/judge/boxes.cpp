@@ -11,7 +11,7 @@ namespace isimp::meshing {
 
 namespace {
 constexpr std::size_t kFew = 32,
-                      kShare = 4;  ///< kFew + all / kShare boxes may be new before the tree is rebuilt
+                      kShare = 4;  ///< work: kFew + all / kShare boxes may be new before the tree is rebuilt
 }  // namespace
 
 BoxTree::BoxTree(std::vector<NumberedBox> all, const Job* job) : all_(std::move(all)), leaf_(all_.size()) {

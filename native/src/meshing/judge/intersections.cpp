@@ -37,7 +37,7 @@ struct Meeting {
 };
 
 Facing facing_of(const Corners& t) {
-  // A side is a sum of six products of three differences each, rounded by less than this in all.
+  // rounding: A side is a sum of six products of three differences each, rounded by less than this in all.
   constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
   const Vec3 u = t[1] - t[0], v = t[2] - t[0];
   return {u.cross(v), kRounding * u.cwiseAbs().maxCoeff() * v.cwiseAbs().maxCoeff()};
@@ -71,7 +71,7 @@ bool beside(const Placed& f, const Placed& g) {
 /// Whether all corners of g, except the ends of a side that both share, surely lie beyond one side of f, as seen along
 /// the axis nearest to its normal. This test separates triangles in one plane.
 bool beyond_side(const Placed& f, const Placed& g) {
-  constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+  constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();  // rounding
   int axis = 0;
   f.facing.normal.cwiseAbs().maxCoeff(&axis);
   const int x = (axis + 1) % 3, y = (axis + 2) % 3;
@@ -120,7 +120,7 @@ bool any_meeting(const FacetSet& a, const FacetSet& b, Function fn) {
   return false;
 }
 
-constexpr std::int32_t kTogether = 16;  ///< charts that one thread searches at a time
+constexpr std::int32_t kTogether = 16;  ///< work: charts that one thread searches at a time
 
 /// All pairs of facets that meet, searched in pairs of charts whose boxes meet, as these are few.
 std::vector<Meeting> find_meetings(std::span<const FacetSet* const> charts, const Arounds& arounds,
@@ -231,7 +231,7 @@ GivenHits find_given_hits(std::span<const FacetSet* const> charts, const Arounds
 }
 
 ScanPart::ScanPart(const Mesh& mesh, std::span<const std::int32_t> faces) {
-  constexpr std::size_t kAhead = 12;  // faces between the current one and the one whose vertices are prefetched
+  constexpr std::size_t kAhead = 12;  // work: faces between the current one and the one whose vertices are prefetched
   std::vector<NumberedBox> boxes;
   boxes.reserve(faces.size());
   for (std::size_t i = 0; i < faces.size(); ++i) {

@@ -19,7 +19,7 @@ namespace isimp::meshing {
 
 /// The defects of a polygon on its own.
 enum DefectKinds : std::uint8_t { kCrossing = 1, kFlipped = 2, kNoArea = 4, kBent = 8 };
-/// Replaces kNoArea if the polygon is a face of the scan that has no area itself, which is no defect.
+/// mark: replaces kNoArea if the polygon is a face of the scan that has no area itself, which is no defect.
 constexpr std::uint8_t kGiven = 16;
 
 /// A triangle of a polygon's triangulation, by corners.
@@ -36,6 +36,7 @@ struct PolygonDefects {
   std::array<std::int32_t, 2> crossing{-1, -1};  ///< two edges that meet, by the index of their first corner
 };
 
+// tuned unrecorded
 /// The cosine between a polygon and its chart up to which it counts as flipped; the second for polygons that planar
 /// ones were cut into, which may be steep where the bent one was.
 constexpr double kFacingChart = 0.2, kFacingApart = 0.02;

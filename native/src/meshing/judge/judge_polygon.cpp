@@ -90,7 +90,7 @@ bool touch(const std::vector<Point>& p, std::size_t i, std::size_t j) {
   return CGAL::do_intersect(Kernel::Segment_2(a, b), Kernel::Segment_2(c, d));
 }
 
-constexpr std::size_t kSwept = 32;  ///< edges from which on the search is a sweep
+constexpr std::size_t kSwept = 32;  ///< work: edges from which on the search is a sweep
 
 /// As `find_crossing`, for many edges. The sweep takes edges in the order of their low ends along the longer side of the
 /// polygon, and compares each with all edges that begin before it ends.
@@ -155,7 +155,7 @@ class Ears {
   }
 
  private:
-  static constexpr std::size_t kMany = 48;
+  static constexpr std::size_t kMany = 48;  // work
   enum class Ear : std::uint8_t { unknown, yes, no };
   [[nodiscard]] std::size_t before(std::size_t i) const { return left_[i > 0 ? i - 1 : left_.size() - 1]; }
   [[nodiscard]] std::size_t after(std::size_t i) const { return left_[i + 1 < left_.size() ? i + 1 : 0]; }
@@ -213,7 +213,7 @@ class Ears {
 /// Cost: O(n^3).
 class LeastSurface {
  public:
-  static constexpr std::size_t kMost = 64;  ///< most corners of a polygon
+  static constexpr std::size_t kMost = 64;  ///< limit: most corners of a polygon
 
   /// \param thin  triangles thinner than this are used only if there is no other way; 0: no bound
   LeastSurface(const std::vector<Point>& points, bool convex, std::span<const std::int32_t> polygon,
@@ -235,8 +235,8 @@ class LeastSurface {
   }
 
  private:
-  static constexpr double kNever = 1e300;
-  static constexpr double kSliver = 1e18;  ///< cost of a sliver: more than any surface, in squares of `thin`
+  static constexpr double kNever = 1e300;  // mark
+  static constexpr double kSliver = 1e18;  ///< mark: cost of a sliver: more than any surface, in squares of `thin`
 
   static double longest(const Vec3& a, const Vec3& b, const Vec3& c) {
     return std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
@@ -249,7 +249,7 @@ class LeastSurface {
   /// The least surface between the corners i to j and the segment that joins them, kNever if none is possible.
   ISIMP_NOINLINE double best(std::size_t i, std::size_t j) {
     const double *of_i = &cost_[i * n_], *of_j = &cost_[j * n_];
-    // A triangle that is too large for a smaller surface is skipped before its root and its turn are computed.
+    // rounding: A triangle that is too large for a smaller surface is skipped before its root and its turn are computed.
     constexpr double kRounding = 1 + 1e-9;
     double least = kNever;
     const Vec3 &a = at_[i], &c = at_[j], side_c = c - a;

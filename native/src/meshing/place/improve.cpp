@@ -8,7 +8,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr double kLeast = 3e-3;  ///< share of the size of a chart: a shorter way is not worth a test
+constexpr double kLeast = 3e-3;  ///< work: share of the size of a chart: a shorter way is not worth a test
 
 /// \param from_vertices  whether corners are placed from their vertices
 void move_to_better(State& state, Defects& defects, std::span<const std::int32_t> corners, bool from_vertices,

@@ -10,6 +10,7 @@
 namespace isimp::meshing {
 namespace {
 
+// tuned regular
 constexpr int kPasses = 2;  ///< a plane may be met only after its neighbours have moved
 
 class Keeper {

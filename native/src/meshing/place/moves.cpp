@@ -7,7 +7,7 @@ namespace isimp::meshing {
 namespace {
 
 constexpr std::array kShares{1.0, 0.5, 0.2};  ///< shares of a way; the first accepted one is used
-constexpr std::size_t kStride = 64;           ///< corners from one poll to the next
+constexpr std::size_t kStride = 64;           ///< work: corners from one poll to the next
 
 /// Moves corners to the given places, and returns the moves back.
 std::vector<Move> carry_out(State& state, std::span<const Move> moves) {

@@ -12,6 +12,7 @@
 namespace isimp::meshing {
 namespace {
 
+// tuned real
 constexpr double kEnds = 0.1;            // share of a border at each end that does not count for its line
 constexpr double kLeastSine = 0.35;      // sine of 20 degrees: lines that meet at less count as one line
 constexpr std::size_t kLeastPoints = 4;  // vertices of a border that has a line

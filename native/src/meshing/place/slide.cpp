@@ -14,16 +14,20 @@
 namespace isimp::meshing {
 namespace {
 
+// tuned shapes
 constexpr int kRounds = 2, kDirections = 8;  // passes over all corners; directions in which each is tried
 constexpr std::array kSteps = {0.2, 0.08};   // largest move of a corner in a round, in sqrt(area / charts)
 constexpr double kFar = 0.3;                 // largest move in all, in the same unit
 constexpr double kOff = 0.4;                 // distance from its planes, in deviations of the scan from them
-constexpr double kOfSharp = 4;               // degrees above kReflex that one below kNeedle counts as
-constexpr double kBend = 1200;               // degrees that a bend of sqrt(area / charts) counts as
-constexpr double kShort = 0.3;               // edges shorter than this, in sqrt(area / charts), do not become shorter
-constexpr double kFacing = 0.9;              // cosine of how far a polygon may turn from its chart by a move
-constexpr double kWorth = 1;                 // degrees that a move has to gain
-constexpr double kTiny = 1e-6;               // share of the shortest edge: a corner with less freedom gains nothing
+// tuned needles
+constexpr double kOfSharp = 4;  // degrees above kReflex that one below kNeedle counts as
+constexpr double kBend = 1200;  // degrees that a bend of sqrt(area / charts) counts as
+// tuned shapes
+constexpr double kShort = 0.3;   // edges shorter than this, in sqrt(area / charts), do not become shorter
+constexpr double kFacing = 0.9;  // cosine of how far a polygon may turn from its chart by a move
+// tuned needles
+constexpr double kWorth = 1;    // degrees that a move has to gain
+constexpr double kTiny = 1e-6;  // rounding: share of the shortest edge: a corner with less freedom gains nothing
 
 class Slider {
  public:

@@ -11,10 +11,12 @@
 namespace isimp::meshing::planar {
 namespace {
 
+// tuned planar
 /// Weight of a triangle's share of the polygon's surface, if a triangle that becomes a face of its own costs 1.
 constexpr double kOfSurface = 0.02;
-constexpr double kBad = 100;  ///< cost of a triangle that faces away or has no area: used only if there is no other way
-constexpr double kNever = 1e30;
+constexpr double kBad =
+    100;  ///< mark: cost of a triangle that faces away or has no area: used only if there is no other way
+constexpr double kNever = 1e30;  // mark
 
 /// The conditions on triangles under which the judge finds no defect in them.
 struct Rules {

@@ -13,11 +13,12 @@
 namespace isimp::meshing::planar {
 namespace {
 
-constexpr std::size_t kMostPlanes = 7;  ///< planes at a corner that are tried in all combinations
-constexpr double kRank = 1e-7;          ///< singular values below this share of the largest fix nothing
-constexpr double kOfTriangle = 0.25;    ///< weight of the given plane of a triangle, which is planar without it
-constexpr double kOfMissed = 0.5;       ///< weight of the plane of a polygon that is cut already
-constexpr double kOfArea = 0.5;         ///< weight of a unit's share of the area at a corner, added to 1
+constexpr std::size_t kMostPlanes = 7;  ///< limit: planes at a corner that are tried in all combinations
+constexpr double kRank = 1e-7;          ///< rounding: singular values below this share of the largest fix nothing
+// tuned planar
+constexpr double kOfTriangle = 0.25;  ///< weight of the given plane of a triangle, which is planar without it
+constexpr double kOfMissed = 0.5;     ///< weight of the plane of a polygon that is cut already
+constexpr double kOfArea = 0.5;       ///< weight of a unit's share of the area at a corner, added to 1
 
 struct Candidate {
   std::int32_t unit, place;
@@ -41,7 +42,7 @@ Vec3 nearest_on(std::span<const Unit* const> planes, const Vec3& from) {
       return from + (miss(planes[0]) * bc + miss(planes[1]) * c.cross(a) + miss(planes[2]) * a.cross(b)) / det;
   }
   const auto n = static_cast<Eigen::Index>(planes.size());
-  constexpr int kMost = kMostPlanes;
+  constexpr int kMost = kMostPlanes;                                                // unit
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, 3>;  // thin only without fixed columns
   Rows rows(n, 3);
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1> right(n);

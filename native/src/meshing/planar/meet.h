@@ -30,7 +30,7 @@ struct Around {
 std::vector<bool> within_rings(const std::vector<Unit>& units, const Around& around, std::vector<std::int32_t> rim,
                                int rings);
 
-/// Largest distance of a corner from a plane that counts as its own, as a share of the diagonal.
+/// rounding: largest distance of a corner from a plane that counts as its own, as a share of the diagonal.
 constexpr double kOnPlane = 1e-7;
 
 /// Puts each corner on the heaviest set of its planes that meet in a place where it may be, at the place nearest to its

@@ -15,6 +15,7 @@
 namespace isimp::meshing::planar {
 namespace {
 
+// tuned planar
 constexpr int kGentle = 12;       ///< rounds in which corners that are held back keep half their way
 constexpr std::size_t kFew = 12;  ///< most corners of a unit that is triangulated before its corners are held back
 constexpr std::array kShares{0.95, 0.5, 0.25, 0.0};  ///< shares of its way kept by a corner that mends a defect

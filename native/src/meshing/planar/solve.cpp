@@ -7,6 +7,7 @@
 namespace isimp::meshing::planar {
 namespace {
 
+// tuned planar
 constexpr int kPasses = 4;     ///< fits, all but the first without the corners that did not fit
 constexpr int kReleases = 12;  ///< most rounds in which snapped planes are released
 /// Share of a polygon's corners on too few planes, above which its plane is released. Source: own trials.

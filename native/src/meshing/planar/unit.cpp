@@ -12,6 +12,7 @@
 namespace isimp::meshing::planar {
 namespace {
 
+// tuned planar
 // Largest move of a corner, as shares of its shortest edge and of the reach of the options. Source: own trials.
 constexpr double kOfEdge = 0.5, kLeast = 0.3, kMost = 1.5;
 constexpr double kMostToHeld = 6;  ///< replaces kMost if given planes are further off

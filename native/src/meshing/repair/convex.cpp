@@ -19,12 +19,12 @@ namespace {
 
 using Point = Eigen::Vector2d;
 
-/// Depth of a corner below the line between its neighbours up to which it counts as straight, as a share of the
+/// rounding: depth of a corner below the line between its neighbours up to which it counts as straight, as a share of the
 /// diagonal: corners of planar polygons are on their planes, and so on straight lines, to this much.
 constexpr double kStraight = 1e-7;
 
-constexpr std::size_t kTried = 64;        ///< cuts of a polygon that are tried to their end
-constexpr std::size_t kMostPlanned = 64;  ///< corners of a polygon for which they are
+constexpr std::size_t kTried = 64;        ///< limit: cuts of a polygon that are tried to their end
+constexpr std::size_t kMostPlanned = 64;  ///< limit: corners of a polygon for which they are
 
 double cross(const Point& a, const Point& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -158,7 +158,7 @@ std::vector<View::Cut> cuts_of(const View& view, const Joined& joined, std::size
 /// The number of parts if a polygon is cut, and its parts always by the cut that is best at once. A part that stays
 /// concave counts as many.
 std::int32_t parts_after(const View& view, const View::Cut& first, const Joined& joined) {
-  constexpr std::int32_t kConcave = 1000;
+  constexpr std::int32_t kConcave = 1000;  // mark
   const auto [left, right] = view.divided(first);
   std::vector<View> open{left, right};
   std::int32_t parts = 0;

@@ -19,9 +19,10 @@
 namespace isimp::meshing {
 namespace {
 
+// tuned joins
 constexpr int kPasses = 2;  ///< over all chords
 constexpr double kParallel = 1e-6,
-                 kMeets = 1e-6;  ///< of cells' planes: see step_onto; how far they may miss, of the size
+                 kMeets = 1e-6;  ///< rounding: of cells' planes: see step_onto; how far they may miss, of the size
 // The energy of polygons, in edges: an edge is worth a mean square distance of kOfEdge square deviations of the scan along
 // the side of a chart. A full turn by which reflex corners open too far is worth kOfReflex edges, and a full turn that sharp
 // corners lack is worth kOfSharp edges.
@@ -31,9 +32,11 @@ constexpr double kOfSharp = 300;  ///< price of a full turn that sharp corners l
 constexpr double kMisses = 1.5;   ///< bounds of bent polygons: planes that a place misses by more do not meet there
 /// The price of an edge where cells of several round parts meet, in edges, so that these cells are quads. At any cell the
 /// side is sqrt(area / charts).
+// tuned round
 constexpr double kOfCell = 2;
 /// A chord is short up to this times sqrt(area / charts). At cells of round parts longer ones stay. Elsewhere borders that
 /// move by the removal of a longer one count where both planes are one too, by this square sine.
+// tuned joins
 constexpr double kShort = 0.4;       ///< of sqrt(area / charts): longer chords stay at cells
 constexpr double kLeastSine = 0.02;  ///< least square sine at the moved borders of long chords
 

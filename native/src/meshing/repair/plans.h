@@ -41,6 +41,7 @@ inline constexpr std::array kForBent{split, split, split, split, split, split, s
                                      split, split, split, split, split, split};
 }  // namespace plans
 
+// tuned plans
 inline constexpr int kAfterSplit = 5;  ///< index in its plan at which a chart continues after a split
 
 }  // namespace isimp::meshing

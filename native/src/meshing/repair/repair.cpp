@@ -25,7 +25,8 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr int kRounds = 40;
+constexpr int kRounds = 40;  // limit
+// tuned unrecorded
 constexpr double kPull = 0.5;               ///< share of a corner's distance from its vertex that a pull leaves
 constexpr double kLeastPull = 0.1;          ///< share of its radius below which a pull returns the corner to its vertex
 constexpr std::size_t kShard = 16;          ///< faces of a chart that falls apart into them where nothing else helped
@@ -260,7 +261,7 @@ void join_again(State& state, Defects& defects, Mender& mender, const Scale& usu
 /// Makes polygons planar. A chart whose polygon cannot become planar is split, after kSplits tries down to faces of
 /// the scan, and the step is repeated. After kTries tries the polygon stays bent.
 void make_planar(State& state, Defects& defects, Mender& mender, RepairOutcome& outcome, Job& job) {
-  constexpr int kSplits = 6, kTries = 16;
+  constexpr int kSplits = 6, kTries = 16;  // steps until a chart falls apart; steps in all
   bool is_last = false;
   for (int go = 0;; ++go) {
     Transaction transaction(state);

@@ -24,8 +24,8 @@ struct RepairOutcome {
   std::vector<ListedDefect> defects;
 };
 
-constexpr std::size_t kMostListed = 1000;         ///< defects of a kind that a report lists
-constexpr std::int64_t kMostCounted = 1'000'000;  ///< pairs of the scan's own faces that are counted
+constexpr std::size_t kMostListed = 1000;         ///< limit: defects of a kind that a report lists
+constexpr std::int64_t kMostCounted = 1'000'000;  ///< limit: pairs of the scan's own faces that are counted
 
 /// Finds polygons that cross themselves, are flipped, are bent or intersect, and changes them and their neighbours
 /// until none is left or nothing helps: pulls corners back to the mesh, adds corners, splits charts.

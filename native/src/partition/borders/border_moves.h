@@ -45,7 +45,7 @@ struct BorderProxy {
   /// The growth of |S| for each unit of area when a face of area w and normal n joins: (|S + w n| - |S|) / w.
   /// \param along  n . S / |S|; its negative for a face that leaves
   [[nodiscard]] float growth(float along, float area) const {
-    constexpr float kSmall = 0.05F;  // w / 2 |S| up to which the second order of the series is enough
+    constexpr float kSmall = 0.05F;  // rounding: w / 2 |S| up to which the second order of the series is enough
     const float half_ratio = area * half_inverse;
     if (half_ratio <= kSmall) return along + half_ratio * (1 - along * along);
     const float ratio = 2 * half_ratio;
@@ -74,7 +74,7 @@ inline float worth_of(float w) { return 1 / std::sqrt(w); }
 /// Judges whether a face on a border between regions should go to the other side, and whether it may.
 template <class Labels>
 struct BorderMoves {
-  static constexpr std::int32_t kBeyond = -2;  ///< instead of a region: the decision needs faces beyond the reach
+  static constexpr std::int32_t kBeyond = -2;  ///< mark: instead of a region: the decision needs faces beyond the reach
 
   const FaceGraph& graph;
   Labels labels;
@@ -147,6 +147,7 @@ struct BorderMoves {
       return true;
   }
 
+  // tuned shapes
   // A pair of faces that share just a vertex counts as half an edge, so that straight borders cost about the same in
   // all directions; there are some seven such pairs to an edge of a straight border.
   static constexpr float kOfVertex = 0.5F, kOfEdge = 1 / (1 + 7 * kOfVertex);
@@ -160,7 +161,7 @@ struct BorderMoves {
 
   /// Labels of the faces that share just a vertex with a face.
   struct Ring {
-    static constexpr int kMost = 24;
+    static constexpr int kMost = 24;  // limit
     std::array<std::int32_t, kMost> label;
     int size = 0;
     /// The number of them in the one region minus the number in the other.
@@ -194,8 +195,9 @@ struct BorderMoves {
     return true;
   }
 
-  static constexpr float kLeastGain = 1e-6F;  // share of the face's area: less is rounding, and would oscillate
-  static constexpr int kLongestWalk = 32;     // steps at a vertex; beyond it the face just stays
+  static constexpr float kLeastGain =
+      1e-6F;                               // rounding: share of the face's area: less is rounding, and would oscillate
+  static constexpr int kLongestWalk = 32;  // limit: steps at a vertex; beyond it the face just stays
 
   /// For a face with two neighbours in its own region: `to` if the region stays connected without it, else kNone.
   [[nodiscard]] std::int32_t stays_joined(std::int32_t face, std::int32_t own, const std::array<std::int32_t, 3>& near,

@@ -8,8 +8,9 @@
 namespace isimp {
 namespace {
 
+// tuned distances
 constexpr double kLength = 0.06;  // sides of a mean region: a distance that counts as normals that differ by 60 degrees
-constexpr double kLine = 1e-9;    // share of the squared spread, below which corners are on a line
+constexpr double kLine = 1e-9;    // rounding: share of the squared spread, below which corners are on a line
 
 }  // namespace
 

@@ -100,8 +100,9 @@ class Distances {
   struct Plane {
     double x = 0, y = 0, z = 0, offset = 0;  // the error of a corner is the square of (x, y, z) * corner - offset
   };
+  // tuned distances
   static constexpr int kFirstSteps = 4, kSteps = 2;  // steps of the iteration that fits a plane
-  static constexpr std::int32_t kSoon = 32;          // faces to prefetch ahead
+  static constexpr std::int32_t kSoon = 32;          // work: faces to prefetch ahead
 
   [[nodiscard]] Moments moments(std::int32_t face) const;
   void fit(std::int32_t region, int steps);

@@ -18,7 +18,7 @@ namespace isimp {
 
 /// Label of a face that was removed from its region and waits for another.
 inline constexpr std::int32_t kOpen = -2;
-/// During a flood, kOffered - k is the label of an open face whose best offer is that of its region k.
+/// mark: during a flood, kOffered - k is the label of an open face whose best offer is that of its region k.
 inline constexpr std::int32_t kOffered = -4;
 
 /// Gathers the faces of the region of a face (or of the part left out it lies in), and marks each as kOpen.
@@ -136,6 +136,7 @@ inline void part_normals(const FaceGraph& graph, std::span<const std::int32_t> f
   }
 }
 
+// tuned unrecorded
 inline constexpr int kSplitRounds = 3;  // rounds of fitting the halves of a split
 
 /// First proxies and seeds for splitting a region: the two sides of its most unlike normals, or of its length if flat.

@@ -33,14 +33,15 @@ inline BorderWeight light_border_weight(double error) { return {std::min(0.6 * e
 /// so that exact shapes do not change; from kMostError on, where regions are far from planar, it is constant.
 /// \param smooth  PartitionOptions::smooth
 inline double border_price(double error, double smooth) {
-  constexpr double kNu = 0.6, kMostError = 0.1;
+  // tuned shapes
+  constexpr double kNu = 0.6, kMostError = 0.1;  // over the error: weight of a border as wide as its region; the most
   return kNu * smooth * std::min(error, kMostError);
 }
 
 /// The weight of borders for regions of good shape, at any resolution of the scan.
 /// \param nodes  faces, or patches, that the regions are made of
 inline BorderWeight border_weight(double error, double smooth, std::int64_t nodes, std::int64_t regions) {
-  constexpr double kEdge = 1.52;  // length of an edge of an equilateral triangle of area 1
+  constexpr double kEdge = 1.52;  // unit: length of an edge of an equilateral triangle of area 1
   const BorderWeight least = border_weight(error);
   if (!(smooth > 0) || regions < 1) return least;
   const double width = std::sqrt(static_cast<double>(nodes) / static_cast<double>(regions));
@@ -131,11 +132,11 @@ class Relaxation {
   }
 
  private:
-  static constexpr std::uint8_t kQueued = 1, kPushed = 2, kSummed = 4;  // states of a face
-  static constexpr std::int32_t kBlock = 1 << 15;                       // faces of a block
-  static constexpr std::size_t kMany = 1 << 13;         // faces in the queue from which blocks are worth it
-  static constexpr int kSweepsOfBlock = 2;              // sweeps before blocks exchange their changes
-  static constexpr std::size_t kAhead = 16, kSoon = 6;  // faces to prefetch ahead
+  static constexpr std::uint8_t kQueued = 1, kPushed = 2, kSummed = 4;  // mark: states of a face
+  static constexpr std::int32_t kBlock = 1 << 15;                       // work: faces of a block
+  static constexpr std::size_t kMany = 1 << 13;         // work: faces in the queue from which blocks are worth it
+  static constexpr int kSweepsOfBlock = 2;              // work: sweeps before blocks exchange their changes
+  static constexpr std::size_t kAhead = 16, kSoon = 6;  // work: faces to prefetch ahead
 
   /// Faces to visit, and all that were visited before.
   struct Lists {
@@ -347,7 +348,8 @@ inline double error_by(const Distances& distances, std::span<const RegionSum> su
 template <class Labels>
 double relax_by(Metric metric, const Surface& surface, Labels labels, std::vector<RegionSum>& sums,
                 Relaxation<Labels>& relaxation, double smooth, std::int64_t count, Job& job) {
-  constexpr int kRounds = 2, kSweeps = 60;
+  // tuned distances
+  constexpr int kRounds = 2, kSweeps = 60;  // of planes that are fitted again; the most of a round
   if (metric == Metric::normals) return 0.0;
   Distances distances(surface, metric, count);
   distances.sum_up(labels, sums, job);

@@ -14,9 +14,10 @@ namespace {
 
 using detail::Corners;
 
+// tuned bound
 constexpr std::int32_t kFacesAProxy = 96;  // gives patches of 6 faces
 constexpr double kLeastLength = 0.5;       // share of a region's area: where normals cancel more there is no plane
-constexpr int kSweeps = 30;
+constexpr int kSweeps = 30;                // limit
 constexpr double kFirstWidth = 0.4;  // share of the width that nodes of the hierarchy may take up: merging finds better
 constexpr int kRounds = 3;           // rounds of squeezing, merging, dissolving and relaxing
 

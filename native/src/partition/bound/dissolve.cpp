@@ -10,9 +10,9 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kPasses = 6;
-constexpr std::size_t kPollEvery = 0x7ff;
-constexpr std::size_t kProbes = 16;  // faces tested before a whole region is
+constexpr int kPasses = 6;                 // limit
+constexpr std::size_t kPollEvery = 0x7ff;  // work
+constexpr std::size_t kProbes = 16;        // work: faces tested before a whole region is
 
 /// The faces of each region, in rising order.
 std::vector<std::vector<std::int32_t>> faces_of(const BoundedRegions& bounded) {

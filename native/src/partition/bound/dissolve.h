@@ -10,6 +10,7 @@
 
 namespace isimp::detail {
 
+// tuned bound
 /// Cosine: a face whose normal is further from its region's is behind the plane, not next to it.
 inline constexpr double kLeastCosine = 0.2;
 

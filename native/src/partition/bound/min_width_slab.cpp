@@ -7,6 +7,7 @@
 namespace isimp::detail {
 namespace {
 
+// tuned bound
 constexpr int kRounds = 12;         // rounds of reweighting the points
 constexpr double kLeastTurn = 0.8;  // cosine: planes stay nearer than that to the mean normal
 constexpr double kHopeless = 1.5;   // times the allowed width: no turning mends that

@@ -12,13 +12,14 @@
 namespace isimp {
 namespace {
 
+// tuned adaptivity
 constexpr double kRadius = 0.01;        // share of the size
 constexpr double kStepsARadius = 6.0;   // averagings over neighbouring faces until normals have spread by one edge
 constexpr double kClusterSteps = 0.58;  // number of these that one step over neighbouring clusters of one face each
                                         // equals
 constexpr int kFewestSteps = 12;        // for which faces are still joined into larger clusters
 constexpr double kQuiet = 0.2;          // share of the area that is taken to be rough by noise alone
-constexpr double kFloor = 0.1, kMost = 8.0;  // bounds of the densities
+constexpr double kFloor = 0.1, kMost = 8.0;  // share of the mean that is added to each; largest factor
 
 /// Faces, or clusters of a few, that normals spread over.
 struct Field {

@@ -11,15 +11,18 @@
 namespace isimp {
 namespace {
 
-constexpr double kMedianOfNormal = 0.6745;  // median of |x|, x normal with deviation 1
-constexpr double kTwiceUmbrella = 1.359;    // deviation of the remainder of such noise where six edges meet
-constexpr double kMostNoise = 0.5;          // share of an edge's length
-constexpr std::size_t kFewest = 250;        // vertices; a mesh of fewer is no scan
-constexpr std::int32_t kPollEvery = 0xffff;
-constexpr std::int32_t kSample = 20000;  // vertices that show whether there is noise
-constexpr double kClear = 2;             // the sample decides if it differs from the limit by this factor
-constexpr double kOfCell = 0.12;         // share of the cell of a grid that is left of its steps
+constexpr double kMedianOfNormal = 0.6745;  // unit: median of |x|, x normal with deviation 1
+constexpr double kTwiceUmbrella = 1.359;    // unit: deviation of the remainder of such noise where six edges meet
+// tuned noise
+constexpr double kMostNoise = 0.5;           // share of an edge's length
+constexpr std::size_t kFewest = 250;         // vertices; a mesh of fewer is no scan
+constexpr std::int32_t kPollEvery = 0xffff;  // work
+constexpr std::int32_t kSample = 20000;      // work: vertices that show whether there is noise
+constexpr double kClear = 2;                 // the sample decides if it differs from the limit by this factor
+// tuned grids
+constexpr double kOfCell = 0.12;  // share of the cell of a grid that is left of its steps
 
+// tuned noise
 // The second application of the operator to white noise leaves 1.26 times as much as the first. Where it leaves less,
 // the mesh is a coarse one of a curved shape; where more, of a shape with creases between flat parts.
 constexpr double kShape = 0.85, kNoise = 1.0, kNoiseToo = 1.6, kShapeToo = 2.0;  // twice over once

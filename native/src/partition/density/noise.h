@@ -29,6 +29,7 @@ double mean_edge(const Mesh& mesh);
 /// Cost: O(V + F).
 double estimate_noise(const Mesh& mesh, const Threads& threads, Job& job);
 
+// tuned noise
 /// Noise of a scan, as a share of the mean edge: scans have .01 and more, CAD models .001 and less.
 inline constexpr double kScanNoise = 0.005;
 

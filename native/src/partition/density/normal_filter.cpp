@@ -9,6 +9,7 @@
 namespace isimp {
 namespace {
 
+// tuned houses
 constexpr double kBlind = 1.0;  // from this range on the normals of a house's roof and wall mix
 
 float difference(const FaceRecord& a, const FaceRecord& b) {

@@ -9,6 +9,7 @@
 
 namespace isimp {
 
+// tuned found
 inline constexpr int kFilterPasses = 8;  // of filtered_faces
 
 /// Median difference |n - n'| of the normals of neighbouring faces: mostly the effect of noise, less of curvature.

@@ -8,13 +8,17 @@
 namespace isimp {
 namespace {
 
-constexpr double kWindow = 4.0;    // the search for gaps covers t to this times t
-constexpr double kSlack = 16.0;    // a gap counts no further than this factor of cost beyond the window
+// tuned found
+constexpr double kWindow = 4.0;  // the search for gaps covers t to this times t
+// tuned cartons
+constexpr double kSlack = 16.0;  // a gap counts no further than this factor of cost beyond the window
+// tuned found
 constexpr double kRatio = 2.0;     // least ratio of costs
 constexpr double kSurprise = 4.0;  // excess over ln(W + 1), about the largest of W + 1 exponential draws
-constexpr double kSpread = 1.2;    // the number of regions is a mean over tolerances from t / kSpread to t kSpread
-constexpr int kSamples = 8;        // tolerances on either side of t
-constexpr double kFew = 20;        // fewer regions may be the shape's own number, and no mean is computed
+// tuned counts
+constexpr double kSpread = 1.2;  // the number of regions is a mean over tolerances from t / kSpread to t kSpread
+constexpr int kSamples = 8;      // tolerances on either side of t
+constexpr double kFew = 20;      // fewer regions may be the shape's own number, and no mean is computed
 
 /// A cost half-way between the cuts to N and N - 1 regions; N is the geometric mean of the counts near t.
 double mean_cut(std::span<const double> falling, std::int32_t components, double rounding, double tolerance,

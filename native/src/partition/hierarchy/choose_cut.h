@@ -6,13 +6,15 @@
 
 namespace isimp {
 
+// tuned houses
 /// Deviations of the noise that count as tolerance: regions that differ by less are one.
 inline constexpr double kNoise = 2.4;
 /// Deviations below which all is noise: faces merge up to here by their filtered normals, and the search for gaps
 /// begins here.
+// tuned found
 inline constexpr double kLeastNoise = 2.5;
 /// Share of the area: lower costs of merges are rounding errors.
-inline constexpr double kNoCost = 1e-9;
+inline constexpr double kNoCost = 1e-9;  // rounding
 
 /// The limit of the increase of error by a merge, for regions that are off their planes by about t: 16 t^2.
 ///

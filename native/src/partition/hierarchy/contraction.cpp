@@ -12,10 +12,12 @@
 namespace isimp {
 namespace {
 
-constexpr float kGate = 0.7F;
+// tuned unrecorded
+constexpr float kGate = 0.7F;  // share of the nodes whose best price lets them merge
+// tuned gates
 constexpr float kWideGate = 64;                  // factor of the gate: the highest price when satellites join
-constexpr float kTie = 1e-6F;                    // share of the lengths
-constexpr std::int32_t kWorthAThread = 1 << 12;  // nodes
+constexpr float kTie = 1e-6F;                    // rounding: share of the lengths
+constexpr std::int32_t kWorthAThread = 1 << 12;  // work: nodes
 
 /// The cheapest partner of each node, and its price.
 struct Best {
@@ -63,7 +65,8 @@ Best find_partners(const MergeGraph& graph, const std::vector<std::uint8_t>& tak
 /// The price up to which pairs merge: the price at kGate of the way if all prices were sorted. Only the prices that
 /// agree with it in their first bits are sorted.
 float gate(const Best& best) {
-  constexpr int kShift = 20;  // leaves exponent and three digits; prices are not below 0, so their bits rise with them
+  constexpr int kShift =
+      20;  // work: leaves exponent and three digits; prices are not below 0, so their bits rise with them
   const auto bucket = [](float price) { return std::bit_cast<std::uint32_t>(std::max(0.0F, price)) >> kShift; };
   const std::uint32_t none = bucket(std::numeric_limits<float>::infinity());  // price of nodes that do not merge
   std::vector<std::size_t> count(none + 1, 0);

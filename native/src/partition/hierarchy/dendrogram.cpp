@@ -14,7 +14,7 @@
 namespace isimp {
 namespace {
 
-constexpr double kFlatAngle = 1e-5;  // radians; normals that differ by less are taken as equal
+constexpr double kFlatAngle = 1e-5;  // rounding: radians; normals that differ by less are taken as equal
 
 class Merging {
  public:
@@ -74,7 +74,7 @@ class Merging {
     std::int32_t node = kNone;
     std::int32_t stamp = 0;
   };
-  static constexpr std::size_t kPollEvery = 0x3ff;
+  static constexpr std::size_t kPollEvery = 0x3ff;  // work
 
   [[nodiscard]] std::int32_t component_of(std::int32_t u) const { return component_.empty() ? 0 : component_[u]; }
 

@@ -19,15 +19,18 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 30;             // sweeps of relaxation
+constexpr int kSweeps = 30;  // limit: sweeps of relaxation
+// tuned found
 constexpr double kBorder = 0.018;       // weight of an edge between regions, in mean face areas
 constexpr double kNoisyBorder = 0.115;  // added to it where normals are all noise
-constexpr double kFaded = 0.25;         // share of its cost that the smoothing of borders may leave of a region
-constexpr std::size_t kMostCosts = 20000;
-constexpr std::int32_t kManyFaces = 50000;  // from here on many small patches merge at once
-constexpr std::int32_t kFacesAProxy = 96;   // for patches of 6 faces
-constexpr double kUsual = 0.7;              // quantile of the best prices of neighbours: twice that merges at once
-constexpr double kFar = 1.0 / 16;           // share of the limit up to which faces merge by that
+// tuned houses
+constexpr double kFaded = 0.25;             // share of its cost that the smoothing of borders may leave of a region
+constexpr std::size_t kMostCosts = 20000;   // limit
+constexpr std::int32_t kManyFaces = 50000;  // work: from here on many small patches merge at once
+// tuned found
+constexpr std::int32_t kFacesAProxy = 96;  // for patches of 6 faces
+constexpr double kUsual = 0.7;             // quantile of the best prices of neighbours: twice that merges at once
+constexpr double kFar = 1.0 / 16;          // share of the limit up to which faces merge by that
 
 std::vector<std::int32_t> components_of_faces(const Surface& surface) {
   std::vector<std::int32_t> component;
@@ -144,6 +147,7 @@ double finest_for(double detail) {
 }
 
 std::int32_t small_count(std::int32_t faces) {
+  // tuned round
   // Faces of a small region; least and largest number of them, the latter also for scans of more faces than kFine.
   constexpr std::int32_t kFaces = 20, kFewest = 120, kMost = 450, kMostFine = 700, kFine = 100000;
   return std::min(faces, std::clamp(faces / kFaces, kFewest, faces > kFine ? kMostFine : kMost));

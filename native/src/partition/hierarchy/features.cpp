@@ -7,6 +7,7 @@
 namespace isimp {
 namespace {
 
+// tuned houses
 constexpr double kSteep = 0.3;    // cosine of the angle to the surface that a part stands on
 constexpr double kFeature = 2.0;  // least cost of such a part, in limits
 

@@ -11,11 +11,11 @@
 namespace isimp {
 namespace {
 
-// A cluster with at least this many neighbours is a hub. All values from 32 to 1024 are about as fast; a scan without
+// work: A cluster with at least this many neighbours is a hub. All values from 32 to 1024 are about as fast; a scan without
 // such clusters merges as if there were none.
 constexpr std::int32_t kManyAround = 256;
-constexpr double kMargin = 0.125;    // share of the price, by which a lower bound is below it
-constexpr double kRounding = 4e-16;  // share of the lengths in a price
+constexpr double kMargin = 0.125;    // work: share of the price, by which a lower bound is below it
+constexpr double kRounding = 4e-16;  // rounding: share of the lengths in a price
 
 /// Greedy merging. Every cluster stores its cheapest partner, and a heap holds one live entry a cluster.
 ///

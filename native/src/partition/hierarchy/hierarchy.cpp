@@ -11,9 +11,11 @@
 namespace isimp {
 namespace {
 
-constexpr std::int32_t kBundle = 64;           // faces: one bit each
-constexpr std::int32_t kLargestPatch = 24;     // faces
-constexpr std::int32_t kPatchesARegion = 10;   // for the largest size
+constexpr std::int32_t kBundle = 64;  // work: faces: one bit each
+// tuned borders
+constexpr std::int32_t kLargestPatch = 24;    // faces
+constexpr std::int32_t kPatchesARegion = 10;  // for the largest size
+// tuned unrecorded
 constexpr float kCrease = 0.95F;               // cosine: neighbours that differ by more are never in one patch
 constexpr std::int32_t kCoarsest = 64;         // nodes, where the rounds end
 constexpr std::int32_t kLeastOfComponent = 8;  // nodes of a component, below which rounds leave it alone

@@ -15,11 +15,15 @@
 namespace isimp {
 namespace {
 
+// tuned unrecorded
 // Regions before the last merging, as a multiple of the wanted number: for the least error, and if borders count too.
 constexpr double kSurplus = 1.5, kSmoothSurplus = 2.2;
-constexpr int kTries = 4;                    // teleports without gain
+constexpr int kTries = 4;  // teleports without gain
+// tuned nodes
 constexpr std::int64_t kNodesOfRegion = 30;  // nodes for each region of a level that is relaxed before the patches are
-constexpr std::int32_t kManyRegions = 200;   // least number of regions for it
+// tuned unrecorded
+constexpr std::int32_t kManyRegions = 200;  // least number of regions for it
+// Sweeps of a level of patches, of faces before teleports, and at the end.
 constexpr int kPatchSweeps = 2, kFirstSweeps = 6, kLastSweeps = 60;
 
 /// The factor by which a region must exceed the usual before teleports are tried. On a scan of many regions they gain
@@ -74,7 +78,7 @@ std::vector<std::int32_t> cut(const Hierarchy& h, const Components& components, 
 /// The faces of a list that lie on borders, found by one thread.
 std::vector<std::int32_t> find_borders(const Relaxation<GraphLabels>& relaxation, std::span<const std::int32_t> faces,
                                        Job& job) {
-  constexpr std::size_t kAhead = 16;  // faces to prefetch ahead
+  constexpr std::size_t kAhead = 16;  // work: faces to prefetch ahead
   // One spare, written to before it is known to be wanted.
   const auto found = std::make_unique_for_overwrite<std::int32_t[]>(faces.size() + 1);
   std::size_t out = 0;

@@ -135,7 +135,7 @@ class PatchRelaxation {
   }
 
  private:
-  static constexpr std::int32_t kBlock = 1 << 12;  // nodes
+  static constexpr std::int32_t kBlock = 1 << 12;  // work: nodes
 
   [[nodiscard]] std::int32_t block_count() const { return static_cast<std::int32_t>(blocks_.size()); }
   [[nodiscard]] Stretch nodes_of(std::int32_t block) const {

@@ -20,10 +20,11 @@ std::int32_t entry(const MergeGraph& graph, std::int32_t region, std::int32_t ne
          static_cast<std::int32_t>(std::lower_bound(row.begin(), row.end(), neighbour) - row.begin());
 }
 
-constexpr std::int64_t kMostLength = std::int64_t{1} << 60;  // and of sums: edges of regions without area are all
-                                                             // longer
-constexpr std::size_t kAhead = 8;                            // faces to prefetch ahead
-constexpr std::size_t kBorderOfPair = 16;                    // border faces for each pair of regions, if there are few
+constexpr std::int64_t kMostLength = std::int64_t{1}
+                                     << 60;  // rounding: and of sums: edges of regions without area are all
+                                             // longer
+constexpr std::size_t kAhead = 8;            // work: faces to prefetch ahead
+constexpr std::size_t kBorderOfPair = 16;    // work: border faces for each pair of regions, if there are few
 
 using Pairs = std::vector<std::pair<std::int32_t, std::int32_t>>;
 
@@ -51,7 +52,7 @@ class PairSet {
   }
 
  private:
-  static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
+  static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};  // mark
   [[nodiscard]] std::size_t place(std::uint64_t key) const {
     return (key * 0x9e3779b97f4a7c15U >> 32) & (slots_.size() - 1);
   }
@@ -144,7 +145,7 @@ MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32
 std::vector<double> border_lengths(const Surface& surface, const std::vector<std::int32_t>& label,
                                    std::span<const std::int32_t> faces, const MergeGraph& touching,
                                    const Threads& threads) {
-  constexpr double kUnit = 0x1p40;  // sums of integers do not depend on the number of threads
+  constexpr double kUnit = 0x1p40;  // rounding: sums of integers do not depend on the number of threads
   const auto add_up = [](std::int64_t& sum, std::int64_t more) { sum = std::min(kMostLength, sum + more); };
   const FaceGraph& graph = surface.graph();
   const Mesh& mesh = surface.mesh();

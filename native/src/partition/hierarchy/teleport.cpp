@@ -13,15 +13,17 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 200;            // sweeps of the borders after a round; a face may have to grow over a whole
-                                        // side
-constexpr double kMargin = 0.02;        // a move must gain this share more than it costs
-constexpr std::int64_t kRenewals = 16;  // faces in repeated splits, in all, as a multiple of the surface's: one large
-                                        // region with hundreds around it would try for long
-constexpr double kShare = 3e-4;         // share of the whole error, times the least ratio, from which a region is split
-                                        // again
-constexpr double kLeastFall = 1e-4;     // share of the error: the least fall in a round that is worth another
-constexpr double kLeastGain = 1e-7;     // share of the whole area: less is rounding
+constexpr int kSweeps = 200;  // limit: sweeps of the borders after a round; a face may have to grow over a whole
+                              // side
+// tuned unrecorded
+constexpr double kMargin = 0.02;  // a move must gain this share more than it costs
+constexpr std::int64_t kRenewals =
+    16;                          // limit: faces in repeated splits, in all, as a multiple of the surface's: one large
+                                 // region with hundreds around it would try for long
+constexpr double kShare = 3e-4;  // share of the whole error, times the least ratio, from which a region is split
+                                 // again
+constexpr double kLeastFall = 1e-4;  // share of the error: the least fall in a round that is worth another
+constexpr double kLeastGain = 1e-7;  // rounding: share of the whole area: less is rounding
 /// Faces of all regions that were split, as a multiple of the surface's faces: the last round begins below it.
 /// Otherwise few regions that share the walls of thousands of holes would exchange these one by one.
 constexpr std::int64_t kMoves = 24;
