@@ -20,6 +20,11 @@ constexpr float kCrease = 0.95F;               // cosine: neighbours that differ
 constexpr std::int32_t kCoarsest = 64;         // nodes, where the rounds end
 constexpr std::int32_t kLeastOfComponent = 8;  // nodes of a component, below which rounds leave it alone
 
+// The rounds also end where one merges at most this share of more than so many nodes: a region that most others are
+// adjacent to, such as the ground of a city, merges with one of them in each round, and each level has a graph.
+constexpr double kFewMerges = 0.01;
+constexpr std::int32_t kManyNodes = 1024;
+
 std::int32_t patch_size_for(std::int32_t faces, std::int32_t proxies) {
   const std::int64_t room = faces / (static_cast<std::int64_t>(kPatchesARegion) * proxies);
   std::int32_t size = kLargestPatch;
@@ -235,7 +240,8 @@ Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job
     std::vector<std::int32_t> map;
     MergeGraph next = merge_round(h.level.back(), rules, map, threads, job);
     // The gate lets at least a few pairs pass, unless every component is down to its least or all merges cost too much.
-    if (next.size() == h.level.back().size()) break;
+    const std::int32_t nodes = h.level.back().size(), merges = nodes - next.size();
+    if (merges == 0 || (nodes > kManyNodes && merges <= kFewMerges * nodes)) break;
     h.to_next.push_back(std::move(map));
     h.level.push_back(std::move(next));
     job.report(1 - 0.4 * h.level.back().size() / h.level.front().size());
