@@ -172,7 +172,8 @@ def looked_up(texts: dict[str, str], places: dict[str, int]) -> dict[str, str]:
     result = {}
     for file, text in texts.items():
         own = names[file]
-        known = own.union(*(names[h] for h in included(file, set())))
+        mine = {c.name for _, found in declared(file, text) for c in found}  # they hide those of headers
+        known = own.union(*(names[h] for h in included(file, set()))) - (mine - own)
         if not known:
             continue
         use = re.compile(r"(?<![\w.>])(" + "|".join(sorted(known)) + r")\b(?!\s*\()")
