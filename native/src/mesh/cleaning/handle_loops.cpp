@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <iterator>
 #include <limits>
 #include <numeric>
@@ -10,7 +11,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "cleaning/handle_places.h"
 #include "isimp/core/forest.h"
 #include "isimp/core/prefetch.h"
 #include "isimp/core/to_integer.h"
@@ -19,7 +19,7 @@
 
 /// A tree over the vertices by distance, and a tree over faces and holes that crosses none of its edges and takes those
 /// first whose loops are long: each edge left over closes a loop over the first tree that does not part the surface,
-/// two a handle. Trees of a coarse complex show the places of handles. Trees from these places show the lengths of loops.
+/// two a handle. Trees from any start show the places of handles. Trees from these places show the lengths of loops.
 /// Source: Erickson and Whittlesey 2005.
 namespace isimp::detail {
 namespace {
@@ -43,12 +43,28 @@ class HandleLoops {
     number_holes();
   }
 
-  /// Starts of loops at handles near some vertices: an end of each edge that neither tree holds if the first one grows
-  /// from these vertices, as far as `radius` or some edges.
-  std::vector<std::int32_t> find_starts(const std::vector<std::int32_t>& places, double radius) {
-    std::vector<std::int32_t> starts = left_over(near_edges(places, std::max(radius, kNearPlace / per_length_)));
+  /// By Euler's formula, holes counted as faces. Without a handle, used - edges + nodes is 2 for each component.
+  [[nodiscard]] bool any_handle() const {
+    const std::size_t used = topology_.vertex_halfedge.size() - static_cast<std::size_t>(topology_.unused_vertices);
+    const std::size_t edges = (topology_.opposite.size() + topology_.border.size()) / 2;
+    if (used + nodes_ < edges + 2) return true;  // whatever the number of components
+    Forest forest(nodes_);
+    std::size_t joins = 0;
+    for_each_edge([&](std::int32_t h) { joins += forest.join(h / 3, across(h)) ? 1 : 0; });
+    return used + 2 * joins != edges + nodes_;
+  }
+
+  /// Vertices at handles, two a handle.
+  /// \param last  whether to grow from the last vertex of each component in place of the first
+  std::vector<std::int32_t> find_starts(bool last) {
+    const auto count = static_cast<std::int32_t>(distance_.size());
+    for (std::int32_t i = 0; i < count; ++i) {
+      const std::int32_t v = last ? count - 1 - i : i;
+      if (distance_[v] == kFar && topology_.vertex_halfedge[v] != kNone) grow({&v, 1}, kFar);
+    }
+    std::vector<std::int32_t> starts = left_over(core());
     for (std::int32_t& h : starts) h = from(h);
-    return rising(std::move(starts));
+    return starts;
   }
 
   /// Edges, a half-edge each, rising, and the nodes on both sides of each. A node is a face, a hole, or a set of
@@ -104,10 +120,8 @@ class HandleLoops {
   }
 
  private:
-  // tuned repairs
-  static constexpr double kNearPlace = 8;       // edges from a place at which a handle may be
-  static constexpr std::size_t kMostLoops = 4;  // of a start, the shortest ones
   static constexpr double kFar = std::numeric_limits<double>::infinity();  // mark
+  // tuned repairs
   static constexpr std::size_t kAhead = 8;    // work: vertices ahead of the current one whose neighbours are prefetched
   static constexpr std::size_t kSample = 16;  // faces from one edge that is measured to the next
   static constexpr std::size_t kMostReached = 4;  // starts are halved in one group while their trees have at most
@@ -195,6 +209,42 @@ class HandleLoops {
   [[nodiscard]] bool in_tree(std::int32_t h) const {
     const std::int32_t other = topology_.opposite[h], a = edge_[from(h)], b = edge_[to(h)];
     return a == h || b == h || (other != kNone && (a == other || b == other));
+  }
+
+  /// The edges that the tree over all vertices does not hold, without edges that any tree over the faces has to cross:
+  /// a face with one such edge left is removed, repeatedly. Few edges are left, at handles and between holes.
+  [[nodiscard]] Dual core() const {
+    std::vector<std::uint8_t> open(arrays_.triangles.size(), 7);  // a bit for each such edge of a face
+    for_each_index(edge_.size(), job_, [&](std::size_t v) {
+      for (std::int32_t h = edge_[v], side = 0; h != kNone && side < 2; h = topology_.opposite[h], ++side)
+        open[h / 3] &= ~(1 << h % 3);
+    });
+    std::vector<std::int32_t> ends;
+    for_each_index(open.size(), job_, [&](std::size_t i) {
+      if (std::has_single_bit(open[i])) ends.push_back(static_cast<std::int32_t>(i));
+    });
+    while (!ends.empty()) {
+      const std::int32_t f = ends.back();
+      ends.pop_back();
+      if (!std::has_single_bit(open[f])) continue;  // its last edge was removed with the other face
+      const std::int32_t other = topology_.opposite[3 * f + std::countr_zero(open[f])];
+      if (other == kNone) continue;
+      open[f] = 0;
+      open[other / 3] &= ~(1 << other % 3);
+      if (std::has_single_bit(open[other / 3])) ends.push_back(other / 3);
+    }
+    Dual dual;
+    dual.nodes = nodes_;
+    for_each_index(open.size(), job_, [&](std::size_t i) {
+      const auto f = static_cast<std::int32_t>(i);
+      for (int k = 0; open[i] != 0 && k < 3; ++k) {
+        const std::int32_t h = 3 * f + k, other = topology_.opposite[h];
+        if ((open[i] >> k & 1) == 0 || (other != kNone && other < h)) continue;
+        dual.edges.push_back(h);
+        dual.sides.push_back({f, across(h)});
+      }
+    });
+    return dual;
   }
 
   /// A vertex of a tree that grew from a start.
@@ -290,12 +340,11 @@ class HandleLoops {
       if (!in_tree(h.dual.edges[i])) edges.push_back(edge_of(i, h.dual));
     sort_longest_first(edges);
     const std::size_t joins = h.forest.joins();
-    std::vector<std::int32_t> closing;
-    for (const Edge& e : edges)
-      if (!h.join(e.i)) closing.push_back(e.h);
+    for (const Edge& e : edges) {
+      if (h.join(e.i)) continue;
+      if (Loop loop = loop_of(e.h); loop.length <= h.longest) loops.push_back(std::move(loop));
+    }
     h.forest.undo(joins);
-    for (const std::int32_t e : std::span(closing).last(std::min(closing.size(), kMostLoops)))
-      if (Loop loop = loop_of(e); loop.length <= h.longest) loops.push_back(std::move(loop));
   }
 
   /// An edge of the dual and the length of its loop, as far as the place where its paths to the start meet.
@@ -370,13 +419,21 @@ class HandleLoops {
 std::vector<HandleLoop> find_loops(const MeshArrays& arrays, const Topology& topology, double longest,
                                    const HandleSearch* search, const Threads& threads, Job& job) {
   HandleLoops finder(arrays, topology, job);
+  if (!search && !finder.any_handle()) return {};
   HandleLoops other(arrays, topology, job);
   // Two at a time.
   const auto by_both = [&](auto fn) {
     threads.blocks(2, 1, [&](std::int32_t k, std::int32_t, std::int32_t) { fn(k == 0 ? finder : other, k); });
   };
-  std::vector<std::int32_t> starts = search ? search->near : places_of_handles(arrays, topology, job);
-  if (!search && !starts.empty()) starts = finder.find_starts(starts, longest);
+  std::vector<std::int32_t> starts;
+  if (search) {
+    starts = search->near;
+  } else {  // One tree may lead far past a handle, so there are two.
+    std::array<std::vector<std::int32_t>, 2> found;
+    by_both([&](HandleLoops& each, std::int32_t k) { found[k] = each.find_starts(k == 1); });
+    found[0].insert(found[0].end(), found[1].begin(), found[1].end());
+    starts = rising(std::move(found[0]));
+  }
   if (starts.empty()) return {};
   const HandleLoops::Dual dual = finder.near_edges(starts, longest / 2);
   std::array<std::vector<Loop>, 2> loops;

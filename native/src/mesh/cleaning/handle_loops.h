@@ -17,7 +17,7 @@ struct HandleLoop {
 
 /// Loops of at most `longest`, shortest first; several of each handle.
 /// \param search  null: everywhere
-/// Cost: O(F), and O(the vertices near handles) for each place of a handle.
+/// Cost: O(F), and two trees of shortest paths over all vertices for a search everywhere.
 std::vector<HandleLoop> find_loops(const MeshArrays& arrays, const Topology& topology, double longest,
                                    const HandleSearch* search, const Threads& threads, Job& job);
 
