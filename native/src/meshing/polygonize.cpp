@@ -21,6 +21,8 @@ namespace {
 
 using namespace meshing;
 
+constexpr double kOfPlanar = 0.6;  ///< work: progress of the planar attempt, if it may be discarded
+
 void count_splits(const Labels& labels, const PolygonMesh& mesh, MeshingReport& report) {
   for (const Chart& p : labels.charts)
     if (p.face != kNone)
@@ -152,12 +154,12 @@ PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const Meshi
     return polygons_of(state, job);
   };
   const bool may_be_left_off = options.planar && options.planar_most < 1;
-  PolygonMesh result = make(options, 0.0, may_be_left_off ? 0.6 : 1.0);
+  PolygonMesh result = make(options, 0.0, may_be_left_off ? kOfPlanar : 1.0);
   const double whole = result.report.planar.whole;
   if (!may_be_left_off || 1 - whole <= options.planar_most) return result;
   MeshingOptions plain = options;
   plain.planar = false;
-  result = make(plain, 0.6, 1.0);
+  result = make(plain, kOfPlanar, 1.0);
   result.report.planar.asked = result.report.planar.left_off = true;
   result.report.planar.whole = whole;
   return result;

@@ -20,10 +20,10 @@ constexpr float kCrease = 0.95F;               // cosine: neighbours that differ
 constexpr std::int32_t kCoarsest = 64;         // nodes, where the rounds end
 constexpr std::int32_t kLeastOfComponent = 8;  // nodes of a component, below which rounds leave it alone
 
-// limit: the rounds also end where one merges at most this share of more than so many nodes: a region that most others are
-// adjacent to, such as the ground of a city, merges with one of them in each round, and each level has a graph.
+// limit: rounds end where one merges at most this share of the nodes. A region that borders most others, such as the
+// ground of a city, merges with one of them in each round, and each level has a graph.
 constexpr double kFewMerges = 0.01;
-constexpr std::int32_t kManyNodes = 1024;  // limit
+constexpr std::int32_t kManyNodes = 1024;  // limit: fewer nodes are merged to the end
 
 std::int32_t patch_size_for(std::int32_t faces, std::int32_t proxies) {
   const std::int64_t room = faces / (static_cast<std::int64_t>(kPatchesARegion) * proxies);
