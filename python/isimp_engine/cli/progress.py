@@ -1,5 +1,6 @@
 """Progress of a job on a terminal."""
 
+import _thread
 import shutil
 import sys
 import threading
@@ -34,19 +35,21 @@ class _Step:
     """A context that returns a job, shows its progress on one line of a terminal, and clears the line at the end.
 
     The line is redrawn by a thread of its own, since the engine's calls wait on the main thread, where Ctrl-C arrives.
-    This is a class because a Ctrl-C that arrives as a generator's context is entered would leave the context open.
+    This is a class because a Ctrl-C that arrives as a generator's context is entered would leave the context open. It
+    uses a lock only, which is written in C: a Ctrl-C inside Thread.start or an Event leaves their locks as they are.
     """
 
     def __init__(self, name: str, seconds: dict[str, float], stream: TextIO | None) -> None:
         self._name, self._seconds, self._stream = name, seconds, stream
         self._job, self._start = Job(), time.perf_counter()
-        self._done, self._drawing = threading.Event(), threading.Lock()
+        self._done, self._drawing = False, threading.Lock()
 
     def __enter__(self) -> Job:
         if self._stream is not None:
             try:
-                threading.Thread(target=self._redraw, args=[self._stream], daemon=True).start()
-            except KeyboardInterrupt:  # while this waited for the thread, which may have drawn already
+                self._draw(self._stream)
+                _thread.start_new_thread(self._redraw, (self._stream,))
+            except KeyboardInterrupt:
                 self._clear(self._stream)
                 raise
         return self._job
@@ -66,19 +69,21 @@ class _Step:
 
     def _clear(self, stream: TextIO) -> None:
         """Clear the line; nothing is drawn after that."""
-        self._done.set()
+        self._done = True
         with self._drawing:
             stream.write("\r\x1b[K")
             stream.flush()
 
-    def _redraw(self, stream: TextIO) -> None:
-        while True:
-            with self._drawing:
-                if self._done.is_set():
-                    return
+    def _draw(self, stream: TextIO) -> None:
+        with self._drawing:
+            if not self._done:
                 stream.write("\r\x1b[K" + line(self._name, self._job))
                 stream.flush()
-            self._done.wait(_REDRAW)
+
+    def _redraw(self, stream: TextIO) -> None:
+        while not self._done:
+            time.sleep(_REDRAW)
+            self._draw(stream)
 
 
 def line(name: str, job: Job) -> str:

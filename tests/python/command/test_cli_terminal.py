@@ -84,7 +84,7 @@ def interrupting(number):
 
     def trace(frame, event, argument):
         nonlocal left
-        if frame.f_code.co_filename not in (progress.__file__, contextlib.__file__):
+        if frame.f_code.co_filename not in (progress.__file__, contextlib.__file__, threading.__file__):
             return None
         frame.f_trace_lines, frame.f_trace_opcodes = False, True
         if event != "opcode":
