@@ -29,9 +29,9 @@ def addon():
     isimp.unregister()
 
 
-@pytest.fixture
+@pytest.fixture(autouse=bpy is not None)
 def scene(addon):
-    """An empty scene with undo switched on."""
+    """An empty scene with undo switched on, for each test."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.context.preferences.edit.use_global_undo = True
     bpy.ops.ed.undo_push(message="start")

@@ -8,8 +8,6 @@ import scans
 
 from isimp import applying, session
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def simplify(proxies=6):
     bpy.ops.isimp.partition(proxies=proxies)

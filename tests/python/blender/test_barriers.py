@@ -8,8 +8,6 @@ import scans
 from isimp.blender.scene import weights
 from isimp.recipe import Mesh, PaintFaces, Partition, Recipe
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 @pytest.fixture
 def scan():

@@ -13,10 +13,7 @@ import scans
 sys.path.insert(0, str(Path(__file__).parents[3] / "examples"))
 import batch
 
-pytestmark = [
-    pytest.mark.usefixtures("scene"),
-    pytest.mark.filterwarnings("ignore::DeprecationWarning"),  # warnings of Blender's own importers
-]
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # warnings of Blender's own importers
 
 
 def export(kind, path, name="Scan"):

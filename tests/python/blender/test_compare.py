@@ -2,13 +2,10 @@
 
 import bpy
 import numpy as np
-import pytest
 import scans
 
 from isimp.blender.operators import compare
 from isimp.blender.view import comparison
-
-pytestmark = pytest.mark.usefixtures("scene")
 
 
 def compared(**more):

@@ -11,8 +11,6 @@ from isimp.blender.scene import mesh_io, store
 from isimp.blender.work import modal, scene_outcome
 from isimp.recipe import AddProxy
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def seen(scan):
     """(regions, colours) of the edit mesh, each corner alike."""

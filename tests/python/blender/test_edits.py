@@ -11,8 +11,6 @@ from isimp import recipe as rcp
 from isimp.blender.controls import settings
 from isimp.blender.scene import pointed, store
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def scan():
     return bpy.data.objects["Scan"]

@@ -12,8 +12,6 @@ from isimp.blender.scene import mesh_io, store
 from isimp.blender.texts import text
 from isimp.session import engine
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 FAR = np.array([2.0**20, -(2.0**20), 0.0])  # float32 has every eighth of a unit there
 
 

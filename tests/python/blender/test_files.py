@@ -19,8 +19,6 @@ from isimp.blender.operators import files
 from isimp.blender.scene import places, store, targets
 from isimp.engine import engine
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 FAR = np.array([4_600_123.25, 530_456.5, 120.0])
 OPS = bpy.ops.isimp
 

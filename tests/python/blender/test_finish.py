@@ -11,7 +11,6 @@ from isimp.blender.scene import store, targets
 from isimp.blender.texturing import texture
 from test_texture import textured_cube
 
-pytestmark = pytest.mark.usefixtures("scene")
 OPS = bpy.ops.isimp
 
 

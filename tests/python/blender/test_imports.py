@@ -12,7 +12,6 @@ from isimp.blender.panel import result as result_panel
 from isimp.blender.scene import places
 from isimp.blender.texturing import texture
 
-pytestmark = pytest.mark.usefixtures("scene")
 OPS = bpy.ops.isimp
 RED, GREEN = (200, 30, 30), (30, 160, 90)
 SHARED = Path(__file__).resolve().parents[4] / "shared" / "data" / "textured"

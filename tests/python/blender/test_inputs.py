@@ -9,8 +9,6 @@ import scans
 
 from isimp.blender.scene import store, targets
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def refused(call, message):
     """The operator reports an error, which scripts see as a RuntimeError."""

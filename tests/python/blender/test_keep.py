@@ -1,13 +1,10 @@
 """Regions and steps through save, load, duplicate, append, and two scans in one scene."""
 
 import bpy
-import pytest
 import scans
 
 from isimp.blender.scene import store
 from isimp.recipe import AddProxy, Partition
-
-pytestmark = pytest.mark.usefixtures("scene")
 
 
 def prepared(name="Scan", proxies=8):

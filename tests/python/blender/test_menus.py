@@ -9,8 +9,6 @@ import ui_strings
 from isimp import blender
 from isimp.blender import command, menus
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 class Layout:
     """Records the entries of a menu."""

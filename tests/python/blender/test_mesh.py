@@ -12,8 +12,6 @@ from isimp.blender.scene import store
 from isimp.blender.texts import text
 from isimp.session import engine
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def simplify(proxies=6):
     assert bpy.ops.isimp.partition(proxies=proxies) == {"FINISHED"}

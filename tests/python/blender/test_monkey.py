@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.usefixtures("scene")
 BENCH = Path(__file__).parents[3] / "bench" / "monkeys"
 
 

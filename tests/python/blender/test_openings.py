@@ -8,8 +8,6 @@ import scans
 from isimp.blender.scene import store
 from isimp.blender.texts import text
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def pierced():
     """A rough sphere with four small holes."""

@@ -23,8 +23,6 @@ from isimp.blender.work import panel_changes
 from isimp.blender.work.modal import RecipeOperator
 from test_texture import textured_cube
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 MANUAL = Path(__file__).parents[3] / "docs" / "manual.md"
 #: Bold words of the manual that are no texts of the add-on: keys, signs, and beginnings of paragraphs
 NO_TEXT = {"+", "\u2212", "C", "Click", "Ctrl-click", "eye", "name", "red", "Object > iSimp", "iSimp"}

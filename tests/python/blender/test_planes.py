@@ -13,7 +13,6 @@ from isimp.blender.scene import runtime, store
 from isimp.blender.texts import text
 from isimp.blender.work import panel_changes
 
-pytestmark = pytest.mark.usefixtures("scene")
 OPS = bpy.ops.isimp
 
 

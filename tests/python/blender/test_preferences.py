@@ -4,14 +4,11 @@ import types
 
 import bpy
 import numpy as np
-import pytest
 import scans
 
 from isimp import session
 from isimp.blender import preferences
 from isimp.blender.scene import runtime, targets
-
-pytestmark = pytest.mark.usefixtures("scene")
 
 
 def test_threads_and_back_end_reach_the_engine_and_change_no_result(monkeypatch):

@@ -10,8 +10,6 @@ from isimp.blender.controls import presets, settings
 from isimp.blender.work import panel_changes
 from isimp.recipe import presets as given
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def shown(cls):
     return settings.to_step(cls, settings.group(bpy.context, cls))

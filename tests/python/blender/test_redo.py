@@ -14,7 +14,6 @@ from isimp.blender.work.modal import RecipeOperator
 from test_openings import pierced
 from test_texture import textured_cube
 
-pytestmark = pytest.mark.usefixtures("scene")
 RECIPES = [
     json.dumps({"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": count, "count_by": "proxies"}]})
     for count in (6, 9)

@@ -5,8 +5,6 @@ import numpy as np
 import pytest
 import scans
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def partition(**settings):
     assert bpy.ops.isimp.partition(**settings) == {"FINISHED"}

@@ -9,8 +9,6 @@ from mathutils import Matrix
 from isimp.blender.scene import result as results
 from isimp.blender.scene import targets
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def simplified():
     scan = scans.cube()

@@ -11,8 +11,6 @@ from mathutils import Matrix
 from isimp.blender.texturing import materials
 from test_texture import simplify, textured_cube
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def with_textures():
     """The setting that writes images, by its name in this Blender."""

@@ -7,8 +7,6 @@ import scans
 
 from isimp.blender.scene import store, targets
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def three():
     made = [scans.cube(name) for name in "ABC"]

@@ -10,7 +10,6 @@ from isimp.blender.panel import planes, sizes
 from isimp.blender.scene import mesh_io, pointed, store
 from isimp.blender.texts import text
 
-pytestmark = pytest.mark.usefixtures("scene")
 OPS = bpy.ops.isimp
 
 

@@ -11,8 +11,6 @@ from isimp.blender.scene import store
 from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe
 from test_edits import count, scan, steps
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 @pytest.fixture
 def edited():

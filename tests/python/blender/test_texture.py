@@ -12,7 +12,6 @@ from isimp.blender.scene import store
 from isimp.blender.texturing import texture
 from isimp.recipe import Mesh, Partition, Recipe, Texture
 
-pytestmark = pytest.mark.usefixtures("scene")
 COLOURS = np.array([[200, 30, 30], [30, 160, 90]], np.uint8)
 
 

@@ -12,8 +12,6 @@ from isimp.blender.scene import store
 from isimp.blender.texturing import materials
 from test_texture import COLOURS, image_of, shader, simplify, textured_cube
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def data_image(name, value):
     image = image_of(name, np.broadcast_to(value, 3).astype(float))

@@ -9,8 +9,6 @@ from isimp.blender.scene import store
 from isimp.blender.texturing import materials
 from test_texture import COLOURS, image_of, shader, shown, simplify, textured_cube
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def tiled_image(folder, name, colours):
     """A packed image of tiles of one colour each."""

@@ -8,8 +8,6 @@ from mathutils import Matrix
 
 from isimp.engine import engine
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def figure():
     """A tall box whose upper half an armature's second bone bends, and the armature, at rest."""

@@ -13,8 +13,6 @@ from isimp.blender.scene import store
 from isimp.blender.texts import text
 from isimp.language import said
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def test_each_text_has_an_entry_and_no_entry_is_stale():
     known, wanted = set(translations.read("de")), ui_strings.all_strings()

@@ -7,8 +7,6 @@ import scans
 from isimp.blender.scene import store
 from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 def scan():
     return bpy.data.objects["Scan"]

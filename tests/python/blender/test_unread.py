@@ -10,7 +10,6 @@ from isimp.blender import panel
 from isimp.blender.scene import mesh_io, store, targets, unread_layers
 from isimp.recipe import AddProxy, Partition, Recipe
 
-pytestmark = pytest.mark.usefixtures("scene")
 STEPS = (Partition(count_by="proxies", proxies=8), AddProxy(face=20))
 LATER = '{"step": "future_step", "face": 20}'
 

@@ -8,8 +8,6 @@ import scans
 from isimp.blender.scene import store
 from isimp.blender.work import panel_changes
 
-pytestmark = pytest.mark.usefixtures("scene")
-
 
 @pytest.fixture
 def scan():

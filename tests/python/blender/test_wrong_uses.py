@@ -10,7 +10,6 @@ import scans
 
 from isimp.blender.scene import mesh_io, store
 
-pytestmark = pytest.mark.usefixtures("scene")
 OPS = bpy.ops.isimp
 #: Words of programs and of the papers, which no line to a user has
 JARGON = re.compile(r"proxy|proxies|Traceback|Error in|NoneType|invalid input|\bgot -?\d|\[\d+, \d+\]|-> 1 regions")
