@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import isimp_engine as engine
-from bench.generators import hollow_solids, known_shapes, more_round_shapes, real_scans
+from bench.generators import hollow_solids, known_shapes, real_scans, round_shapes
 from isimp_engine.within import scan_distances
 from tests.shared import shapes
 
@@ -77,7 +77,7 @@ def simplified(scan, **options) -> Outcome:
 
 
 def turned_scan(name: str, seed: int, noise: float):
-    return more_round_shapes.turned_shape(name, seed, noise, 26)[2:]
+    return round_shapes.turned_shape(name, seed, noise, 26)[1:]
 
 
 def turned(name: str, seed: int, noise: float) -> Outcome:

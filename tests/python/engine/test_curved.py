@@ -9,7 +9,7 @@ import pytest
 
 import isimp_engine as engine
 import shapes
-from bench.generators import more_round_shapes, round_shapes
+from bench.generators import round_shapes
 from isimp_engine import cli
 from isimp_engine.cli import words
 from isimp_engine.dents import dent_rows
@@ -114,7 +114,7 @@ def test_a_vase_is_rings_of_quads():
 
 @pytest.mark.parametrize("seed", [3, 4])
 def test_dents_of_a_wall_are_named_with_place_and_depth(seed):
-    shape, _, vertices, triangles = more_round_shapes.turned_shape("dented can", seed, 0.002, 44)
+    shape, vertices, triangles = round_shapes.turned_shape("dented can", seed, 0.002, 44)
     mesh = engine.clean(vertices, triangles)
     part = engine.partition(mesh, engine.PartitionOptions(curved=True))
     (found,) = part.curved
@@ -212,7 +212,7 @@ def test_cells_of_a_noisy_part_meet_on_their_planes(name, seed):
 )
 def test_rounded_edges_stay_cylinders_and_waves_are_extrusions(name, seed, kind):
     if name == "soap":
-        _, _, vertices, triangles = more_round_shapes.turned_shape(name, 701, 0.003, 48)
+        _, vertices, triangles = round_shapes.turned_shape(name, 701, 0.003, 48)
     else:
         vertices, triangles = round_shapes.made((round_shapes.shapes() | round_shapes.extruded())[name])
         vertices = round_shapes.with_noise(vertices, 0.001, seed)
