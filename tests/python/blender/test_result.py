@@ -139,6 +139,22 @@ def test_edits_in_edit_mode_count_before_it_is_left():
     assert scans.coordinates(first.data)[:, 0].max() == pytest.approx(2)
 
 
+def test_a_result_in_edit_mode_next_to_an_active_scan_is_shown_and_filled():
+    """Blender keeps the mode of an object while another one is active."""
+    scan, made = simplified()
+    for call in (
+        lambda: bpy.ops.isimp.show_problems(kind="DIVIDED"),
+        lambda: bpy.ops.isimp.partition(proxies=7) and bpy.ops.isimp.mesh(),
+    ):
+        scans.activate(made)
+        scans.mode("EDIT")
+        bpy.context.view_layer.objects.active = scan
+        assert (made.mode, bpy.context.mode) == ("EDIT", "OBJECT")
+        assert call() == {"FINISHED"}
+        assert made.mode == "OBJECT"
+    assert len(made.data.polygons) == 7
+
+
 def test_a_result_of_an_earlier_version_is_kept_as_its_edits_are_unknown():
     _, first = simplified()
     first.isimp.made = ""

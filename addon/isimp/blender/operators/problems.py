@@ -51,8 +51,7 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
 
     def execute(self, context):
         scan, result, _ = targets.find_result(context)
-        if context.mode != "OBJECT":
-            bpy.ops.object.mode_set(mode="OBJECT")
+        selection.leave_modes(context, result)
         chosen = _chosen(result.data, self.kind)
         scene_outcome.bring_to_front(context, result, scan)
         display.show_result(context, result)

@@ -4,7 +4,7 @@ from ... import messages
 from ... import recipe as rcp
 from ...language import said
 from ..controls import settings
-from ..scene import mesh_io, store, targets
+from ..scene import mesh_io, selection, store, targets
 from ..view import display
 from ..work import panel_changes, scene_outcome
 from ..work.modal import RecipeOperator
@@ -37,10 +37,9 @@ class ISIMP_OT_texture(RecipeOperator, settings.TextureSettings, bpy.types.Opera
     def _finish(self, context, work, outcome):
         """Writes the texture only; polygons and the scan's colours do not change."""
         panel_changes.go_on()
-        if context.mode != "OBJECT":
-            bpy.ops.object.mode_set(mode="OBJECT")
         scan = self._target(work)
         made = targets.result_of(context.scene, scan) if scan is not None else None
+        selection.leave_modes(context, made)
         if made is None:
             return {"CANCELLED"}
         if work.baking is None:  # too many charts for the size

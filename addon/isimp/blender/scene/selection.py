@@ -9,6 +9,16 @@ from . import mesh_io
 _PIECE = 5000  # faces: selecting all of them takes about a hundredth of a second
 
 
+def leave_modes(context, *objects) -> None:
+    """Brings the active object and these to Object Mode. An object keeps its mode while another one is active."""
+    shown, active = context.view_layer.objects, context.view_layer.objects.active
+    for obj in (active, *objects):
+        if obj is not None and obj.mode != "OBJECT" and obj.name in shown:
+            shown.active = obj
+            bpy.ops.object.mode_set(mode="OBJECT")
+    shown.active = active
+
+
 def selected_faces(obj) -> np.ndarray:
     """Return the indices of the selected faces, in either mode."""
     if mesh_io.is_edited(obj):

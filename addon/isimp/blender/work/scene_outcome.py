@@ -3,11 +3,9 @@
 import uuid
 from dataclasses import replace
 
-import bpy
-
 from ... import edit_shares, messages, stored
 from ..drawing import late
-from ..scene import mesh_io, result, store, targets, transfer, unread_layers
+from ..scene import mesh_io, result, selection, store, targets, transfer, unread_layers
 from ..texts import text
 from ..texturing import texture
 from ..view import display, overlay, quick_start
@@ -57,11 +55,11 @@ def show_polygons(context, scan, work, outcome):
 
     Returns [(name, reason)] of kept results, which the user has edited or copied.
     """
-    if context.mode != "OBJECT":
-        bpy.ops.object.mode_set(mode="OBJECT")
+    selection.leave_modes(context, scan)
     state = _save(scan, work, outcome.numbers, outcome.face_region)
     _write(scan, work, outcome, state)
     made, kept = result.to_fill(context, scan)
+    selection.leave_modes(context, made)
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
     made.isimp.scan_key, made.isimp.scan_name = scan.isimp.key, scan.name
     slid = transfer.values_of_keys(made)
