@@ -29,68 +29,42 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [folder for folder in os.environ.get("ISIMP_SITE", "").split(os.pathsep) if folder]
-sys.path.append(str(ROOT / "addon"))
+sys.path += [str(ROOT / folder) for folder in ("addon", "tests/shared", "tests/python/blender")]
 
 import bpy  # noqa: E402  (after the folders above)
 import numpy as np  # noqa: E402
+import scans  # noqa: E402
+
+import shapes  # noqa: E402
 
 LEFT_OUT = {"preset_add", "compare", "workspace"}  # they write the user's files, or need a window
 SLOW = 300  # seconds that no action takes
 GARBAGE = ("", "no recipe", '{"isimp_recipe": 1, "steps": []}', '{"isimp_recipe": 1, "steps": [{"step": "mesh"}]}')
 
 
-def grid(cells: int, height) -> tuple:
-    """(vertices, quads) of a surface over a square."""
-    line = np.linspace(-1, 1, cells + 1)
-    x, y = (part.ravel() for part in np.meshgrid(line, line, indexing="ij"))
-    first = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
-    return np.stack([x, y, height(x, y)], 1), np.stack([first, first + cells + 1, first + cells + 2, first + 1], 1)
+def squares(vertices, triangles) -> tuple:
+    """The two halves of each square as one face."""
+    half = len(triangles) // 2
+    return vertices, np.c_[triangles[:half], triangles[half:, 2]]
 
 
-def ball(rings: int, radius=1.0, place=(0, 0, 0)) -> tuple:
-    """(vertices, triangles) of a sphere with flat spots, open at its poles."""
-    vertices, (u, v) = [], np.meshgrid(np.arange(rings + 1), np.arange(2 * rings), indexing="ij")
-    polar, turn = np.pi * (0.1 + 0.8 * u / rings), np.pi * v / rings
-    vertices = np.stack([np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], -1)
-    at = lambda i, j: i * 2 * rings + j % (2 * rings)  # noqa: E731
-    i, j = (part.ravel() for part in np.meshgrid(np.arange(rings), np.arange(2 * rings), indexing="ij"))
-    a, b, c, d = at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)
-    triangles = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
-    return radius * np.clip(vertices.reshape(-1, 3), -0.8, 0.8) + place, triangles
-
-
-def together(*parts) -> tuple:
-    """Several surfaces as one mesh."""
-    start = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
-    faces = [face for (_, own), first in zip(parts, start, strict=False) for face in (own + first).tolist()]
-    return np.concatenate([vertices for vertices, _ in parts]), faces
-
-
-def scans() -> dict:
+def made_scans() -> dict:
     """Ten small meshes, by name: clean and noisy, open and closed, of one part and of many, and defective ones."""
-    noise = np.random.default_rng(1)
-    roof = grid(12, lambda x, y: np.maximum(0, 0.8 - np.abs(x)) + 0 * y)
-    rough = grid(16, lambda x, y: 0.2 * np.sin(4 * x) * np.cos(3 * y) + noise.normal(0, 0.01, x.shape))
-    round_one = ball(8)
-    pieces = together(ball(5), *(ball(2, 0.2, (2 + number, 0, 0)) for number in range(4)))
-    mixed = together(roof, (ball(3)[0] + (0, 0, 3), ball(3)[1]))
-    fins = (
-        np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1)], float),
-        np.array([(0, 1, i) for i in (2, 3, 4)]),
-    )
-    far = (round_one[0] + (5e5, 5.4e6, 100), round_one[1])
-    holed = (rough[0], np.delete(rough[1], noise.integers(0, len(rough[1]), 12), axis=0))
+    (sheet, halves), (ball, faces) = shapes.plane(12), shapes.figure(5, noise=0.0)
+    roof = squares(np.c_[sheet[:, :2], np.maximum(0, 0.4 - np.abs(sheet[:, 0] - 0.5))], halves)
+    rough = squares(*shapes.bumpy(16))
+    small = 0.2 * shapes.figure(2)[0], shapes.figure(2)[1]
     return {
         "roof": roof,
         "rough": rough,
-        "round": round_one,
-        "pieces": pieces,
-        "mixed": mixed,
-        "fins": fins,
-        "far": far,
-        "holed": holed,
-        "one": (np.eye(3), np.array([(0, 1, 2)])),
-        "tiny": (1e-4 * round_one[0], round_one[1]),
+        "round": (ball, faces),
+        "pieces": shapes.joined((ball, faces), *((small[0] + (2 + number, 0, 0), small[1]) for number in range(4))),
+        "mixed": (np.concatenate([roof[0], ball + (0, 0, 3)]), [*roof[1].tolist(), *(faces + len(sheet)).tolist()]),
+        "fins": ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1)], [(0, 1, i) for i in (2, 3, 4)]),
+        "far": (ball + (5e5, 5.4e6, 100), faces),
+        "holed": (rough[0], np.delete(rough[1], np.random.default_rng(1).integers(0, len(rough[1]), 12), axis=0)),
+        "one": (np.eye(3), [(0, 1, 2)]),
+        "tiny": (1e-4 * ball, faces),
     }
 
 
@@ -143,7 +117,7 @@ class Monkey:
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         bpy.context.preferences.edit.use_global_undo = True
         self._known.clear()
-        made = scans()
+        made = made_scans()
         for name in self.random.sample(sorted(made), self.random.choice((1, 1, 1, 2))):
             self.add(name, *made[name])
         if self._files and self.random.random() < 0.5:
@@ -151,10 +125,7 @@ class Monkey:
         bpy.ops.ed.undo_push(message="begin")
 
     def add(self, name: str, vertices, faces):
-        mesh = bpy.data.meshes.new(name)
-        mesh.from_pydata(np.asarray(vertices).tolist(), [], [list(map(int, face)) for face in faces])
-        obj = bpy.data.objects.new(name, mesh)
-        bpy.context.scene.collection.objects.link(obj)
+        obj = scans.add(name, vertices, faces)
         if self.random.random() < 0.3:
             obj.scale = self.random.choice([(-1, 1, 1), (1, 2, 0.5), (0.01, 0.01, 0.01)])
             obj.rotation_euler = (0.3, 0.2, 0.1)
@@ -162,14 +133,13 @@ class Monkey:
             self.texture(obj)
         if self.random.random() < 0.2:
             obj.vertex_groups.new(name="Density").add(range(0, len(vertices), 2), 0.7, "REPLACE")
-        self.activate(obj)
         bpy.context.view_layer.update()
-        self._known[mesh.name] = self.geometry(mesh)
+        self._known[obj.data.name] = scans.geometry(obj.data)
 
     def read(self, path: Path) -> None:
         engine = self.addon.engine.engine
-        vertices, triangles = engine.read(str(path))
-        self.add(path.stem[:40], np.asarray(vertices) - np.asarray(vertices).mean(axis=0), np.asarray(triangles))
+        mesh = engine.clean(*engine.read(str(path)))  # Blender takes no invalid faces
+        self.add(path.stem[:40], np.asarray(mesh.vertices) - np.mean(mesh.vertices, axis=0), mesh.triangles)
 
     def texture(self, obj) -> None:
         layer = obj.data.uv_layers.new(name="UV")
@@ -177,24 +147,7 @@ class Monkey:
         layer.data.foreach_set("uv", values.astype(np.float32))
         image = bpy.data.images.new("Paint", 8, 8)
         image.pack()
-        material = bpy.data.materials.new("Paint")
-        if bpy.app.version < (5, 0, 0):
-            material.use_nodes = True
-        nodes = material.node_tree.nodes
-        node = nodes.new("ShaderNodeTexImage")
-        node.image = image
-        shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
-        material.node_tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
-        obj.data.materials.append(material)
-
-    @staticmethod
-    def geometry(mesh) -> tuple:
-        points = np.empty(3 * len(mesh.vertices), np.float32)
-        mesh.vertices.foreach_get("co", points)
-        corners, starts = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.polygons), np.int32)
-        mesh.loops.foreach_get("vertex_index", corners)
-        mesh.polygons.foreach_get("loop_start", starts)
-        return points.tobytes(), corners.tobytes(), starts.tobytes(), len(mesh.edges)
+        obj.data.materials.append(scans.material_of("Paint", image))
 
     @staticmethod
     def activate(obj) -> None:
@@ -209,7 +162,7 @@ class Monkey:
         for obj in bpy.data.objects:
             if obj.type == "MESH" and obj.data.name in self._known:
                 obj.update_from_editmode()
-                if self.geometry(obj.data) != self._known[obj.data.name]:
+                if scans.geometry(obj.data) != self._known[obj.data.name]:
                     raise Broken(f"the scan '{obj.name}' has changed")
         context = bpy.context
         for cls in self.panels:
