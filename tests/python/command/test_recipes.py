@@ -77,14 +77,6 @@ def test_a_texture_step_keeps_the_texture():
     assert options(rcp.Partition(), rcp.Mesh(), rcp.Texture(size=64))["texture"] == 64
     assert "texture" not in options(rcp.Partition(), rcp.Mesh(), rcp.Texture(enabled=False))
     assert "texture" not in options(rcp.Partition(), rcp.Mesh(), rcp.Texture(), rcp.Partition()), "polygons go with it"
-    for steps_given, message in (
-        ([{"step": "partition"}, {"step": "texture"}], "step 2: there are no polygons yet"),
-        ([{"step": "partition"}, MESH, {"step": "texture", "size": 8}], "size must be 0, or in"),
-        ([{"step": "partition"}, MESH, {"step": "texture", "size": "big"}], "whole number"),
-        ([{"step": "partition"}, MESH, {"step": "texture", "gloss": 1}], "no setting 'gloss'"),
-    ):
-        with pytest.raises(recipes.RecipeError, match=message):
-            read(*steps_given)
 
 
 def test_every_step_is_done():
@@ -103,16 +95,6 @@ def test_regularise_is_read_with_its_settings():
     assert regular(up="y").up == "y"
     assert regular(up="none").up == "none"
     assert regular(enabled=False) is None
-    for settings, message in (
-        ({"up": "down"}, "up must be one of"),
-        ({"angle": 90}, "angle must be in"),
-        ({"length": -1}, "length must be 0, or a finite length above 0, got -1"),
-        ({"direction": [0, 0, 0]}, "direction must not be 0"),
-        ({"direction": [1]}, "direction must have 3 numbers, got 1"),
-        ({"gloss": 1}, "regularise has no setting 'gloss'"),
-    ):
-        with pytest.raises(recipes.RecipeError, match=f"step 2: .*{message}"):
-            read({"step": "partition"}, {"step": "regularise", **settings})
 
 
 def test_the_command_and_batches_regularise_as_a_recipe_says(tmp_path):
@@ -144,41 +126,20 @@ def test_the_command_and_batches_regularise_as_a_recipe_says(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("values", "words"),
+    ("steps", "words"),
     [
-        ([], "not a recipe"),
-        ({"isimp_recipe": 1}, "not a recipe: 'steps' must be a list"),
-        ({"isimp_recipe": 2, "steps": []}, "version 2, this version of iSimp reads up to 1"),
-        ({"isimp_recipe": 1, "steps": []}, "no partition step"),
-        ({"isimp_recipe": 1, "steps": [{"step": "improve"}]}, "step 1: there are no regions yet"),
-        ({"isimp_recipe": 1, "steps": [{"step": "partition", "faces": [1]}]}, "step 1: there are no regions yet"),
-        ({"isimp_recipe": 1, "steps": [{"step": "partition", "sharp": True}]}, "'sharp' needs marks of an object"),
-        ({"isimp_recipe": 1, "steps": [{"step": "partition", "weights": "w"}]}, "'weights' needs marks of an object"),
-        ({"isimp_recipe": 1, "steps": [{"step": "partition", "angle": 190}]}, r"angle must be in \[0, 180\]"),
-        (
-            {"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 3, "detail": 0.1}]},
-            "each set the number",
-        ),
-        ({"isimp_recipe": 1, "steps": [{"step": "partition", "colour": 3}]}, "has no setting 'colour'"),
-        ({"isimp_recipe": 1, "steps": [{"step": "partition", "method": "magic"}]}, "method"),
-        ({"isimp_recipe": 1, "steps": [{"step": "partition", "smooth": 3}]}, r"smooth must be in \[0, 1\], got 3"),
-        ({"isimp_recipe": 1, "steps": [{"step": "partition", "leave_out": 1}]}, r"must be in \[0, 1\), got 1"),
-        ({"isimp_recipe": 1, "steps": [{"step": "partition", "detail": 0}]}, r"detail must be in \(0, 1\], got 0"),
-        (
-            {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "mesh", "flatten": -1}]},
-            r"step 2: flatten must be in \[0, 10000\], got -1",
-        ),
-        ({"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "add_worst", "times": 0}]}, "at least 1, got 0"),
-        (
-            {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "even_borders", "strength": 2}]},
-            r"strength must be in \[0, 1\], got 2",
-        ),
-        ({"isimp_recipe": 1, "steps": [3]}, "step 1: not a step: 3"),
+        ([], "no partition step"),
+        ([3], "step 1: not a step: 3"),
+        ([{"step": "improve"}], "step 1: there are no regions yet"),
+        ([{"step": "partition", "faces": [1]}], "step 1: there are no regions yet"),
+        ([{"step": "partition", "sharp": True}], "step 1: 'sharp' needs marks of an object"),
+        ([{"step": "partition", "weights": "w"}], "step 1: 'weights' needs marks of an object"),
+        ([{"step": "partition"}, {"step": "texture"}], "step 2: there are no polygons yet"),
     ],
 )
-def test_an_unusable_recipe_has_a_reason(values, words):
+def test_a_recipe_that_no_file_can_follow_has_a_reason(steps, words):
     with pytest.raises(recipes.RecipeError, match=words):
-        recipes.parsed(values)
+        read(*steps)
 
 
 def test_the_command_does_the_steps(scan, tmp_path):
