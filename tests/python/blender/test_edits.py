@@ -82,15 +82,6 @@ def test_edits_act_on_the_selection(parted):
     assert np.count_nonzero(label == label[250]) == 4
 
 
-def test_only_one_region_selected_can_not_be_merged(parted):
-    scans.select_faces(scan(), 3, 7)
-    with pytest.raises(RuntimeError, match="Only one region is chosen"):
-        bpy.ops.isimp.merge()
-    with pytest.raises(RuntimeError, match="is not a list of strokes"):
-        bpy.ops.isimp.paint_faces(painted="all of them")
-    assert (count(), len(steps())) == (6, 1)
-
-
 def test_all_faces_selected_as_importers_leave_them_are_no_edit_of_each_region():
     obj = scans.dimple(scans.cube())
     bpy.ops.isimp.partition(proxies=24)

@@ -149,10 +149,19 @@ def test_the_menu_of_formats_gives_the_name_its_ending(name, kind, wanted):
     assert not files._Formats.check(dialog, None)
 
 
-def test_other_names_are_refused(file, tmp_path):
+@pytest.mark.parametrize(
+    ("name", "place", "words"),
+    [
+        ("export_building", {"filepath": "tower.txt"}, "must end in"),
+        ("export_lods", {"filepath": "tower.txt"}, r"must end in \.glb, \.obj"),
+        ("write_report", {}, "No folder is named"),
+    ],
+)
+def test_other_names_are_refused_and_nothing_is_written(file, tmp_path, monkeypatch, name, place, words):
     meshed(file)
-    with pytest.raises(RuntimeError, match="must end in"):
-        OPS.export_building(filepath=str(tmp_path / "tower.txt"))
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(RuntimeError, match=words):
+        getattr(OPS, name)(**place)
     assert [path.name for path in tmp_path.iterdir()] == [file.name]
 
 
@@ -165,14 +174,6 @@ def test_ifc_and_dxf_need_no_package(file, tmp_path):
     assert "IFCPROJECTEDCRS('EPSG:25832'" in ifc
     sizes = [int(number) for number in re.findall(r"\n93\n(\d+)\n", dxf)]
     assert sum(sizes) == 6 * 5, "each face has its number of corners and four corners"
-
-
-def test_a_report_needs_a_folder(file, tmp_path, monkeypatch):
-    meshed(file)
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(RuntimeError, match="No folder is named"):
-        OPS.write_report()
-    assert [path.name for path in tmp_path.iterdir()] == [file.name]
 
 
 def test_a_report_of_steps_that_fail_says_why(file, tmp_path):
@@ -304,13 +305,6 @@ def test_levels_of_detail_are_written_each_to_its_file(file, tmp_path, kind):
         counts = [(folder / name).read_text().count("\nf ") for name in names]
         result = targets.result_of(bpy.context.scene, scan)
         assert counts == [len(kept.data.polygons), len(result.data.polygons)]
-
-
-def test_levels_of_detail_of_another_kind_are_refused(file, tmp_path):
-    meshed(file)
-    with pytest.raises(RuntimeError, match=r"must end in \.glb, \.obj"):
-        OPS.export_lods(filepath=str(tmp_path / "tower.txt"))
-    assert [path.name for path in tmp_path.iterdir()] == [file.name]
 
 
 def test_the_export_menu_has_all_three():

@@ -1,7 +1,5 @@
 """Unusual scans: handled rightly, or refused clearly. No traceback, and nothing changed."""
 
-import re
-
 import bpy
 import numpy as np
 import pytest
@@ -21,28 +19,6 @@ def why_not():
     return targets.find(bpy.context)[1]
 
 
-def test_no_object():
-    bpy.context.view_layer.objects.active = None
-    assert "No object is active" in why_not()
-
-
-@pytest.mark.parametrize(("kind", "word"), [("CURVE", "a curve.*convert it"), ("EMPTY", "an empty.*click the scan")])
-def test_what_is_no_mesh_is_named(kind, word):
-    data = bpy.data.curves.new("Thing", "CURVE") if kind == "CURVE" else None
-    thing = bpy.data.objects.new("Thing", data)
-    bpy.context.scene.collection.objects.link(thing)
-    bpy.context.view_layer.objects.active = thing
-    message = why_not()
-    assert re.search(f"'Thing' is {word}", message)
-
-
-def test_a_mesh_without_faces():
-    scans.add("Cloud", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [])
-    assert "points but no faces" in why_not()
-    scans.add("Nothing", [], [])
-    assert "is empty" in why_not()
-
-
 def test_no_faces_in_edit_mode():
     scans.add("Cloud", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [])
     scans.mode("EDIT")
@@ -52,52 +28,6 @@ def test_no_faces_in_edit_mode():
     bpy.ops.mesh.select_all(action="SELECT")
     bpy.ops.mesh.delete(type="VERT")
     assert "is empty" in why_not()
-
-
-def test_other_modes():
-    scans.cube()
-    scans.mode("SCULPT")
-    assert "Leave this mode" in why_not()
-
-
-@pytest.mark.parametrize("name", ["add_proxy", "delete_proxy", "flatten"])
-def test_steps_before_a_partition(name):
-    scan = scans.cube()
-    assert not getattr(bpy.ops.isimp, name).poll()
-    assert "press Partition first" in targets.needs_regions(scan)
-
-
-def test_nothing_selected():
-    scan = scans.cube()
-    bpy.ops.isimp.partition(proxies=6)
-    scans.select_faces(scan)
-    refused(bpy.ops.isimp.add_proxy, "No face is selected")
-    scans.mode("EDIT")
-    bpy.ops.mesh.select_all(action="DESELECT")
-    assert not bpy.ops.isimp.add_proxy.poll()
-
-
-def test_everything_selected_is_not_meant():
-    scan = scans.cube()
-    bpy.ops.isimp.partition(proxies=6)
-    scans.select_faces(scan, *range(len(scan.data.polygons)))
-    refused(bpy.ops.isimp.add_proxy, "each would become a region")
-
-
-def test_a_step_that_cannot_be_done_leaves_the_last_good_result():
-    scan = scans.dimple(scans.cube())
-    bpy.ops.isimp.partition(proxies=6)
-    before = scans.regions(scan).tolist(), scans.colors(scan).tolist(), store.load(scan)
-    refused(lambda: bpy.ops.isimp.add_proxy(face=99999), "There is no face 99999")
-    refused(lambda: bpy.ops.isimp.partition(proxies=10**6), "At most 432 regions are possible, one for each triangle")
-    assert (scans.regions(scan).tolist(), scans.colors(scan).tolist(), store.load(scan)) == before
-
-
-def test_scale_zero():
-    scan = scans.cube()
-    scan.scale = (1, 1, 0)
-    bpy.context.view_layer.update()
-    refused(lambda: bpy.ops.isimp.partition(proxies=6), "scaled to nothing")
 
 
 def test_linked_library_data(tmp_path):

@@ -151,29 +151,6 @@ def test_up_is_the_scenes_however_the_scan_is_turned():
     assert store.load(scan).steps[-1].up == "region", "as in the panel"
 
 
-def test_one_plain_line_for_wrong_use(capfd):
-    scan = parted(slope=0.2)
-    top, side = face_along(scan, 0, 0, 1), face_along(scan, 0, 1, 0)
-    before = scans.regions(scan).tolist(), store.load(scan)
-    for settings_given, words in (
-        ({"face": top, "to": "parallel"}, "Only one region is selected: select faces of two or more"),
-        ({"face": side, "to": "level"}, "This region is at right angles to the plane that it should have"),
-        ({"face": top, "to": "level", "length": 0.001}, "This region needs 12 cm, allowed 1 mm. Nothing was changed"),
-        ({"face": 99_999, "to": "level"}, "There is no face 99999"),
-    ):
-        with pytest.raises(RuntimeError, match=words):
-            OPS.align(**settings_given)
-        assert (scans.regions(scan).tolist(), store.load(scan)) == before
-    scans.mode("EDIT")
-    scans.select_faces(scan)
-    assert not OPS.align.poll()
-    assert OPS.regularise.poll()
-    scans.mode("OBJECT")
-    with pytest.raises(RuntimeError, match="No face is selected"):
-        OPS.align(to="level")
-    capfd.readouterr()
-
-
 def test_a_plane_that_can_not_be_kept_is_marked_with_the_amount():
     scan = parted()
     top = face_along(scan, 0, 0, 1)

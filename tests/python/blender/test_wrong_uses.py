@@ -51,6 +51,28 @@ def edited(make=parted):
     return scan
 
 
+def selected(*faces):
+    scan = parted()
+    scans.select_faces(scan, *faces)
+    return scan
+
+
+def unselected():
+    return selected()
+
+
+def sides(lean=0.0):
+    scan = scans.cube()
+    for vertex in scan.data.vertices:
+        vertex.co.x += lean * vertex.co.z
+    OPS.partition(proxies=6)
+    return scan
+
+
+def leaning():
+    return sides(lean=0.1)
+
+
 def recipe(**step):
     return json.dumps({"isimp_recipe": 1, "steps": [{"step": "partition"}, step]})
 
@@ -105,11 +127,22 @@ USES = [
     ("no such step", parted, lambda: OPS.step_delete(step=7), "There is no step 8: the recipe has 1"),
     ("the first step further up", parted, lambda: OPS.step_move(step=0), "first already"),
     ("the last step further down", parted, lambda: OPS.step_move(step=0, later=True), "last already"),
+    ("nothing is selected", unselected, lambda: OPS.add_proxy(), "No face is selected"),
+    ("all faces are selected", lambda: selected(*range(300)), lambda: OPS.add_proxy(), "each would become a region"),
+    ("merge one selected region", lambda: selected(0, 1), lambda: OPS.merge(), "Only one region is chosen"),
+    ("a scan scaled to nothing", lambda: flattened(), lambda: OPS.partition(proxies=6), "scaled to nothing"),
+    ("one plane parallel", parted, lambda: OPS.align(face=0, to="parallel"), "one region.*select faces of two or more"),
+    ("a wall level", sides, lambda: OPS.align(face=0, to="level"), "is at right angles to the plane that it should"),
+    ("a plane too far", leaning, lambda: OPS.align(face=0, to="upright", length=0.001), "needs .* cm, allowed 1 mm"),
+    ("no such face to align", parted, lambda: OPS.align(face=99_999), "There is no face 99999"),
+    ("nothing to align", unselected, lambda: OPS.align(), "No face is selected"),
     ("a texture of none", meshed, lambda: OPS.texture(), "no UV map, so it has no texture"),
 ]
 #: the state, the button, and its tooltip
 BUTTONS = [
     ("edit before partition", scans.cube, "add_proxy", "no regions yet: press Partition first"),
+    ("delete before partition", scans.cube, "delete_proxy", "no regions yet: press Partition first"),
+    ("flatten before partition", scans.cube, "flatten", "no regions yet: press Partition first"),
     ("even out before partition", scans.cube, "even_borders", "no regions yet: press Partition first"),
     ("select before partition", scans.cube, "select_by", "no regions yet: press Partition first"),
     ("export before partition", scans.cube, "recipe_export", "no regions yet: press Partition first"),
@@ -118,6 +151,10 @@ BUTTONS = [
     ("show defects before mesh", parted, "show_problems", "no result yet: press Mesh first"),
     ("swap in edit mode", lambda: edited(meshed), "swap", "Leave Edit Mode first"),
     ("nothing selected", edited, "add_proxy", "No face is selected: click one"),
+    ("nothing selected to align", edited, "align", "No face is selected"),
+    ("no object", lambda: thing(None, active=False), "partition", "No object is active"),
+    ("an empty is active", lambda: thing(None), "partition", "'Thing' is an empty.*click the scan"),
+    ("a curve is active", lambda: thing(bpy.data.curves.new("C", "CURVE")), "mesh", "'Thing' is a curve.*convert it"),
     ("sculpting", lambda: in_mode("SCULPT"), "partition", "Leave this mode first"),
     ("painting weights", lambda: in_mode("WEIGHT_PAINT"), "mesh", "Leave this mode first"),
     ("the camera is active", lambda: thing(bpy.data.cameras.new("C")), "partition", "'Thing' is a camera, not a mesh"),
@@ -149,11 +186,18 @@ def in_mode(name):
     return scan
 
 
-def thing(data):
+def thing(data, active=True):
     made = bpy.data.objects.new("Thing", data)
     bpy.context.scene.collection.objects.link(made)
-    bpy.context.view_layer.objects.active = made
+    bpy.context.view_layer.objects.active = made if active else None
     return made
+
+
+def flattened():
+    scan = scans.cube()
+    scan.scale = (1, 1, 0)
+    bpy.context.view_layer.update()
+    return scan
 
 
 def subdivided():
@@ -163,6 +207,15 @@ def subdivided():
     bpy.ops.mesh.subdivide()
     scans.mode("OBJECT")
     return scan
+
+
+def state(scan):
+    found = [mesh_io.state_of(scan), store.load(scan)]
+    if scan.mode == "OBJECT":
+        found.append(scans.geometry(scan.data))
+        if "isimp_region" in scan.data.attributes:
+            found += [scans.regions(scan).tolist(), scans.colors(scan).tolist()]
+    return found
 
 
 def plain(line):
@@ -179,7 +232,7 @@ def test_there_are_enough():
 @pytest.mark.parametrize(("make", "use", "said"), [use[1:] for use in USES], ids=[use[0] for use in USES])
 def test_a_wrong_use_gives_one_plain_line_and_changes_nothing(make, use, said):
     scan = make()
-    before = mesh_io.state_of(scan), store.load(scan), scans.geometry(scan.data) if scan.mode == "OBJECT" else None
+    before = state(scan)
     with pytest.raises(RuntimeError) as caught:
         use()
     lines = [line for line in str(caught.value).strip().splitlines() if line and not line.startswith("Location")]
@@ -187,8 +240,7 @@ def test_a_wrong_use_gives_one_plain_line_and_changes_nothing(make, use, said):
     line = lines[0].removeprefix("Error: ")
     assert re.search(said, line, re.IGNORECASE), line
     plain(line)
-    after = mesh_io.state_of(scan), store.load(scan), scans.geometry(scan.data) if scan.mode == "OBJECT" else None
-    assert before == after
+    assert before == state(scan)
 
 
 @pytest.mark.parametrize(("make", "name", "said"), [use[1:] for use in BUTTONS], ids=[use[0] for use in BUTTONS])
