@@ -5,8 +5,8 @@ The scan is the owl of bench/generators/painted_scans.py, which scripts/pictures
 
 import bpy
 import numpy as np
-from mathutils import Euler
 from scans import material_of
+from scenario_bunny import alone, view
 from scenario_main import scan
 from scenario_tools import place, sketched, tool
 
@@ -18,10 +18,7 @@ LEVELS = (600, 200, 60)  # regions
 def load(folder):
     """The owl with its image, 2.2 units high."""
     stored = np.load(folder / "owl.npz")
-    bpy.ops.object.select_all(action="SELECT")
-    bpy.ops.object.delete()
-    mesh = bpy.data.meshes.new("Scan")
-    mesh.from_pydata(stored["vertices"].tolist(), [], stored["triangles"].tolist())
+    mesh = alone(stored["vertices"], stored["triangles"])
     mesh.uv_layers.new(name="UV").data.foreach_set("uv", stored["uv"].astype(np.float32).ravel())
     height, width = stored["image"].shape[:2]
     image = bpy.data.images.new("Owl", width, height)
@@ -30,23 +27,10 @@ def load(folder):
     image.pixels.foreach_set(pixels.ravel())
     image.pack()
     mesh.materials.append(material_of("Owl", image))
-    obj = bpy.data.objects.new("Scan", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
-    obj.select_set(True)
-    bpy.ops.ed.undo_push(message="scan")
 
 
-def view(hand, distance=4.6, across=0.0):
-    space = hand.area.spaces.active
-    space.region_3d.view_rotation = Euler((1.4, 0.0, 0.35)).to_quaternion()
-    space.region_3d.view_perspective = "ORTHO"
-    space.region_3d.view_location = (across, 0.0, 0.1)
-    space.region_3d.view_distance = distance
-    overlay = space.overlay
-    overlay.show_floor = overlay.show_axis_x = overlay.show_axis_y = overlay.show_cursor = False
-    overlay.show_outline_selected = False
-    yield 0.5
+def look(hand, distance=4.6, across=0.0):
+    yield from view(hand, (1.4, 0.0, 0.35), (across, 0.0, 0.1), distance)
 
 
 def shade(hand, textured):
@@ -81,7 +65,7 @@ def run(hand):
     load(hand.out)
     yield 0.5
     yield from hand.open_tab()
-    yield from view(hand)
+    yield from look(hand)
     panel = bpy.context.window_manager.isimp
     shade(hand, True)
     yield from hand.shot("asset-1-scan")
@@ -110,5 +94,5 @@ def run(hand):
     bpy.context.object.show_wire = True
     yield from levels(hand)
     bpy.ops.object.select_all(action="DESELECT")
-    yield from view(hand, 6.7, 2.1)
+    yield from look(hand, 6.7, 2.1)
     yield from hand.shot("asset-6-levels")

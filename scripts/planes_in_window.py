@@ -4,24 +4,12 @@ The scan is the castle: its polygons in the colours of their directions next to 
 """
 
 import bpy
-from mathutils import Euler
-from scenario_bunny import FOLDER, load
+from scenario_bunny import FOLDER, load, view
 from scenario_tools import sketched
 
 import isimp
 
 REGIONS = 300
-
-
-def view(hand):
-    space = hand.area.spaces.active
-    space.region_3d.view_rotation = Euler((1.0, 0.0, 0.75)).to_quaternion()
-    space.region_3d.view_perspective = "ORTHO"
-    space.region_3d.view_location = (0.1, 0.0, 0.0)
-    space.region_3d.view_distance = 4.3
-    space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = False
-    space.overlay.show_cursor = space.overlay.show_outline_selected = False
-    yield 0.5
 
 
 def run(hand):
@@ -33,7 +21,7 @@ def run(hand):
     load(FOLDER / "building" / "openmvs_castle_175k.ply", upright=True)
     yield 0.5
     yield from hand.open_tab()
-    yield from view(hand)
+    yield from view(hand, (1.0, 0.0, 0.75), (0.1, 0.0, 0.0), 4.3)
     panel = bpy.context.window_manager.isimp
     panel.partition.count_by = "proxies"
     bpy.ops.isimp.partition(proxies=REGIONS)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+import scans
 from scenario_main import regions, same, scan, show_steps
 from scenario_tools import place, sketched, tool
 
@@ -23,27 +24,32 @@ def load(path=DATA, upright=False):
         points = np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
     low, high = points.min(axis=0), points.max(axis=0)
     points = (points - (low + high) / 2) * 3 / (high - low).max()
+    return alone(points, triangles)
+
+
+def alone(points, triangles):
+    """Makes an object the only one of the file, active and selected; returns its mesh."""
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.object.delete()
     mesh = bpy.data.meshes.new("Scan")
     mesh.from_pydata(points.tolist(), [], triangles.tolist())
     obj = bpy.data.objects.new("Scan", mesh)
     bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
-    obj.select_set(True)
+    scans.activate(obj)
     bpy.ops.ed.undo_push(message="scan")
+    return mesh
 
 
-def view(hand):
+def view(hand, turn=(1.25, 0.0, 0.4), at=(0.25, 0.0, 0.0), distance=5.2):
+    """Turns the view to a place, and hides the floor, axes, cursor and outlines."""
     from mathutils import Euler
 
     space = hand.area.spaces.active
-    space.region_3d.view_rotation = Euler((1.25, 0.0, 0.4)).to_quaternion()
+    space.region_3d.view_rotation = Euler(turn).to_quaternion()
     space.region_3d.view_perspective = "ORTHO"
-    space.region_3d.view_location = (0.25, 0.0, 0.0)
-    space.region_3d.view_distance = 5.2
-    space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = False
-    space.overlay.show_cursor = False
+    space.region_3d.view_location, space.region_3d.view_distance = at, distance
+    for name in ("floor", "axis_x", "axis_y", "cursor", "outline_selected"):
+        setattr(space.overlay, f"show_{name}", False)
     yield 0.5
 
 

@@ -10,22 +10,22 @@ import isimp
 DELAY = [0.0]
 
 
-def slow_down():
-    """Makes every replay wait, polled like the engine, before its work."""
+def slow_down(name):
+    """Makes a method of the session wait, polled like the engine, before its work; its last argument is the watch."""
     from isimp.blender.scene import runtime
 
     session = runtime.get().session
-    replay = session.replay
+    work = getattr(session, name)
 
-    def slowly(scan, recipe, watch=None):
+    def slowly(*given):
         end = time.monotonic() + DELAY[0]
-        with watch.part("waiting", 0.0, 0.5):
+        with given[-1].part("waiting", 0.0, 0.5):
             while time.monotonic() < end:
-                watch.poll()
+                given[-1].poll()
                 time.sleep(0.01)
-        return replay(scan, recipe, watch)
+        return work(*given)
 
-    session.replay = slowly
+    setattr(session, name, slowly)
 
 
 def running():
@@ -64,7 +64,7 @@ def moved_then_stopped(hand):
 def run(hand):
     isimp.register()
     make_scan()
-    slow_down()
+    slow_down("replay")
     yield 0.5
     yield from hand.open_tab()
     yield from hand.press("isimp.partition")

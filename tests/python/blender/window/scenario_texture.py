@@ -1,34 +1,12 @@
 """A texture is made while the window works: the view moves, Esc leaves the last good result, one step to undo."""
 
-import time
-
 import bpy
 import numpy as np
 from scans import material_of
-from scenario_long_work import ended, moved_then_stopped, running
+from scenario_long_work import DELAY, ended, moved_then_stopped, running, slow_down
 from scenario_main import make_scan, same, scan
 
 import isimp
-
-DELAY = [0.0]
-
-
-def slow_down():
-    """Makes every texture wait, polled like the engine, before it is made."""
-    from isimp.blender.scene import runtime
-
-    session = runtime.get().session
-    make = session.texture
-
-    def slowly(arrays, outcome, shown, size=None, watch=None):
-        end = time.monotonic() + DELAY[0]
-        with watch.part("waiting", 0.0, 0.5):
-            while time.monotonic() < end:
-                watch.poll()
-                time.sleep(0.01)
-        return make(arrays, outcome, shown, size, watch)
-
-    session.texture = slowly
 
 
 def paint(colour):
@@ -80,7 +58,7 @@ def changed(hand):
 def run(hand):
     isimp.register()
     make_scan(4)
-    slow_down()
+    slow_down("texture")
     paint((1.0, 0.0, 0.0))
     bpy.ops.isimp.partition(proxies=12)
     bpy.ops.ed.undo_push(message="partition")
