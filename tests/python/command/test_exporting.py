@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 
 import isimp_engine as engine
+import meshfiles
+import shapes
 from bench.generators import houses
 from isimp_engine.cli import main
 from isimp_engine.cli.lods import named
@@ -30,28 +32,10 @@ def made(at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> engine.PolygonMesh
 
 def box(size: float = 1.0, at: tuple[float, float, float] = (0.0, 0.0, 0.0), top: bool = True) -> engine.PolygonMesh:
     """A closed cube of six polygons, or one without its top."""
-    n = 4
-    corners, faces, label = [], [], []
-    for axis in range(3):
-        for side in (0, 1):
-            if axis == 2 and side == 1 and not top:
-                continue
-            u, v = ((axis + 1) % 3, (axis + 2) % 3) if side else ((axis + 2) % 3, (axis + 1) % 3)
-            first = len(corners)
-            for i in range(n + 1):
-                for j in range(n + 1):
-                    p = [0.0, 0.0, 0.0]
-                    p[axis], p[u], p[v] = float(side), i / n, j / n
-                    corners.append([size * x + o for x, o in zip(p, at, strict=True)])
-            for i in range(n):
-                for j in range(n):
-                    a = first + i * (n + 1) + j
-                    faces += [[a, a + n + 1, a + n + 2], [a, a + n + 2, a + 1]]
-                    label += [2 * axis + side] * 2
-    points, index = np.unique(np.array(corners), axis=0, return_inverse=True)
-    mesh = engine.Mesh(points, index.reshape(-1)[np.array(faces)].astype(np.int32))
-    part = engine.partition_from(mesh, np.unique(label, return_inverse=True)[1].astype(np.int32))
-    return engine.polygonize(mesh, part)
+    vertices, triangles = shapes.cube()
+    sides = triangles.reshape(6, -1, 3)[[4, 5, 2, 3, 0, 1] if top else [4, 5, 2, 3, 0]]  # by axis, the top last
+    mesh = engine.Mesh(size * vertices + at, sides.reshape(-1, 3))
+    return engine.polygonize(mesh, engine.partition_from(mesh, np.repeat(np.arange(len(sides), dtype=np.int32), 32)))
 
 
 def rings(poly: engine.PolygonMesh) -> list[np.ndarray]:
@@ -311,9 +295,7 @@ def test_levels_of_detail_keep_the_kind_of_file() -> None:
 def test_the_command_writes_cityjson_and_reports_whether_it_is_valid(tmp_path: Path, capsys) -> None:
     house = houses.make(0.002, 3)
     scan, out, report = tmp_path / "scan.obj", tmp_path / "out.city.json", tmp_path / "report.json"
-    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in house.vertices]
-    lines += [f"f {a} {b} {c}" for a, b, c in house.triangles + 1]
-    scan.write_text("\n".join(lines) + "\n")
+    meshfiles.obj(scan, house.vertices, house.triangles)
     command = ["simplify", str(scan), str(out), "--proxies", "110", "--planar", "--crs", "25832"]
     assert main([*command, "--report", str(report)]) == 0
     assert "walls" in capsys.readouterr().out

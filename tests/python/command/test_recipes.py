@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import isimp_engine as engine
+import meshfiles
 from bench.generators import houses
 from isimp_engine import batch, recipes
 from isimp_engine.cli import main
@@ -100,8 +101,7 @@ def test_regularise_is_read_with_its_settings():
 def test_the_command_and_batches_regularise_as_a_recipe_says(tmp_path):
     house = houses.make(0.002, 3)
     path, scan, out, report = (tmp_path / name for name in ("r.json", "house.obj", "out.obj", "report.json"))
-    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in house.vertices]
-    scan.write_text("\n".join([*lines, *(f"f {a} {b} {c}" for a, b, c in house.triangles + 1)]) + "\n")
+    meshfiles.obj(scan, house.vertices, house.triangles)
     path.write_text(
         rcp.Recipe((rcp.Partition(proxies=110), rcp.Regularise(angle=6.0), rcp.Mesh(planar=True))).to_json()
     )

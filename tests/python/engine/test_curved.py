@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import isimp_engine as engine
+import meshfiles
 import shapes
 from bench.generators import round_shapes
 from isimp_engine import cli
@@ -473,8 +474,7 @@ def test_regularise_leaves_axes_where_the_scan_would_be_too_far(columns):
 
 def test_the_command_reports_round_parts(tmp_path, capsys):
     scan, report = tmp_path / "can.ply", tmp_path / "report.json"
-    vertices, triangles = can()
-    _write(scan, vertices, triangles)
+    meshfiles.ply_ascii(scan, *can())
     options = ["--noise", "0", "--curved", "--report", str(report)]
     assert cli.main(["simplify", str(scan), str(tmp_path / "out.obj"), *options]) == 0
     (found,) = json.loads(report.read_text())["curved"]
@@ -482,14 +482,6 @@ def test_the_command_reports_round_parts(tmp_path, capsys):
     assert len(found["regions"]) == found["segments"]
     wide, many = 2 * found["radius"], found["segments"]
     assert f"round: 1 cylinder, diameter {wide:.4g}, {many} segments; 2 planes" in capsys.readouterr().out
-
-
-def _write(path, vertices, triangles):
-    head = f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\n"
-    head += "".join(f"property double {axis}\n" for axis in "xyz")
-    head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
-    rows = [" ".join(map(repr, map(float, v))) for v in vertices] + ["3 " + " ".join(map(str, t)) for t in triangles]
-    path.write_text(head + "\n".join(rows) + "\n")
 
 
 @pytest.mark.parametrize("name", ["scan/bunny_69k.ply", "scan/armadillo_86k.ply"])

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import isimp_engine as engine
+import meshfiles
 import shapes
 from isimp_engine import recipe as rcp
 from isimp_engine.cli import main
@@ -30,9 +31,7 @@ def cube():
 @pytest.fixture
 def scan(tmp_path, cube):
     path = tmp_path / "scan.obj"
-    vertices, triangles = cube
-    lines = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a} {b} {c}" for a, b, c in triangles + 1]
-    path.write_text("\n".join(lines) + "\n")
+    meshfiles.obj(path, *cube)
     return path
 
 

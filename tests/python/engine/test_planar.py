@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import isimp_engine as engine
+import meshfiles
 import shapes
 from bench.generators import houses, known_shapes, scanned
 from isimp_engine.cli import main
@@ -222,9 +223,7 @@ def test_corners_of_released_planes_move_no_further_than_others(seed: int) -> No
 def test_the_command_has_both(tmp_path: pathlib.Path) -> None:
     house = houses.make(0.002, 3)
     scan, out, report = tmp_path / "house.obj", tmp_path / "out.obj", tmp_path / "report.json"
-    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in house.vertices]
-    lines += [f"f {a} {b} {c}" for a, b, c in house.triangles + 1]
-    scan.write_text("\n".join(lines) + "\n")
+    meshfiles.obj(scan, house.vertices, house.triangles)
     arguments = ["simplify", str(scan), str(out), "--proxies", "110", "--planar", "--report", str(report), "--quiet"]
     assert main([*arguments, "--regularise"]) == 0
     found = json.loads(report.read_text())
