@@ -2,9 +2,8 @@
 
 import bmesh
 import bpy
-import numpy as np
 from scenario_main import make_scan, regions, same, scan, show_edits
-from scenario_tools import labels, last, locked, state, steps, undone_and_redone
+from scenario_tools import labels, last, locked, state, undone_and_redone
 
 import isimp
 
@@ -46,13 +45,6 @@ def twins(hand, name, lesser):
     yield from hand.settle()
 
 
-def chosen(hand, name, **settings):
-    """The action of an entry of a menu."""
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
-        getattr(bpy.ops.isimp, name.split(".")[1])("INVOKE_DEFAULT", True, **settings)
-    yield from hand.settle()
-
-
 def at_selected_faces(hand):
     count = regions()
     face, other = beside()
@@ -67,27 +59,6 @@ def at_selected_faces(hand):
         yield from hand.undo()
     select([face, other])
     yield from pressed(hand, "isimp.merge", -1, "MergeRegions", count)
-    label = labels()
-    select([face])
-    yield from chosen(hand, "isimp.select_region")
-    same("a whole region is selected", scan().data.total_face_sel, int(np.count_nonzero(label == label[face])))
-    yield from hand.undo()
-    same("no longer", scan().data.total_face_sel, 1)
-    yield from hand.redo()
-    select([face, *around(face, label)])
-    yield from chosen(hand, "isimp.paint_faces")
-    same("From Selection", (regions() - count, last()), (1, "PaintFaces"))
-    yield from undone_and_redone(hand, "From Selection", state)
-    yield from hand.undo()
-
-
-def around(face, label):
-    """The faces of its region that share an edge with a face."""
-    import scans
-
-    pairs = scans.face_pairs(scan().data)
-    near = np.concatenate([pairs[pairs[:, 0] == face, 1], pairs[pairs[:, 1] == face, 0]])
-    return set(near[label[near] == label[face]].tolist())
 
 
 def locks(hand):
@@ -113,19 +84,6 @@ def left_out():
     return store.numbers(scan()).get("regions_left_out", 0)
 
 
-def by_error(hand):
-    count = regions()
-    for name, wanted, kind in (("add_worst", 2, "AddWorst"), ("delete_least", -2, "DeleteLeast")):
-        yield from chosen(hand, f"isimp.{name}", times=2)
-        same(name, (regions() - count, last()), (wanted, kind))
-        yield from undone_and_redone(hand, name, state)
-        yield from hand.undo()
-    yield from chosen(hand, "isimp.improve")
-    same("Improve", (regions(), last()), (count, "Improve"))
-    yield from hand.undo()
-    same("undone", (regions(), len(steps()), last()), (count, 3, "UnlockRegions"))
-
-
 def run(hand):
     show_edits()
     isimp.register()
@@ -142,4 +100,3 @@ def run(hand):
     yield 0.3
     yield from at_selected_faces(hand)
     yield from locks(hand)
-    yield from by_error(hand)
