@@ -144,17 +144,6 @@ def test_a_plane_that_needs_too_much_fails_with_the_amount(house, session):
     assert far.replaced(1, replace(far.steps[1], enabled=False)).active() == BEGIN.active()
 
 
-def test_one_region_is_not_parallel_to_itself(house, session):
-    wall = face_along(session, house, BEGIN, 0)
-    with pytest.raises(StepFailed) as failed:
-        session.replay(house, BEGIN.then(rcp.AlignPlanes(faces=(wall,), to="parallel")))
-    assert messages.reason(failed.value.reason) == "this is one region: select faces of two or more"
-    roof = face_along(session, house, BEGIN, 2)
-    with pytest.raises(StepFailed) as failed:
-        session.replay(house, BEGIN.then(rcp.AlignPlanes(faces=(roof,), to="upright")))
-    assert messages.reason(failed.value.reason) == "this region is at right angles to the plane that it should have"
-
-
 def test_a_leaning_plane_has_its_angle_and_the_effect_of_snapping(house, session):
     up = np.array([0.0, 0.0, 2.0])
     turn = np.radians(2.1)

@@ -37,9 +37,9 @@ def parted(request):
 
 def undone_and_redone(before, after):
     bpy.ops.ed.undo()
-    assert scans.regions(scan()).tolist() == before
+    assert (scans.regions(scan()).tolist(), len(steps())) == (before, 1)
     bpy.ops.ed.redo()
-    assert scans.regions(scan()).tolist() == after
+    assert (scans.regions(scan()).tolist(), len(steps())) == (after, 2)
 
 
 @pytest.mark.parametrize(
@@ -56,6 +56,8 @@ def undone_and_redone(before, after):
         ("delete_least", {"times": 1}, 5),
         ("merge_cheapest", {"times": 2}, 4),
         ("improve", {}, 6),
+        ("regularise", {}, 6),
+        ("align", {"face": 0, "to": "upright"}, 6),
     ],
 )
 def test_each_edit_is_a_step_to_undo(parted, call, settings, wanted):

@@ -1,4 +1,4 @@
-"""Regularise and planes set by hand, in both modes: one step to undo each, in the panel, in menus and before Mesh."""
+"""Regularise and planes set by hand: at the selection, in the panel and before Mesh."""
 
 import bpy
 import numpy as np
@@ -63,34 +63,6 @@ def plane(scan, face):
     region = found.face_region[face]
     held = found.partition.region_held
     return np.array(found.partition.region_normal[region]), int(held[region]) if len(held) else 0
-
-
-@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
-def test_regularise_and_each_alignment_are_one_step_to_undo(mode):
-    scan = parted()
-    top, side, front = (face_along(scan, *axis) for axis in ((0, 0, 1), (1, 0, 0), (0, -1, 0)))
-    scans.mode(mode)
-    scans.push("mode")
-    for call in (
-        lambda: OPS.regularise("EXEC_DEFAULT", True),
-        lambda: OPS.align("EXEC_DEFAULT", True, face=top, to="level"),
-        lambda: OPS.align("EXEC_DEFAULT", True, face=side, to="upright"),
-        lambda: OPS.align("EXEC_DEFAULT", True, face=side, to="free"),
-    ):
-        before = store.load(scan)
-        assert call() == {"FINISHED"}
-        scan = bpy.data.objects["Scan"]
-        after = store.load(scan)
-        assert len(after.steps) == len(before.steps) + 1
-        bpy.ops.ed.undo()
-        scan = bpy.data.objects["Scan"]
-        assert store.load(scan) == before
-        bpy.ops.ed.redo()
-        scan = bpy.data.objects["Scan"]
-        assert store.load(scan) == after
-    assert plane(scan, top)[1] == 2
-    assert plane(scan, side)[1] == 3
-    assert plane(scan, front)[1] == 1
 
 
 def test_alignments_act_on_the_selection_and_the_active_face_leads():
