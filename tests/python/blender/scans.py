@@ -46,6 +46,15 @@ def add(name, vertices, faces):
     return obj
 
 
+def hang(obj, **place):
+    """Hangs an object on an empty one with these settings, and returns that."""
+    obj.parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(obj.parent)
+    for name, value in place.items():
+        setattr(obj.parent, name, value)
+    return obj.parent
+
+
 def activate(obj):
     for other in bpy.context.selected_objects:
         other.select_set(False)

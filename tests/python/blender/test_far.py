@@ -81,9 +81,7 @@ def test_a_scan_that_is_turned_scaled_and_parented(scale, parented):
     scan.location, scan.scale = (10, -20, 30), scale
     scan.rotation_euler = (radians(30), radians(20), radians(50))
     if parented:
-        scan.parent = bpy.data.objects.new("Parent", None)
-        bpy.context.scene.collection.objects.link(scan.parent)
-        scan.parent.location, scan.parent.rotation_euler = (7, 8, 9), (0, 0, 1)
+        scans.hang(scan, location=(7, 8, 9), rotation_euler=(0, 0, 1))
     bpy.context.view_layer.update()
     seen, place = scans.world(scan), exact_place(scan)
     result = simplify()
@@ -97,9 +95,8 @@ def test_a_scan_that_is_turned_scaled_and_parented(scale, parented):
 
 def test_a_sheared_scan_has_its_result_in_the_worlds_axes():
     scan = far_cube()
-    scan.parent = bpy.data.objects.new("Parent", None)
-    bpy.context.scene.collection.objects.link(scan.parent)
-    scan.parent.scale, scan.rotation_euler = (1, 3, 1), (0, 0, 0.7)
+    scans.hang(scan, scale=(1, 3, 1))
+    scan.rotation_euler = (0, 0, 0.7)
     bpy.context.view_layer.update()
     seen = scans.world(scan)
     result = simplify()

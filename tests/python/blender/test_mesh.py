@@ -102,13 +102,6 @@ def test_swap_shows_the_one_and_hides_the_other():
     assert (scan.hide_get(), result.hide_get(), bpy.context.object) == (True, False, result)
 
 
-def sheared():
-    parent = bpy.data.objects.new("Parent", None)
-    bpy.context.scene.collection.objects.link(parent)
-    parent.scale = (1, 3, 1)
-    return parent
-
-
 @pytest.mark.parametrize(
     ("scale", "parented"),
     [((1, 1, 1), False), ((2, 0.5, 5), False), ((-1, 1, 1), False), ((-2, 3, 0.1), False), ((1, -2, 1), True)],
@@ -118,7 +111,7 @@ def test_the_result_lies_where_the_scan_is_seen(scale, parented):
     scan.location, scan.scale = (10, -20, 30), scale
     scan.rotation_euler = (radians(30), radians(20), radians(50))
     if parented:
-        scan.parent = sheared()
+        scans.hang(scan, scale=(1, 3, 1))
     bpy.context.view_layer.update()
     wanted = scans.world(scan)
     turned = outward(scan)

@@ -14,39 +14,21 @@ from isimp.blender.scene import runtime, targets
 def test_threads_and_back_end_reach_the_engine_and_change_no_result(monkeypatch):
     wish = type("Wish", (preferences._Default,), {"threads": 0, "backend": "cpu"})
     monkeypatch.setattr(preferences, "get", lambda context: wish)
-    asked, options = [], session.engine.PartitionOptions
+    asked, labels = [], []
 
-    def noting(**given):
-        asked.append((given["threads"], given["backend"]))
-        return options(**given)
+    def noted(options):
+        return lambda **given: asked.append((given["threads"], given.get("backend"))) or options(**given)
 
-    monkeypatch.setattr(session.engine.states, "PartitionOptions", noting)
-    labels = []
-    for threads in (0, 1, 3):
-        wish.threads = threads
+    for module, name in ((session.engine.states, "PartitionOptions"), (session.engine, "MeshingOptions")):
+        monkeypatch.setattr(module, name, noted(getattr(module, name)))
+    for wish.threads in (0, 1, 3):
         runtime.get().session = session.Session()
         scan = scans.dimple(scans.cube(cells=8))
         bpy.ops.isimp.partition(proxies=12, method="naive")
         labels.append(scans.regions(scan))
-    assert asked == [(0, "cpu"), (1, "cpu"), (3, "cpu")]
+        bpy.ops.isimp.mesh()
+    assert asked == [(threads, backend) for threads in (0, 1, 3) for backend in ("cpu", None)]
     assert all(np.array_equal(labels[0], other) for other in labels[1:])
-
-
-def test_threads_reach_the_meshing_too(monkeypatch):
-    wish = type("Wish", (preferences._Default,), {"threads": 3})
-    monkeypatch.setattr(preferences, "get", lambda context: wish)
-    asked, options = [], session.engine.MeshingOptions
-
-    def noting(**given):
-        asked.append(given["threads"])
-        return options(**given)
-
-    monkeypatch.setattr(session.engine, "MeshingOptions", noting)
-    runtime.get().session = session.Session()
-    scans.dimple(scans.cube(cells=8))
-    bpy.ops.isimp.partition(proxies=12)
-    bpy.ops.isimp.mesh()
-    assert asked == [3]
 
 
 def test_a_missing_back_end_is_not_used(monkeypatch):

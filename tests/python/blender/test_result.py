@@ -185,10 +185,9 @@ def test_a_mirrored_scan_gives_its_numbers_to_the_result():
 
 
 def test_the_result_has_the_scans_parent():
-    scan, parent = scans.cube(), bpy.data.objects.new("Parent", None)
-    bpy.context.scene.collection.objects.link(parent)
-    parent.scale, parent.location = (1, 3, 1), (4, 5, 6)
-    scan.parent, scan.rotation_euler = parent, (0.5, 0.2, 0.1)
+    scan = scans.cube()
+    parent = scans.hang(scan, scale=(1, 3, 1), location=(4, 5, 6))
+    scan.rotation_euler = (0.5, 0.2, 0.1)
     scan.matrix_parent_inverse = Matrix.Translation((1, 1, 1))
     bpy.context.view_layer.update()
     bpy.ops.isimp.partition(proxies=6)

@@ -4,7 +4,6 @@ import json
 import re
 
 import bpy
-import numpy as np
 import pytest
 import scans
 
@@ -30,17 +29,6 @@ def locked():
 def meshed():
     scan = parted()
     OPS.mesh()
-    return scan
-
-
-def two_parts():
-    cubes = [scans.cube("A", cells=2), scans.cube("B", cells=2)]
-    cubes[1].location = (5, 0, 0)
-    for cube in cubes:
-        cube.select_set(True)
-    bpy.ops.object.join()
-    scan = bpy.context.object
-    OPS.partition(proxies=12)
     return scan
 
 
@@ -77,22 +65,9 @@ def recipe(**step):
     return json.dumps({"isimp_recipe": 1, "steps": [{"step": "partition"}, step]})
 
 
-def only_of_its_part():
-    scan = two_parts()
-    regions, side = scans.regions(scan), np.array([p.center[0] < -2.5 for p in scan.data.polygons])
-    for _ in range(20):
-        left = np.unique(regions[side])
-        if len(left) == 1:
-            break
-        OPS.delete_proxy(face=int(np.flatnonzero(side & (regions == left[0]))[0]))
-        regions = scans.regions(scan)
-    return scan
-
-
 #: the state, the action, the message
 USES = [
     ("too many regions", scans.cube, lambda: OPS.partition(proxies=10**6), "at most 432 regions are possible"),
-    ("split a face", lambda: tiny(), lambda: OPS.split(face=0), "single face: there is nothing to split"),
     ("delete a locked region", locked, lambda: OPS.delete_proxy(face=0), "locked: press L over it, or Unlock"),
     ("add in a locked region", locked, lambda: OPS.add_proxy(face=0), "locked: press L over it, or Unlock"),
     ("split a locked region", locked, lambda: OPS.split(face=0), "locked: press L over it, or Unlock"),
@@ -104,7 +79,6 @@ USES = [
     ("no such face", parted, lambda: OPS.add_proxy(face=10**6), "there is no face 1000000: the mesh has 300 faces"),
     ("no such face to delete", parted, lambda: OPS.delete_proxy(face=10**6), "there is no face 1000000"),
     ("no such face to select", parted, lambda: OPS.select_region(face=10**6), "No face is selected"),
-    ("only one of its part", only_of_its_part, lambda: delete_in(), "only region of its loose part"),
     ("cut beside the region", parted, lambda: OPS.cut_region(face=0, line=(9, 9, 9, 9, 9, 8)), "does not cross"),
     ("cut by a point", parted, lambda: OPS.cut_region(face=0, line=(0, 0, 0, 0, 0, 0)), "line"),
     ("strokes that are none", parted, lambda: OPS.paint_faces(painted="x"), "not a list of strokes"),
@@ -163,17 +137,6 @@ BUTTONS = [
     ("nothing at all", lambda: scans.add("Nothing", [], []), "partition", "is empty: import a scan first"),
     ("the scan was subdivided", lambda: subdivided(), "mesh", r"has changed since \(300 -> [\d,]+ faces\): press"),
 ]
-
-
-def tiny():
-    scan = scans.cube(cells=5)
-    OPS.partition(proxies=300)
-    return scan
-
-
-def delete_in():
-    scan = bpy.context.object
-    return OPS.delete_proxy(face=next(p.index for p in scan.data.polygons if p.center[0] < -2.5))
 
 
 def strict(text):

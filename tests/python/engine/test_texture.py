@@ -374,19 +374,8 @@ def test_the_command_does_not_overwrite_the_scans_own_image(tmp_path):
 def test_a_batch_keeps_textures(tmp_path):
     (tmp_path / "in").mkdir()
     write_cube_obj(tmp_path / "in")
-    ran = isimp(
-        "batch",
-        tmp_path / "in",
-        tmp_path / "out",
-        "--proxies",
-        "6",
-        "--texture",
-        "64",
-        "--format",
-        "glb",
-        "--jobs",
-        "1",
-    )
+    options = ["--proxies", "6", "--texture", "64", "--format", "glb", "--jobs", "1"]
+    ran = isimp("batch", tmp_path / "in", tmp_path / "out", *options)
     assert ran.returncode == 0, ran.stderr
     soup = engine.read_textured(tmp_path / "out" / "cube.glb")
     assert soup.images[0].shape == (64, 64, 4)
