@@ -16,6 +16,7 @@ import time
 from pathlib import Path
 
 import isimp_engine as engine
+from bench.studies.gpu import write_rows
 
 SCANS = {  # by name, below --data; anything else is the name of a file there
     "bunny": "scan/bunny_69k.ply",
@@ -195,13 +196,6 @@ def read_rows(path: Path) -> list[dict]:
 
     with path.open(newline="") as file:
         return [{key: value(text) for key, text in row.items()} for row in csv.DictReader(file)]
-
-
-def write_rows(path: Path, rows: list[dict]) -> None:
-    with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
 
 
 def draw(path: Path, plot, size: tuple[float, float], rows: list[dict]) -> None:

@@ -9,21 +9,14 @@ import json
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 
 import isimp_engine as engine
 
-
-def ring(faces: int) -> tuple[np.ndarray, np.ndarray]:
-    """A grid closed in both directions."""
-    n = max(3, round((faces / 2) ** 0.5))
-    i, j = (g.ravel() for g in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
-    u, v = 2 * np.pi * i / n, 2 * np.pi * j / n
-    r = 1 + 0.4 * np.cos(v)
-    a, b, c, d = (((i + di) % n) * n + (j + dj) % n for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1)))
-    triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-    return np.column_stack([r * np.cos(u), r * np.sin(u), 0.4 * np.sin(v)]), triangles.astype(np.int32)
+sys.path.append(str(Path(__file__).resolve().parents[2]))
+from tests.shared import shapes
 
 
 def laps(edit: Callable[..., engine.Partition], mesh: engine.Mesh, start: engine.Partition, edits: int) -> list[float]:
@@ -41,8 +34,8 @@ def laps(edit: Callable[..., engine.Partition], mesh: engine.Mesh, start: engine
 
 
 def main(name: str, proxies: str, edits: str) -> None:
-    arrays = ring(int(name.split(":")[-1])) if name.startswith("made:") else engine.read(name)
-    mesh = engine.Mesh(*arrays)
+    around = round((int(name.split(":")[-1]) / 2) ** 0.5) if name.startswith("made:") else 0
+    mesh = engine.Mesh(*(shapes.torus(around, around) if around else engine.read(name)))
     start = engine.partition(mesh, engine.PartitionOptions(proxies=int(proxies), threads=1))
     both = {"add": engine.add_proxy, "delete": engine.delete_proxy}
     print(json.dumps({name: laps(edit, mesh, start, int(edits)) for name, edit in both.items()}))
