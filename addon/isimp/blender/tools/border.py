@@ -36,10 +36,7 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
             return self.go(context, own("Drag: move the corner · Release here: add a region · Esc: cancel"))
         return self.go(context, own("Drag: move the border · Release here: add a region · Esc: cancel"))
 
-    def modal(self, context, event):
-        if self.is_dropped(event):
-            self.end(context)
-            return {"CANCELLED"}
+    def heard(self, context, event):
         if event.type == "MOUSEMOVE":
             self._is_dragged = self._is_dragged or is_far(self._from, self.place(event))
             if self._is_dragged:

@@ -40,10 +40,7 @@ class ISIMP_OT_show_furniture(ModalTool, bpy.types.Operator):
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
-    def modal(self, context, event):
-        if self.is_dropped(event):
-            self.end(context)
-            return {"CANCELLED"}
+    def heard(self, context, event):
         if event.type in {"WHEELUPMOUSE", "WHEELDOWNMOUSE"} and event.value == "PRESS":
             factor = _FACTOR if event.type == "WHEELUPMOUSE" else 1 / _FACTOR
             self._size = min(_MOST, max(_LEAST, self._size * factor))

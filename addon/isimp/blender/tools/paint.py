@@ -52,10 +52,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         self.show_stroke(context, event)
         return self.go(context, own("Release: apply · Esc: cancel"))
 
-    def modal(self, context, event):
-        if self.is_dropped(event):
-            self.end(context)
-            return {"CANCELLED"}
+    def heard(self, context, event):
         if event.type == "MOUSEMOVE":
             for side, stroke in self._strokes:
                 stroke.move(*self.seen(event, side))
@@ -141,10 +138,7 @@ class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
             return self.go(context, own("Release here: choose the region too · Drag over it: cut it · Esc: cancel"))
         return self.go(context, own("Release here: split in two · Drag over the region: cut it · Esc: cancel"))
 
-    def modal(self, context, event):
-        if self.is_dropped(event):
-            self.end(context)
-            return {"CANCELLED"}
+    def heard(self, context, event):
         if event.type == "MOUSEMOVE":
             self._rays = [self._rays[0], self.ray(event)]
             self._cut.move(self._ground.hit(self._rays[1]), self.place(event))
@@ -192,14 +186,13 @@ class ISIMP_OT_brush(ModalTool, bpy.types.Operator):
         self.show_ring(context)
         return self.go(context, own("Move: radius · Click: apply · Esc: cancel"))
 
-    def modal(self, context, event):
-        panel = context.window_manager.isimp
-        if self.is_dropped(event):
-            panel.brush = self._before
-            self.end(context)
-            return {"CANCELLED"}
+    def cancel(self, context):
+        context.window_manager.isimp.brush = self._before
+        super().cancel(context)
+
+    def heard(self, context, event):
         if event.type == "MOUSEMOVE":
-            panel.brush = max(1, event.mouse_x - self._from)
+            context.window_manager.isimp.brush = max(1, event.mouse_x - self._from)
             self.show_ring(context)
         elif event.type in {"LEFTMOUSE", "RET"} and event.value == "PRESS":
             self.end(context)

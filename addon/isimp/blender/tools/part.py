@@ -35,10 +35,7 @@ class ISIMP_OT_find_part(ModalTool, bpy.types.Operator):
             context, own("Right, wheel up: larger · Left, wheel down: smaller · Release: apply · Esc: cancel")
         )
 
-    def modal(self, context, event):
-        if self.is_dropped(event):
-            self.end(context)
-            return {"CANCELLED"}
+    def heard(self, context, event):
         if event.type in {"WHEELUPMOUSE", "WHEELDOWNMOUSE"} and event.value == "PRESS":
             self._wheel *= _NOTCH if event.type == "WHEELUPMOUSE" else 1 / _NOTCH
         if event.type == "LEFTMOUSE" and event.value == "RELEASE":

@@ -150,13 +150,16 @@ class ModalTool:
         return {"RUNNING_MODAL"}
 
     def cancel(self, context):
-        """Ends the tool. Blender calls this if the window or the file is closed."""
+        """Ends the tool without an effect. Blender calls this if the window or the file is closed."""
         self.end(context)
 
-    @staticmethod
-    def is_dropped(event) -> bool:
+    def modal(self, context, event):
+        """Drops the tool by Esc, the right button or undo. `heard` handles all other events."""
         undo = event.type == "Z" and (event.ctrl or event.oskey)
-        return event.value == "PRESS" and (event.type in {"ESC", "RIGHTMOUSE"} or undo)
+        if event.value == "PRESS" and (event.type in {"ESC", "RIGHTMOUSE"} or undo):
+            self.cancel(context)
+            return {"CANCELLED"}
+        return self.heard(context, event)
 
     def end(self, context, redraws: bool = True) -> None:
         """Removes the highlight. redraws: False if a step follows, which redraws the view."""
@@ -274,11 +277,7 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
         self._gesture.press(hit, self.place(event), hand)
         return self.go(context, own("Drag to another region: merge both · Release: apply · Esc: cancel"))
 
-    def modal(self, context, event):
-        if self.is_dropped(event):
-            self._gesture.cancel()
-            self.end(context)
-            return {"CANCELLED"}
+    def heard(self, context, event):
         if event.type == "MOUSEMOVE":
             hit, at = self._ground.hit(self.ray(event)), self.place(event)
             self._gesture.move(hit, at)

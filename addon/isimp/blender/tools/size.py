@@ -42,10 +42,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
         self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
         return self.go(context, own("Right: grow · Left: shrink · Release: apply · Esc: cancel"))
 
-    def modal(self, context, event):
-        if self.is_dropped(event):
-            self.end(context)
-            return {"CANCELLED"}
+    def heard(self, context, event):
         if event.type == "MOUSEMOVE":
             self._gesture.move(self.place(event))
             self.tell(self.place(event))
