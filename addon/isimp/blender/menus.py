@@ -4,6 +4,7 @@ import bpy
 
 from .. import recipe as rcp
 from .controls import settings
+from .panel.main import give_mesh
 from .panel.planes import align
 from .scene import pointed
 
@@ -23,7 +24,7 @@ class ISIMP_MT_object(bpy.types.Menu):
     def draw(self, context):
         layout, panel = self.layout, context.window_manager.isimp
         settings.give(rcp.Partition, panel.partition, layout.operator("isimp.partition", icon="MOD_EXPLODE"))
-        _give_mesh(panel, layout.operator("isimp.mesh", icon="MESH_ICOSPHERE"))
+        give_mesh(panel, layout.operator("isimp.mesh", icon="MESH_ICOSPHERE"))
         layout.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
         layout.operator("isimp.compare", icon="IMAGE_ALPHA")
         layout.separator()
@@ -79,7 +80,7 @@ class ISIMP_MT_pie(bpy.types.Menu):
         pie, panel = self.layout.menu_pie(), context.window_manager.isimp
         pie.operator("isimp.add_proxy", icon="ADD")  # left, right, below, above; then the corners
         pie.operator("isimp.delete_proxy", icon="REMOVE")
-        _give_mesh(panel, pie.operator("isimp.mesh", icon="MESH_ICOSPHERE"))
+        give_mesh(panel, pie.operator("isimp.mesh", icon="MESH_ICOSPHERE"))
         settings.give(rcp.Partition, panel.partition, pie.operator("isimp.partition", icon="MOD_EXPLODE"))
         pie.operator("isimp.merge", icon="AUTOMERGE_ON")
         pie.operator("isimp.split", icon="MOD_BOOLEAN")
@@ -108,11 +109,6 @@ class ISIMP_MT_chosen_pie(bpy.types.Menu):
         buttons.append(pie.operator("isimp.leave_out", icon="GHOST_DISABLED"))
         for button in buttons:  # in Edit Mode they would act on the selected faces
             button.face, button.chosen = faces[-1], ",".join(map(str, faces)) if len(faces) > 1 else ""
-
-
-def _give_mesh(panel, operator) -> None:
-    settings.give(rcp.Mesh, panel.mesh, operator)
-    operator.regularise = panel.regularise_first
 
 
 def _draw_entry(menu, context) -> None:

@@ -14,13 +14,13 @@ class Layout:
     """Records the entries of a menu."""
 
     def __init__(self):
-        self.drawn = []
+        self.drawn, self.buttons = [], {}
 
     def operator(self, name, **_):
         self.drawn.append(name)
-        properties = {key for key in dir(bpy.ops.isimp) if key == name.removeprefix("isimp.")}
-        assert properties, f"there is no operator {name}"
-        return getattr(bpy.ops.isimp, name.removeprefix("isimp.")).get_rna_type() and Button(name)
+        assert name.removeprefix("isimp.") in dir(bpy.ops.isimp), f"there is no operator {name}"
+        self.buttons[name] = Button(name)
+        return self.buttons[name]
 
     def menu(self, name, **_):
         self.drawn.append(name)
@@ -47,6 +47,16 @@ def test_entries_of_menus_exist(menu):
     layout = Layout()
     menu.draw(type("Menu", (), {"layout": layout})(), bpy.context)
     assert {"isimp.partition", "isimp.mesh", "isimp.swap"} <= set(layout.drawn)
+
+
+@pytest.mark.parametrize("keeps", [True, False])
+@pytest.mark.parametrize("menu", [menus.ISIMP_MT_object, menus.ISIMP_MT_pie])
+def test_mesh_has_the_settings_of_the_panel(menu, keeps):
+    panel, layout = bpy.context.window_manager.isimp, Layout()
+    panel.keep_texture = keeps
+    menu.draw(type("Menu", (), {"layout": layout})(), bpy.context)
+    panel.keep_texture = True
+    assert layout.buttons["isimp.mesh"].keep_texture == keeps
 
 
 def test_the_object_menu_has_the_entry_once():

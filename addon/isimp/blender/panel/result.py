@@ -10,6 +10,7 @@ from ..scene import store, targets
 from ..texturing import texture
 from ..view import display
 from .common import Popover, SubPanel, ready
+from .main import give_mesh
 
 
 class ISIMP_MT_colour(bpy.types.Menu):
@@ -90,8 +91,7 @@ class ISIMP_PT_lods(Popover, bpy.types.Panel):
         layout.prop(panel, "lods")
         layout.prop(panel, "lod_colliders")
         button = layout.operator("isimp.make_lods", icon="MOD_DECIM")
-        settings.give(rcp.Mesh, panel.mesh, button)
-        button.keep_texture, button.regularise = panel.keep_texture, panel.regularise_first
+        give_mesh(panel, button)
         button.counts, button.colliders = panel.lods, panel.lod_colliders
         layout.operator("isimp.export_lods", icon="EXPORT")
 
