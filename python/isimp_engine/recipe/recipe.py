@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from typing import Any
 
 from .checks import RecipeError, check, short
@@ -31,12 +32,15 @@ class Recipe:
     #: sentences about settings that the steps had when they were read, and that this version does not have
     gone: tuple[str, ...] = field(default=(), compare=False)
 
-    def then(self, step: Step) -> Recipe:
-        """The recipe with one more step, in place of a Mesh step at its end and its texture.
+    def then(self, *steps: Step) -> Recipe:
+        """The recipe with more steps, in place of a Mesh step at its end and its texture.
 
         A partition of all faces replaces the steps after the last lock. Regularise replaces an earlier one, unless
         planes were set by hand after it, as these may follow snapped planes.
         """
+        return reduce(Recipe._then, steps, self)
+
+    def _then(self, step: Step) -> Recipe:
         if isinstance(step, Texture):
             return Recipe((*self._without(Texture).steps, step))
         steps = self.without_mesh().steps

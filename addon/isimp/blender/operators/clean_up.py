@@ -90,9 +90,8 @@ def without_slivers(context, scan, recipe, share: float) -> tuple:
     first = np.full(len(area), -1)
     faces = np.flatnonzero(label >= 0)[::-1]
     first[label[faces]] = faces
-    for onto, region in found:
-        recipe = recipe.then(rcp.MergeRegions(face=int(first[onto]), other=int(first[region])))
-    return recipe, len(found)
+    merges = (rcp.MergeRegions(face=int(first[onto]), other=int(first[region])) for onto, region in found)
+    return recipe.then(*merges), len(found)
 
 
 CLASSES = (ISIMP_OT_merge_slivers, ISIMP_OT_leave_out_furniture)

@@ -46,20 +46,14 @@ class ISIMP_OT_merge(_Edit, bpy.types.Operator):
                     "both in Edit Mode."
                 )
             )
-        recipe = target.recipe
-        for other in faces[1:]:
-            recipe = recipe.then(rcp.MergeRegions(face=faces[0], other=other))
-        return recipe
+        return target.recipe.then(*(rcp.MergeRegions(face=faces[0], other=other) for other in faces[1:]))
 
 
 class _Split(_Edit):
     """Mixin of splits, which differ in the names of their undo steps."""
 
     def wanted(self, context, target):
-        recipe = target.recipe
-        for face in self.each(target.scan):
-            recipe = recipe.then(rcp.SplitRegion(face=face))
-        return recipe
+        return target.recipe.then(*(rcp.SplitRegion(face=face) for face in self.each(target.scan)))
 
 
 class ISIMP_OT_split(_Split, bpy.types.Operator):
@@ -139,10 +133,7 @@ class ISIMP_OT_grow(_Edit, bpy.types.Operator):
         return shrink if properties.shrink else said(cls.__doc__)
 
     def wanted(self, context, target):
-        recipe = target.recipe
-        for face in self.each(target.scan):
-            recipe = recipe.then(self.step(face, self.rings, self.shrink))
-        return recipe
+        return target.recipe.then(*(self.step(face, self.rings, self.shrink) for face in self.each(target.scan)))
 
     @staticmethod
     def step(face: int, rings: int, shrink: bool):
@@ -164,10 +155,7 @@ class _Strokes(AtFaces):
         return targets.needs_regions(scan)
 
     def wanted(self, context, target):
-        recipe = target.recipe
-        for onto, faces in self.strokes(target.scan):
-            recipe = recipe.then(self.step(onto, faces))
-        return recipe
+        return target.recipe.then(*(self.step(onto, faces) for onto, faces in self.strokes(target.scan)))
 
     def step(self, onto: int, faces: tuple):
         return rcp.PaintFaces(faces=faces, onto=onto)

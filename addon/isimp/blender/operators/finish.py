@@ -31,10 +31,7 @@ class ISIMP_OT_make_editable(Meshing, bpy.types.Operator):
         if not self.slivers:
             return recipe
         last = [step for step in recipe.steps if isinstance(step, (rcp.Mesh, rcp.Texture))]
-        made = without_slivers(context, target.scan, recipe.without_mesh(), 0.1)[0]
-        for step in last:
-            made = made.then(step)
-        return made
+        return without_slivers(context, target.scan, recipe.without_mesh(), 0.1)[0].then(*last)
 
     def show(self, context, scan, work, outcome):
         kept = super().show(context, scan, work, outcome)

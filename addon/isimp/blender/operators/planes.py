@@ -74,9 +74,9 @@ class ISIMP_OT_align(_Planes, bpy.types.Operator):
             )
             raise mesh_io.Unusable(said(several))
         up = settings.to_step(rcp.Regularise, settings.group(context, rcp.Regularise))
-        recipe = target.recipe
         step = rcp.AlignPlanes(faces=tuple(faces), to=self.to, length=round(self.length, 6))
-        return recipe.then(up_direction.of_scan(up_direction.as_last(step, up, recipe), target.scan))
+        step = up_direction.as_last(step, up, target.recipe)
+        return target.recipe.then(up_direction.of_scan(step, target.scan))
 
     def _led(self, scan, faces: list) -> list:
         """Return the faces, the leading region's first. It is the last clicked, the active or the largest region."""

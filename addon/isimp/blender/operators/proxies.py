@@ -99,10 +99,7 @@ class ISIMP_OT_add_proxy(AtFaces, bpy.types.Operator):
         if len(faces) > _MOST_FACES:
             text = own("{faces} are selected, and each would become a region: select at most {most}.")
             raise mesh_io.Unusable(said(text, faces=messages.count(len(faces), "face"), most=_MOST_FACES))
-        recipe = target.recipe
-        for face in faces:
-            recipe = recipe.then(rcp.AddProxy(face=face))
-        return recipe
+        return target.recipe.then(*(rcp.AddProxy(face=face) for face in faces))
 
 
 class ISIMP_OT_delete_proxy(AtFaces, bpy.types.Operator):
@@ -113,13 +110,13 @@ class ISIMP_OT_delete_proxy(AtFaces, bpy.types.Operator):
 
     def wanted(self, context, target):
         faces, regions = self.faces(target.scan), mesh_io.read_regions(target.scan)
-        recipe, gone = target.recipe, set()
+        steps, gone = [], set()
         for face in faces:
             region = int(regions[face]) if face < len(regions) else -1
             if region < 0 or region not in gone:
                 gone.add(region)
-                recipe = recipe.then(rcp.DeleteProxy(face=face))
-        return recipe
+                steps.append(rcp.DeleteProxy(face=face))
+        return target.recipe.then(*steps)
 
 
 CLASSES = (ISIMP_OT_add_proxy, ISIMP_OT_delete_proxy)
