@@ -20,7 +20,26 @@ from ..scene import mesh_io, places, runtime, store, targets
 _UNITS = (("m", "Metre", "A unit is a metre"), ("mm", "Millimetre", "A unit is a millimetre"))
 
 
-class _Model:
+class Writes:
+    """Mixin of operators that ask for a place and write there; `written` returns the line that says so."""
+
+    errors: tuple = (ValueError, OSError, mesh_io.Unusable)
+
+    def invoke(self, context, event):
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        try:
+            told = self.written(context)
+        except self.errors as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
+        self.report({"INFO"}, told)
+        return {"FINISHED"}
+
+
+class _Model(Writes):
     """Mixin of operators that need a result."""
 
     @classmethod
@@ -44,13 +63,12 @@ _LEVELS = (
 )
 
 
-class _Formats:
+class _Formats(Writes):
     """Mixin of exports with a menu of formats in the file dialog. An ending of the name wins over the menu."""
 
-    def dialog(self, context, name: str):
-        self.filepath = f"{name}{self.kind}"
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+    def invoke(self, context, event):
+        self.filepath = f"{targets.find(context)[0].name}{self.kind}"
+        return super().invoke(context, event)
 
     def check(self, context):
         """Changes the ending of the name in the dialog to the chosen format. Returns whether it was another."""
@@ -83,23 +101,17 @@ class ISIMP_OT_export_building(_Model, _Formats, bpy.types.Operator):
     epsg: IntProperty(name="EPSG", description="Number of the coordinates' reference system; 0: none", min=0)
 
     def invoke(self, context, event):
-        scan, _, _ = targets.find_result(context)
-        self.epsg = places.epsg(scan)
-        return self.dialog(context, scan.name)
+        self.epsg = places.epsg(targets.find(context)[0])
+        return super().invoke(context, event)
 
-    def execute(self, context):
+    def written(self, context):
         scan, result, _ = targets.find_result(context)
         epsg = self.epsg if self.properties.is_property_set("epsg") else places.epsg(scan)
         shown = context.view_layer.objects.active if targets.scan_of(context.view_layer.objects.active) else result
-        try:
-            path, model = self.path(), places.model_of(context, scan, shown)
-            handover.export(path, model, epsg or None)
-        except (ValueError, OSError) as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+        path, model = self.path(), places.model_of(context, scan, shown)
+        handover.export(path, model, epsg or None)
         told = messages.count(len(model.loop_start), "polygon")
-        self.report({"INFO"}, said("{polygons} written to {file}", polygons=told, file=path.name))
-        return {"FINISHED"}
+        return said("{polygons} written to {file}", polygons=told, file=path.name)
 
 
 def _replayed(context, scan, meshed):
@@ -140,32 +152,24 @@ class ISIMP_OT_export_step(_Model, bpy.types.Operator):
         return not problem
 
     def invoke(self, context, event):
-        scan, _, _ = targets.find_result(context)
-        self.filepath = f"{scan.name}.step"
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+        self.filepath = f"{targets.find(context)[0].name}.step"
+        return super().invoke(context, event)
 
-    def execute(self, context):
+    def written(self, context):
         scan, _, _ = targets.find_result(context)
         path = Path(bpy.path.abspath(self.filepath))
         if engine.exporting.kind_of(path) not in engine.exporting.STEP_KINDS:
-            self.report({"ERROR"}, said("The name must end in .step or .stp."))
-            return {"CANCELLED"}
+            raise ValueError(said("The name must end in .step or .stp."))
 
         def planar(recipe):
             return recipe.without_mesh().then(replace(_last_mesh(recipe) or rcp.Mesh(), planar=True))
 
-        try:
-            mesh, outcome = _replayed(context, scan, planar)
-            told = handover.export_step(path, mesh, outcome, places.to_world(scan), self.unit)
-        except (ValueError, OSError, mesh_io.Unusable) as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+        mesh, outcome = _replayed(context, scan, planar)
+        told = handover.export_step(path, mesh, outcome, places.to_world(scan), self.unit)
         true, planes = len(told["true_surfaces"]), len(told["planes"])
         text = own("{faces} written to {file}; {true} of {all} have true surfaces")
         faces, parts = messages.count(told["faces"], "face"), messages.count(true + planes, "round part")
-        self.report({"INFO"}, said(text, faces=faces, file=path.name, true=true, all=parts))
-        return {"FINISHED"}
+        return said(text, faces=faces, file=path.name, true=true, all=parts)
 
 
 class ISIMP_OT_export_lods(_Formats, bpy.types.Operator):
@@ -176,6 +180,7 @@ class ISIMP_OT_export_lods(_Formats, bpy.types.Operator):
 
     filepath: StringProperty(subtype="FILE_PATH")
     kinds = _LEVELS
+    errors = (*Writes.errors, RuntimeError)  # of Blender's own exporters
     filter_glob: StringProperty(default="*.glb;*.obj;*.ifc;*.dxf;*.json", options={"HIDDEN"})
     kind: EnumProperty(name="Format", description="Format of the file", items=_LEVELS)
 
@@ -183,26 +188,16 @@ class ISIMP_OT_export_lods(_Formats, bpy.types.Operator):
     def poll(cls, context):
         return targets.allows(cls, context, lambda scan: "" if _levels(context, scan) else targets.NO_RESULT)
 
-    def invoke(self, context, event):
+    def written(self, context):
         scan, _ = targets.find(context)
-        return self.dialog(context, scan.name)
-
-    def execute(self, context):
-        scan, _ = targets.find(context)
-        levels = _levels(context, scan)
-        try:
-            path = self.path()
-            kind = engine.exporting.formats.format_of(path).suffix
-            stem = path.name[: len(path.name) - len(kind)]
-            for number, obj in enumerate(levels):
-                with _alone(context, obj):
-                    _export_level(context, scan, obj, path.with_name(f"{stem}_LOD{number}{kind}"), kind)
-        except (ValueError, OSError, RuntimeError) as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+        levels, path = _levels(context, scan), self.path()
+        kind = engine.exporting.formats.format_of(path).suffix
+        stem = path.name[: len(path.name) - len(kind)]
+        for number, obj in enumerate(levels):
+            with _alone(context, obj):
+                _export_level(context, scan, obj, path.with_name(f"{stem}_LOD{number}{kind}"), kind)
         files = messages.count(len(levels), "file")
-        self.report({"INFO"}, said("{files} written, the first is {name}", files=files, name=f"{stem}_LOD0{kind}"))
-        return {"FINISHED"}
+        return said("{files} written, the first is {name}", files=files, name=f"{stem}_LOD0{kind}")
 
 
 def _levels(context, scan) -> list:
@@ -258,25 +253,14 @@ class ISIMP_OT_write_report(_Model, bpy.types.Operator):
     directory: StringProperty(subtype="DIR_PATH")
     filter_folder: BoolProperty(default=True, options={"HIDDEN"})
 
-    def invoke(self, context, event):
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def execute(self, context):
+    def written(self, context):
         scan, _, _ = targets.find_result(context)
         if not self.directory:
-            self.report({"ERROR"}, said("No folder is named: choose one for the report."))
-            return {"CANCELLED"}
-        folder = Path(bpy.path.abspath(self.directory))
-        try:
-            mesh, outcome = _replayed(context, scan, lambda r: r if _last_mesh(r) else r.then(rcp.Mesh()))
-            texts = handover.report_texts(mesh, outcome, places.to_world(scan), scan.name, places.epsg(scan) or None)
-            handover.write_report(folder, texts)
-        except (ValueError, OSError, mesh_io.Unusable) as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
-        self.report({"INFO"}, said("Report written: {files}", files=", ".join(texts)))
-        return {"FINISHED"}
+            raise ValueError(said("No folder is named: choose one for the report."))
+        mesh, outcome = _replayed(context, scan, lambda r: r if _last_mesh(r) else r.then(rcp.Mesh()))
+        texts = handover.report_texts(mesh, outcome, places.to_world(scan), scan.name, places.epsg(scan) or None)
+        handover.write_report(Path(bpy.path.abspath(self.directory)), texts)
+        return said("Report written: {files}", files=", ".join(texts))
 
 
 CLASSES = (ISIMP_OT_export_building, ISIMP_OT_write_report, ISIMP_OT_export_step, ISIMP_OT_export_lods)

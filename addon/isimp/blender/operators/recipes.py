@@ -13,6 +13,7 @@ from ...session import placed, with_places
 from .. import reading
 from ..scene import mesh_io, store, targets
 from ..work.modal import RecipeOperator
+from .files import Writes
 
 _FILTER = {"default": "*.json", "options": {"HIDDEN"}}
 
@@ -125,7 +126,7 @@ class ISIMP_OT_recipe_paste(_TakesRecipe, bpy.types.Operator):
         return self.replay(text)
 
 
-class ISIMP_OT_recipe_export(_HasRecipe, bpy.types.Operator):
+class ISIMP_OT_recipe_export(_HasRecipe, Writes, bpy.types.Operator):
     """Write the recipe to a JSON file, for other scans or for examples/batch.py"""
 
     bl_idname = "isimp.recipe_export"
@@ -136,22 +137,18 @@ class ISIMP_OT_recipe_export(_HasRecipe, bpy.types.Operator):
 
     def invoke(self, context, event):
         self.filepath = f"{targets.find(context)[0].name}.json"
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
+        return super().invoke(context, event)
 
-    def execute(self, context):
+    def written(self, context):
         path = Path(bpy.path.abspath(self.filepath))
         if not path.name:
-            self.report({"ERROR"}, said("No file is named: enter a name."))
-            return {"CANCELLED"}
+            raise ValueError(said("No file is named: enter a name."))
         path = path.with_suffix(".json")
         try:
             path.write_text(self.text(context), encoding="utf-8")
         except OSError as error:
-            self.report({"ERROR"}, said("'{path}' can't be written: {why}.", path=path, why=error.strerror))
-            return {"CANCELLED"}
-        self.report({"INFO"}, said("Recipe written to '{path}'.", path=path))
-        return {"FINISHED"}
+            raise ValueError(said("'{path}' can't be written: {why}.", path=path, why=error.strerror)) from None
+        return said("Recipe written to '{path}'.", path=path)
 
 
 class ISIMP_OT_recipe_import(_TakesRecipe, bpy.types.Operator):
