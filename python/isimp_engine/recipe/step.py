@@ -6,6 +6,7 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from .checks import check_face, indices
 from .options import Option
 
 #: The name of each kind of step in saved recipes; steps.py has all of them
@@ -43,9 +44,12 @@ class Step:
     def kind(self) -> str:
         return KINDS[type(self)]
 
+    #: its line in the list of steps; the step is the one argument of the format
+    described: ClassVar[str]
+
     def describe(self) -> str:
         """The step's line in the list of steps."""
-        raise NotImplementedError
+        return self.described.format(self)
 
     def to_dict(self) -> dict[str, Any]:
         values = {"step": KINDS[type(self)], **dataclasses.asdict(self)}
@@ -53,3 +57,27 @@ class Step:
             del values["enabled"]
         defaults = {field.name: field.default for field in dataclasses.fields(self) if field.name in self.late}
         return {name: value for name, value in values.items() if name not in defaults or value != defaults[name]}
+
+
+@dataclass(frozen=True)
+class AtFace(Step):
+    """Base of steps at a face of the scan."""
+
+    face: int = 0
+
+    def __post_init__(self) -> None:
+        check_face(self.face)
+
+
+@dataclass(frozen=True)
+class AtFaces(Step):
+    """Base of steps at faces of the scan."""
+
+    faces: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "faces", indices(self.faces))
+
+    @property
+    def named(self) -> str:
+        return count_faces(self.faces)

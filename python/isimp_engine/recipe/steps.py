@@ -19,7 +19,7 @@ from .language import own, said
 from .options import COUNTS
 from .plane_steps import AlignPlanes, Regularise
 from .round_steps import ExplodeRound, RoundRegions, RoundSegments
-from .step import KINDS, Step, count_faces, unlabelled
+from .step import KINDS, AtFace, AtFaces, Step, count_faces, unlabelled
 
 METHODS = PARTITION["method"].choices
 #: settings of a Partition for barriers, and the layer of the scan (`Scan.layers`) that has them
@@ -118,69 +118,50 @@ class Partition(PartitionFields, CleanFields):
 
 
 @dataclass(frozen=True)
-class AddProxy(Step):
+class AddProxy(AtFace):
     """Add a region at a face of the scan."""
 
-    face: int = 0
-
-    def __post_init__(self) -> None:
-        check_face(self.face)
-
-    def describe(self) -> str:
-        return f"Add proxy at face {self.face}"
+    described = "Add proxy at face {0.face}"
 
 
 @dataclass(frozen=True)
-class DeleteProxy(Step):
+class DeleteProxy(AtFace):
     """Delete the region at a face of the scan."""
 
-    face: int = 0
-
-    def __post_init__(self) -> None:
-        check_face(self.face)
-
-    def describe(self) -> str:
-        return f"Delete proxy at face {self.face}"
+    described = "Delete proxy at face {0.face}"
 
 
 @dataclass(frozen=True)
-class MergeRegions(Step):
+class MergeRegions(AtFace):
     """Merge the region of one face into a neighbouring region."""
 
-    face: int = 0  #: a face of the remaining region
+    described = "Merge the region at face {0.other} into that at face {0.face}"
+
     other: int = 0  #: a face of the region that is merged into it
 
     def __post_init__(self) -> None:
-        check_face(self.face)
+        super().__post_init__()
         check_face(self.other)
 
-    def describe(self) -> str:
-        return f"Merge the region at face {self.other} into that at face {self.face}"
-
 
 @dataclass(frozen=True)
-class SplitRegion(Step):
+class SplitRegion(AtFace):
     """Split a region in two where its halves differ most."""
 
-    face: int = 0
-
-    def __post_init__(self) -> None:
-        check_face(self.face)
-
-    def describe(self) -> str:
-        return f"Split the region at face {self.face}"
+    described = "Split the region at face {0.face}"
 
 
 @dataclass(frozen=True)
-class CutRegion(Step):
+class CutRegion(AtFace):
     """Cut a region along a line, swept along a direction such as the view; scan coordinates."""
 
-    face: int = 0
+    described = "Cut the region at face {0.face}"
+
     line: tuple[tuple[float, ...], ...] = ()  #: points, at least 2
     direction: tuple[float, ...] = ()  #: empty: the region's normal
 
     def __post_init__(self) -> None:
-        check_face(self.face)
+        super().__post_init__()
         object.__setattr__(self, "line", tuple(numbers(point, said("a point of line")) for point in self.line))
         object.__setattr__(self, "direction", numbers(self.direction, "direction"))
         check(len(self.line) < 2, said("line must have at least 2 points, got {number}", number=len(self.line)))
@@ -190,102 +171,76 @@ class CutRegion(Step):
             said("direction must have 3 numbers, got {number}", number=len(self.direction)),
         )
 
-    def describe(self) -> str:
-        return f"Cut the region at face {self.face}"
-
 
 @dataclass(frozen=True)
-class PaintFaces(Step):
+class PaintFaces(AtFaces):
     """Make faces a new region, or part of the region of the face `onto`."""
 
-    faces: tuple[int, ...] = ()
     onto: int = -1  #: below 0: a new region
     lock: bool = False  #: lock the painted region
 
     is_stroke = True
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "faces", indices(self.faces))
-
     def describe(self) -> str:
         where = "a new region" if self.onto < 0 else f"the region at face {self.onto}"
-        return f"Paint {count_faces(self.faces)} into {where}" + (", locked" if self.lock else "")
+        return f"Paint {self.named} into {where}" + (", locked" if self.lock else "")
 
 
 @dataclass(frozen=True)
-class EraseFaces(Step):
+class EraseFaces(AtFaces):
     """Erase faces from the region of the first of them; its neighbours take them."""
 
-    faces: tuple[int, ...] = ()
-
+    described = "Erase {0.named} from the region at face {0.faces[0]}"
     is_stroke = True
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "faces", indices(self.faces))
-
-    def describe(self) -> str:
-        return f"Erase {count_faces(self.faces)} from the region at face {self.faces[0]}"
 
 
 @dataclass(frozen=True)
-class SmoothFaces(Step):
+class SmoothFaces(AtFaces):
     """Smooth the region borders inside some faces. The first face may be in a locked region."""
 
-    faces: tuple[int, ...] = ()
+    described = "Smooth the borders in {0.named}"
+
     rounds: int = 10
 
     is_stroke = True
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "faces", indices(self.faces))
+        super().__post_init__()
         must(1 <= self.rounds <= MOST_ROUNDS, "rounds", f"in [1, {MOST_ROUNDS:,}]", self.rounds)
-
-    def describe(self) -> str:
-        return f"Smooth the borders in {count_faces(self.faces)}"
 
 
 @dataclass(frozen=True)
-class GrowRegion(Step):
+class GrowRegion(AtFace):
     """Grow a region by rings of faces."""
 
-    face: int = 0
+    described = "Grow the region at face {0.face} by {0.rings}"
+
     rings: int = 1
 
     def __post_init__(self) -> None:
-        check_face(self.face)
+        super().__post_init__()
         must(self.rings >= 1, "rings", own("at least 1"), self.rings)
-
-    def describe(self) -> str:
-        return f"Grow the region at face {self.face} by {self.rings}"
 
 
 @dataclass(frozen=True)
 class ShrinkRegion(GrowRegion):
     """Shrink a region by rings of faces."""
 
-    def describe(self) -> str:
-        return f"Shrink the region at face {self.face} by {self.rings}"
+    described = "Shrink the region at face {0.face} by {0.rings}"
 
 
 @dataclass(frozen=True)
-class LockRegions(Step):
+class LockRegions(AtFaces):
     """Protect the regions of some faces from all later steps."""
 
-    faces: tuple[int, ...] = ()
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "faces", indices(self.faces))
-
-    def describe(self) -> str:
-        return f"Lock the regions at {count_faces(self.faces)}"
+    described = "Lock the regions at {0.named}"
 
 
 @dataclass(frozen=True)
 class UnlockRegions(LockRegions):
     """Allow later steps to change the regions of some faces again."""
 
-    def describe(self) -> str:
-        return f"Unlock the regions at {count_faces(self.faces)}"
+    described = "Unlock the regions at {0.named}"
 
 
 @dataclass(frozen=True)
@@ -296,71 +251,64 @@ class LeaveOutRegions(LockRegions):
 
     def describe(self) -> str:
         what = "Replace by boxes" if self.box else "Leave out"
-        return f"{what} the regions at {count_faces(self.faces)}"
+        return f"{what} the regions at {self.named}"
 
 
 @dataclass(frozen=True)
 class AddWorst(Step):
     """Add regions at the places of largest error."""
 
+    described = "Add {0.times} at the largest error"
+
     times: int = 1
 
     def __post_init__(self) -> None:
         must(self.times >= 1, "times", own("at least 1"), self.times)
-
-    def describe(self) -> str:
-        return f"Add {self.times} at the largest error"
 
 
 @dataclass(frozen=True)
 class DeleteLeast(AddWorst):
     """Delete the regions whose removal adds least error."""
 
-    def describe(self) -> str:
-        return f"Delete {self.times} of least error"
+    described = "Delete {0.times} of least error"
 
 
 @dataclass(frozen=True)
 class MergeCheapest(AddWorst):
     """Merge the neighbouring regions whose union adds least error."""
 
-    def describe(self) -> str:
-        return f"Merge {self.times} of least error"
+    described = "Merge {0.times} of least error"
 
 
 @dataclass(frozen=True)
 class Improve(Step):
     """Move regions to places where they lower the error more, until it no longer falls."""
 
-    def describe(self) -> str:
-        return "Improve"
+    described = "Improve"
 
 
 @dataclass(frozen=True)
 class EvenBorders(Step):
     """Make all borders between regions short and straight."""
 
+    described = "Even out all borders"
+
     strength: float = 1.0
 
     def __post_init__(self) -> None:
         must(0 <= self.strength <= 1, "strength", "in [0, 1]", self.strength)
-
-    def describe(self) -> str:
-        return "Even out all borders"
 
 
 @dataclass(frozen=True)
 class Mesh(MeshingFields):
     """Turn the regions into polygons."""
 
+    described = "Mesh"
     late = unlabelled(MESHING)
 
     def __post_init__(self) -> None:
         check_options(self, MESHING)
         must(self.chord_tolerance > 0, "chord_tolerance", own("above 0"), self.chord_tolerance)
-
-    def describe(self) -> str:
-        return "Mesh"
 
 
 @dataclass(frozen=True)

@@ -103,7 +103,7 @@ def settings() -> set:
 def unsaid(path) -> list:
     """Sentences in a source that nothing translates: neither a message, nor a fixed text, nor the name of a stage.
 
-    Sentences are strings with two words or more. Texts of `describe` are for logs and scripts.
+    Sentences are strings with two words or more. Texts of `describe` and `described` are for logs and scripts.
     """
     tree, known = ast.parse(path.read_text(encoding="utf-8")), all_strings()
     skipped = {id(part) for call in _calls(tree) for part in ast.walk(call)}
@@ -112,6 +112,8 @@ def unsaid(path) -> list:
             skipped.add(id(node.body[0].value))
         if isinstance(node, ast.FunctionDef) and node.name == "describe":
             skipped |= {id(part) for part in ast.walk(node)}
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "described":
+            skipped.add(id(node.value))
         if isinstance(node, ast.JoinedStr):
             skipped |= {id(part) for part in ast.walk(node) if part is not node}
     found = []
