@@ -51,7 +51,11 @@ TASKS = {
     "round": ("bench.quality.curved", [], "cylinders, cones, spheres, revolutions, extrusions"),
     "step": ("bench.quality.step", [], "STEP files read back by OpenCASCADE"),
     "convex": ("bench.quality.convex", [], "convex parts, with --peers against CoACD and V-HACD"),
-    "tiles": ("bench.studies.tiles", ["pieces", data("building/openmvs_castle_175k.ply"), "1000"], "tiles against one"),
+    "tiles": (
+        "bench.studies.tiles",
+        ["pieces", "fine:" + data("scan/dragon_871k.ply"), "2000"],
+        "tiles against one",
+    ),
 }
 
 

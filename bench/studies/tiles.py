@@ -2,7 +2,8 @@
 
     python -m bench.studies.tiles ARGUMENTS
       pieces SCAN PROXIES [1 4 16 64]    compares tiles with one piece: error, borders, distance, defects;
-                                          SCAN is a file, or city:FACES
+                                          SCAN is a file, city:FACES, or fine:FILE: with the midpoints of edges
+                                          as additional vertices and noise of a tenth of an edge (fine:fine: twice)
       detail SCAN DETAIL [1 4 16 64]     compares the numbers of regions that are found
       city FACES PROXIES                 runs a generated city and prints time and memory of each step
       city FACES PROXIES --kill          kills the command twice, and compares the results bit by bit
@@ -19,7 +20,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,7 @@ import numpy as np
 
 import isimp_engine as engine
 from isimp_engine import batch, tiles
-from isimp_engine.tiles import steps
+from isimp_engine.guides import shared_edges
 from isimp_engine.tiles.splitting import Boxes
 
 SAMPLES = 3_000_000  # places on the polygons that distances are measured to
@@ -72,10 +72,10 @@ def judge(mesh: engine.Mesh, label: np.ndarray) -> tuple[float, float, int]:
     count = int(label.max()) + 1
     sums = np.stack([np.bincount(label[kept], normal[kept, k], count) for k in range(3)], 1)
     error = 2 * (np.linalg.norm(normal[kept], axis=1).sum() - np.linalg.norm(sums, axis=1).sum())
-    faces = steps.faces_of(mesh)
-    own = label[faces.mesh_face]
-    near = np.where(faces.neighbour >= 0, own[faces.neighbour], own[:, None])
-    return error, float(faces.length[near != own[:, None]].sum() / 2), len(np.unique(label[kept]))
+    faces, ends = shared_edges(triangles)
+    ends = ends[label[faces[:, 0]] != label[faces[:, 1]]]
+    length = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1).sum()
+    return error, float(length), len(np.unique(label[kept]))
 
 
 def distances(scan: np.ndarray, path: Path) -> tuple[float, float]:
@@ -101,8 +101,23 @@ def defects(report: dict[str, Any]) -> str:
     return " ".join(f"{report[name]} {name}" for name in names if report[name]) or "sound"
 
 
+def with_midpoints(vertices: np.ndarray, triangles: np.ndarray) -> Mesh:
+    edge = np.sort(np.stack([triangles, np.roll(triangles, -1, 1)], 2).reshape(-1, 2), 1)
+    ends, place = np.unique(edge, axis=0, return_inverse=True)
+    middle = len(vertices) + place.reshape(-1, 3)
+    corners = [np.stack([triangles[:, k], middle[:, k], middle[:, k - 1]], 1) for k in range(3)]
+    return np.concatenate([vertices, vertices[ends].mean(1)]), np.concatenate([*corners, middle])
+
+
 def scan_of(path: Path) -> engine.Mesh:
-    """A file's mesh, or that of a generated city: city:FACES."""
+    """The mesh of a file, a finer one (fine:FILE), or that of a generated city (city:FACES)."""
+    if str(path).startswith("fine:"):
+        vertices, triangles = engine.read(str(path).replace("fine:", ""))
+        for _ in range(str(path).count("fine:")):
+            vertices, triangles = with_midpoints(vertices, triangles)
+        edge = np.linalg.norm(vertices[triangles[:, 1]] - vertices[triangles[:, 0]], axis=1).mean()
+        noise = np.random.default_rng(1).normal(0, edge / 10, vertices.shape)
+        return engine.clean(vertices + noise, triangles.astype(np.int32))
     if not path.name.startswith("city:"):
         return engine.clean(*engine.read(path))
     faces = int(path.name.removeprefix("city:"))
@@ -111,7 +126,7 @@ def scan_of(path: Path) -> engine.Mesh:
         return engine.clean(*engine.read(next((Path(place) / "city").iterdir())))
 
 
-def pieces(path: Path, proxies: int, counts: list[int], groups: list[int]) -> None:
+def pieces(path: Path, proxies: int, counts: list[int]) -> None:
     mesh = scan_of(path)
     triangles, vertices = mesh.triangles, mesh.vertices
     begun = time.process_time()
@@ -125,12 +140,11 @@ def pieces(path: Path, proxies: int, counts: list[int], groups: list[int]) -> No
         print(f"{path.stem}: {len(triangles):,} faces, {whole[2]} regions, one piece: {seconds:.1f} s of processor")
         print(f"  error {whole[0]:.5g}, borders {whole[1]:.5g}, mean distance {mean:.4g}, 99 % {most:.4g}", end="")
         print(f", {poly.report['polygons']} polygons, {defects(poly.report)}")
-        for count, group in product(counts, groups):
-            folder, out = Path(place) / f"in{count}-{group}", Path(place) / f"{count}-{group}.ply"
+        for count in counts:
+            folder, out = Path(place) / f"in{count}", Path(place) / f"{count}.ply"
             parts = cut((vertices, triangles), count, folder)
             begun = time.perf_counter()
-            grouped = {"group": group} if group else {}
-            report = tiles.run(folder, out, proxies=proxies, labels=folder.with_suffix(".labels"), **grouped).report
+            report = tiles.run(folder, out, proxies=proxies, labels=folder.with_suffix(".labels")).report
             seconds = time.perf_counter() - begun
             label = np.empty(len(triangles), np.int32)
             for k, faces in enumerate(parts):
@@ -138,20 +152,15 @@ def pieces(path: Path, proxies: int, counts: list[int], groups: list[int]) -> No
             found = judge(mesh, label)
             own = distances(vertices, out)
             print(
-                f"  {count:3d} tiles{named(report['groups'])}: error {found[0] / whole[0] - 1:+.1%}, "
+                f"  {count:3d} tiles: error {found[0] / whole[0] - 1:+.1%}, "
                 f"borders {found[1] / whole[1] - 1:+.1%}, {found[2]} regions, "
                 f"mean distance {own[0] / mean - 1:+.1%}, 99 % {own[1] / most - 1:+.1%}, "
                 f"{report['output']['polygons']} polygons, {defects(report['output'])}, "
-                f"{len(triangles) / report['thinned_faces']:.1f} x thinned, "
-                f"graph {report['graph_bytes'] / len(triangles):.2f} B a face, {seconds:.1f} s"
+                f"{len(triangles) / report['thinned_faces']:.1f} x thinned, {seconds:.1f} s"
             )
 
 
-def named(groups: int) -> str:
-    return f" in {groups} groups" if groups else ""
-
-
-def detail(path: Path, share: float, counts: list[int], groups: list[int]) -> None:
+def detail(path: Path, share: float, counts: list[int]) -> None:
     mesh = scan_of(path)
     triangles, vertices = mesh.triangles, mesh.vertices
     part = engine.partition(mesh, engine.PartitionOptions(detail=share))
@@ -161,22 +170,18 @@ def detail(path: Path, share: float, counts: list[int], groups: list[int]) -> No
         f"noise {part.report['noise']:.3g}"
     )
     with tempfile.TemporaryDirectory() as place:
-        for count, group in product(counts, groups):
-            folder = Path(place) / f"in{count}-{group}"
+        for count in counts:
+            folder = Path(place) / f"in{count}"
             parts = cut((vertices, triangles), count, folder)
             labels = folder.with_suffix(".labels")
-            grouped = {"group": group} if group else {}
-            report = tiles.run(
-                folder, Path(place) / "o.ply", options={"detail": share}, labels=labels, **grouped
-            ).report
+            report = tiles.run(folder, Path(place) / "o.ply", options={"detail": share}, labels=labels).report
             label = np.empty(len(triangles), np.int32)
             for k, faces in enumerate(parts):
                 label[faces] = np.load(labels / f"{k:03d}.npy")
             found = judge(mesh, label)
             print(
-                f"  {count:3d} tiles{named(report['groups'])}: {report['regions']} regions, "
-                f"noise {report['noise']:.3g}, error {found[0] / whole[0] - 1:+.1%}, "
-                f"borders {found[1] / whole[1] - 1:+.1%}, graph {report['graph_bytes'] / len(triangles):.2f} B a face"
+                f"  {count:3d} tiles: {report['regions']} regions, noise {report['noise']:.3g}, "
+                f"error {found[0] / whole[0] - 1:+.1%}, borders {found[1] / whole[1] - 1:+.1%}"
             )
 
 
@@ -244,7 +249,7 @@ def make_city(folder: Path, faces: int, tile_faces: int = 720_000) -> int:
     return side * side * len(triangles)
 
 
-def city(faces: int, proxies: int, kill: bool, jobs: int, group: int) -> None:
+def city(faces: int, proxies: int, kill: bool, jobs: int) -> None:
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place) / "city"
         faces = make_city(folder, faces)
@@ -252,23 +257,19 @@ def city(faces: int, proxies: int, kill: bool, jobs: int, group: int) -> None:
         options = ["--proxies", str(proxies), "--jobs", str(jobs), "--quiet"]
         environment = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1])}
         begun = time.perf_counter()
-        grouped = {"group": group} if group else {}
-        children = batch.Children(jobs)
-        report = tiles.run(folder, Path(place) / "a.ply", proxies=proxies, children=children, **grouped).report
+        report = tiles.run(folder, Path(place) / "a.ply", proxies=proxies, children=batch.Children(jobs)).report
         seconds = time.perf_counter() - begun
         tile = report["largest_tile"]
         print(f"{faces:,} faces in {report['tiles']} tiles, {report['regions']:,} regions: {seconds:.0f} s with {jobs}")
         print(f"  error {report['error']:.6g}, {report['output']['polygons']:,} polygons, {defects(report['output'])}")
         print(f"  borders: {report['border_edges']:,} edges, {report['unmatched_edges']:,} without a partner")
-        print(f"  graph {report['graph_bytes'] / faces:.2f} B a face, {report['thinned_faces']:,} faces meshed")
-        if report["groups"]:
-            print(f"  {report['groups']} groups leave {report['regions_joined']:,} regions to be merged")
+        print(f"  {report['thinned_faces']:,} faces meshed")
         for step, peak in report["peak_mb"].items():
             print(f"  {step:8} peak {peak:6.0f} MB, {peak * 2**20 / tile:5.0f} B a face of a tile")
         print("  seconds:", report["seconds"])
         if not kill:
             return
-        for step in ("join", "last-01"):
+        for step in ("mend", "thin"):
             process = subprocess.Popen([*command, str(Path(place) / "b.ply"), *options], env=environment)
             while not (Path(place) / ".b.ply.tiles" / step).exists() and process.poll() is None:
                 time.sleep(0.02)
@@ -287,12 +288,10 @@ def main() -> None:
     command.add_argument("scan", type=Path)
     command.add_argument("proxies", type=int)
     command.add_argument("counts", type=int, nargs="*", default=[1, 4, 16, 64])
-    command.add_argument("--groups", type=int, nargs="*", default=[0], help="tiles of a group; 0: as by default")
     command = what.add_parser("detail")
     command.add_argument("scan", type=Path)
     command.add_argument("share", type=float)
     command.add_argument("counts", type=int, nargs="*", default=[1, 4, 16, 64])
-    command.add_argument("--groups", type=int, nargs="*", default=[0], help="tiles of a group; 0: as by default")
     command = what.add_parser("read")
     command.add_argument("faces", type=int, nargs="?", default=2_000_000)
     command = what.add_parser("city")
@@ -300,16 +299,15 @@ def main() -> None:
     command.add_argument("proxies", type=int)
     command.add_argument("--kill", action="store_true")
     command.add_argument("--jobs", type=int, default=2)
-    command.add_argument("--group", type=int, default=0, help="tiles of a group; 0: as by default")
     arguments = parser.parse_args()
     if arguments.what == "pieces":
-        pieces(arguments.scan, arguments.proxies, arguments.counts, arguments.groups)
+        pieces(arguments.scan, arguments.proxies, arguments.counts)
     elif arguments.what == "detail":
-        detail(arguments.scan, arguments.share, arguments.counts, arguments.groups)
+        detail(arguments.scan, arguments.share, arguments.counts)
     elif arguments.what == "read":
         read(arguments.faces)
     else:
-        city(*(getattr(arguments, name) for name in ("faces", "proxies", "kill", "jobs", "group")))
+        city(*(getattr(arguments, name) for name in ("faces", "proxies", "kill", "jobs")))
 
 
 if __name__ == "__main__":

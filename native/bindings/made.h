@@ -14,7 +14,6 @@
 #include "isimp/texture/options.h"
 #include "isimp/texture/unwrap.h"
 #include "kept_mesh.h"
-#include "kept_moments.h"
 #include "stretch.h"
 
 namespace isimp::bindings {
@@ -64,8 +63,6 @@ template <>
 struct type_caster<isimp::BoundSearch::Step> : isimp::bindings::Made<isimp::BoundSearch::Step> {};
 template <>
 struct type_caster<isimp::bindings::Stretch> : isimp::bindings::Made<isimp::bindings::Stretch> {};
-template <>
-struct type_caster<isimp::bindings::KeptMoments> : isimp::bindings::Made<isimp::bindings::KeptMoments> {};
 template <>
 struct type_caster<isimp::bindings::KeptMesh> : isimp::bindings::Made<isimp::bindings::KeptMesh> {};
 template <>

@@ -7,7 +7,7 @@ import numpy as np
 from ._core import (
     Mesh,
     Partition,
-    _tile_measure,
+    _noise,
     all_statistics,
     barrier_faces,
     close_openings,
@@ -52,7 +52,7 @@ _LEAST_NOISE = 0.005  # share of the mean edge: scans have .01 and more, drawn m
 def is_drawn(mesh: Mesh) -> bool:
     """Whether a mesh was drawn and not scanned: it has no noise. Cost: O(F)."""
     edge = math.sqrt(mesh.report["area"] / len(mesh.triangles) * 4 / math.sqrt(3))
-    return bool(_tile_measure(mesh, None)[3] < _LEAST_NOISE * edge)
+    return bool(_noise(mesh) < _LEAST_NOISE * edge)
 
 
 def why_not_round(mesh: Mesh, part: Partition) -> str:

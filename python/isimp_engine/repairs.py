@@ -55,7 +55,7 @@ class Repaired:
 
     @cached_property
     def faces(self) -> Faces:
-        """The faces of the scan and those of the mesh."""
+        """The faces of the scan and of the mesh."""
         source = self.source
         return Faces(self.mesh, source.polygon, source.faces, source.vertices, lambda: source.face_edges)
 

@@ -45,7 +45,7 @@ class _Package:
         raise FileError(f"{self.path}: names no model")
 
     def model(self, name: str) -> tuple[dict[str, _Object], list[tuple[str, str, NDArray[np.float64]]]]:
-        """The objects of a model by number, and what is to be built."""
+        """The objects of a model by number, and its items."""
         if name not in self.models:
             objects: dict[str, _Object] = {}
             items: list[tuple[str, str, NDArray[np.float64]]] = []

@@ -125,32 +125,19 @@ PolygonMesh polygons_of(State& state, Job& job) {
   return result;
 }
 
-void check_moments(const Mesh& mesh, std::span<const SurfaceMoments> moments) {
-  if (!moments.empty() && moments.size() != static_cast<std::size_t>(mesh.face_count()))
-    throw InvalidInput("there are moments of " + std::to_string(moments.size()) + " faces, but the mesh has " +
-                       std::to_string(mesh.face_count()));
-}
-
 }  // namespace
 
-PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job,
-                       std::span<const SurfaceMoments> moments) {
+PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job) {
   check_input(mesh, partition, options);
-  check_moments(mesh, moments);
   if (const std::optional<KeptPart> part = kept_part(mesh, partition, job)) {
-    std::vector<SurfaceMoments> of_part;
-    for (std::size_t k = 0; k < part->face.size() && !moments.empty(); ++k) {
-      of_part.push_back(moments[part->face[k]]);
-      of_part.back().centre += mesh.origin() - part->mesh.origin();
-    }
-    PolygonMesh result = polygonize(part->mesh, part->partition, options, job, of_part);
+    PolygonMesh result = polygonize(part->mesh, part->partition, options, job);
     to_whole(result, *part);
     add_enclosing_boxes(mesh, partition, result);
     return result;
   }
   const auto make = [&](const MeshingOptions& o, double from, double to) {
     Job::Stage stage(job, "meshing", from, to);
-    State state(mesh, partition, o, job, moments);
+    State state(mesh, partition, o, job);
     return polygons_of(state, job);
   };
   const bool may_be_left_off = options.planar && options.planar_most < 1;

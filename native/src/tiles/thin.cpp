@@ -2,78 +2,112 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <memory>
-#include <string>
+#include <array>
+#include <limits>
 #include <utility>
-
-#include "isimp/core/errors.h"
 
 namespace isimp::tiles {
 namespace {
 
 // tuned tiles
-// Cosine of the angle between a face and the mean direction of the scan faces that it represents. Structures inside a
-// region stay, such as houses in one region with the ground: polygons are cut by the directions of their sides, if the
-// roughness of the sides is at most 0.035 (meshing/discs/direction_cut.cpp). Source: own trials; at 0.95 the sides are
-// lost in some tilings of a city.
-constexpr double kLeastCosine = 0.97;  // of the angle by which a face may turn
-constexpr double kLeastSine = 0.02;    // sine between two edges of a new face; far above rounding, so signs are certain
 constexpr std::size_t kLargestRing = 40;     // limit: faces around a vertex that may go
-constexpr std::size_t kTries = 8;            // limit: neighbours that a vertex may be collapsed into
-constexpr std::int64_t kEnough = 50;         // limit: passes end if at most one vertex is removed for kEnough that stay
+constexpr std::int64_t kEnough = 20;         // limit: passes of one cost end if at most one of kEnough faces goes
 constexpr std::int32_t kPollEvery = 0x3fff;  // work
+constexpr double kLeastCosine = 0.2;         // between a face and the mean direction of the scan's faces in it
+constexpr double kLeastQuality = 0.05;       // twice the area of a new face by the square of its longest edge
+// Costs are squared distances, summed over the area, in squares of the mean area of a face. The limit grows until few
+// enough faces are left, so that vertices go nearly in the order of their costs.
+constexpr double kFirstLimit = 1e-4, kLastLimit = 64.0;  // limit: of the cost in the first and in the last passes
+constexpr double kGrowth = 4.0;                          // of the limit from pass to pass
+constexpr double kNear = 1e-3;  // share of the limit that a collapse over the length of an edge costs in addition
 
-/// Removes vertices inside regions from a mesh.
+/// The sum of squared distances from planes, by area, as a polynomial about a vertex
+/// (Garland, Heckbert: Surface Simplification Using Quadric Error Metrics, 1997).
+class Quadric {
+ public:
+  /// Adds a plane through the vertex.
+  void add_plane(const Vec3& normal, double area) {
+    for (int i = 0, k = 0; i < 3; ++i)
+      for (int j = i; j < 3; ++j, ++k) square_[k] += static_cast<float>(area * normal[i] * normal[j]);
+  }
+
+  /// The sum at a place, relative to the vertex.
+  [[nodiscard]] double at(const Vec3& x) const {
+    return std::max(0.0, x.dot(times(x)) + 2 * linear().dot(x) + constant_);
+  }
+
+  /// Adds the quadric of another vertex, which lies at `apart` from this one.
+  void add(const Quadric& other, const Vec3& apart) {
+    const Vec3 turned = other.times(apart);
+    constant_ += static_cast<float>(apart.dot(turned) - 2 * other.linear().dot(apart)) + other.constant_;
+    for (int i = 0; i < 3; ++i) linear_[i] += other.linear_[i] - static_cast<float>(turned[i]);
+    for (int k = 0; k < 6; ++k) square_[k] += other.square_[k];
+  }
+
+ private:
+  [[nodiscard]] Vec3 times(const Vec3& x) const {
+    const auto& s = square_;
+    return {s[0] * x[0] + s[1] * x[1] + s[2] * x[2], s[1] * x[0] + s[3] * x[1] + s[4] * x[2],
+            s[2] * x[0] + s[4] * x[1] + s[5] * x[2]};
+  }
+  [[nodiscard]] Vec3 linear() const { return {linear_[0], linear_[1], linear_[2]}; }
+
+  std::array<float, 6> square_{};  // xx, xy, xz, yy, yz, zz
+  std::array<float, 3> linear_{};
+  float constant_ = 0;
+};
+
+/// Removes vertices from a mesh.
 class Thinner {
  public:
-  Thinner(const Mesh& mesh, std::span<const std::int32_t> label)
+  explicit Thinner(const Mesh& mesh)
       : mesh_(mesh),
-        label_(label),
         triangle_(mesh.triangles().begin(), mesh.triangles().end()),
         head_(static_cast<std::size_t>(mesh.vertex_count()), kNone),
         next_(3 * triangle_.size()),
         heir_(triangle_.size(), kNone),
         seen_(head_.size(), 0),
-        locked_(head_.size(), 0) {
-    for (std::int32_t c = 3 * mesh.face_count() - 1; c >= 0; --c)
-      next_[c] = std::exchange(head_[triangle_[c / 3][c % 3]], c);
-    std::int32_t regions = 0;
-    for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-      regions = std::max(regions, label[f] + 1);
-      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
-        if (mesh.opposite(h) == kNone || label[mesh.opposite(h) / 3] != label[f])
-          locked_[mesh.from(h)] = locked_[mesh.to(h)] = 1;
-    }
-    vector_area_.reserve(triangle_.size());
-    for (const Triangle& face : triangle_) vector_area_.push_back(cross(face).cast<float>());
-    normal_.assign(static_cast<std::size_t>(regions), Vec3::Zero());
-    for (std::int32_t f = 0; f < mesh.face_count(); ++f)
-      if (label[f] != kNone) normal_[label[f]] += cross(triangle_[f]);
-  }
-
-  void run(Job& job) {
-    for (bool more = true; more;) {
-      std::int64_t gone = 0, left = 0;
-      for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) {
-        if ((v & kPollEvery) == 0) job.poll();
-        if (locked_[v] != 0 || !read_star(v)) continue;
-        if (take_out(v)) {
-          head_[v] = kNone;
-          ++gone;
-        } else {
-          ++left;
-        }
-      }
-      more = gone > 0 && gone * kEnough > left;
+        least_(head_.size(), 0),
+        quadric_(head_.size()),
+        vector_area_(triangle_.size()),
+        faces_(mesh.face_count()) {
+    for (std::int32_t h = 3 * mesh.face_count() - 1; h >= 0; --h) next_[h] = std::exchange(head_[mesh.from(h)], h);
+    for (std::size_t f = 0; f < triangle_.size(); ++f) {
+      const Vec3 area = cross(triangle_[f]);
+      vector_area_[f] = area.cast<float>();
+      const double twice = area.norm();
+      if (!(twice > 0)) continue;
+      mean_area_ += twice / 2 / static_cast<double>(triangle_.size());
+      for (const std::int32_t v : triangle_[f]) quadric_[v].add_plane(area / twice, twice / 6);
     }
   }
 
-  [[nodiscard]] bool lives(std::int32_t f) const { return heir_[f] == kNone && label_[f] != kNone; }
+  void run(std::int64_t faces, Job& job) {
+    const double unit = mean_area_ * mean_area_;
+    for (double limit = kFirstLimit; limit <= kLastLimit && faces_ > faces; limit *= kGrowth)
+      for (bool more = true; more && faces_ > faces;) more = pass(faces, limit * unit, job);
+  }
+
   /// Returns for each face the face that represents it after its removal; kNone: the face is live.
   std::vector<std::int32_t> take_heirs() { return std::move(heir_); }
   [[nodiscard]] const Triangle& triangle(std::int32_t f) const { return triangle_[f]; }
 
  private:
+  static constexpr float kNever = std::numeric_limits<float>::infinity();
+
+  /// Removes vertices up to a cost, and returns whether there may be more.
+  bool pass(std::int64_t faces, double limit, Job& job) {
+    const std::int64_t before = faces_;
+    for (std::int32_t v = 0; v < mesh_.vertex_count() && faces_ > faces; ++v) {
+      if ((v & kPollEvery) == 0) job.poll();
+      if (least_[v] > limit) continue;
+      if (!read_star(v) || !take_out(v, limit)) continue;
+      head_[v] = kNone;
+      least_[v] = kNever;
+    }
+    return (before - faces_) * kEnough > before;
+  }
+
   [[nodiscard]] Vec3 cross(const Triangle& t) const {
     const auto p = mesh_.vertices();
     return (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]);
@@ -94,72 +128,66 @@ class Thinner {
     }
   }
 
-  /// Reads the corners and the ring of a vertex inside a region.
+  /// Reads the corners and the ring of a vertex inside the mesh.
   /// \return false if the vertex can't be removed
   bool read_star(std::int32_t v) {
     star_.clear();
     ring_.clear();
     ++stamp_;
-    if (head_[v] == kNone) return false;
     for_each_corner(v, [&](std::int32_t corner) {
       star_.push_back(corner);
       for (const std::int32_t w : triangle_[corner / 3])
         if (w != v && std::exchange(seen_[w], stamp_) != stamp_) ring_.push_back(w);
     });
-    return ring_.size() == star_.size() && ring_.size() >= 3 && ring_.size() <= kLargestRing &&
-           label_[star_[0] / 3] != kNone;
+    if (ring_.size() == star_.size() && ring_.size() >= 3 && ring_.size() <= kLargestRing) return true;
+    least_[v] = kNever;
+    return false;
   }
 
-  bool take_out(std::int32_t v) {
+  bool take_out(std::int32_t v, double limit) {
     const auto p = mesh_.vertices();
     near_.clear();
-    for (const std::int32_t w : ring_) near_.emplace_back((p[w] - p[v]).squaredNorm(), w);
+    double least = kNever;
+    for (const std::int32_t w : ring_) {
+      const Vec3 way = p[w] - p[v];
+      const double cost = quadric_[v].at(way) + quadric_[w].at(Vec3::Zero());
+      if (cost <= limit) near_.emplace_back(cost + kNear * limit * way.squaredNorm() / mean_area_, w);
+      least = std::min(least, cost);
+    }
     std::sort(near_.begin(), near_.end());
-    for (std::size_t k = 0; k < std::min(near_.size(), kTries); ++k)
-      if (fits(v, near_[k].second)) {
-        collapse(v, near_[k].second);
+    for (const auto& [cost, w] : near_)
+      if (fits(v, w)) {
+        collapse(v, w);
         return true;
       }
+    least_[v] = near_.empty() ? static_cast<float>(least) : kNever;  // until its ring changes
     return false;
   }
 
   /// Returns whether the surface stays a manifold and no face turns over if v is collapsed into w.
   bool fits(std::int32_t v, std::int32_t w) {
+    return std::all_of(star_.begin(), star_.end(),
+                       [&](std::int32_t corner) { return has(triangle_[corner / 3], w) || face_fits(corner, w); }) &&
+           links_fit(v, w);
+  }
+
+  /// Returns whether a face keeps its side and its shape if its corner moves to w.
+  [[nodiscard]] bool face_fits(std::int32_t corner, std::int32_t w) const {
+    Triangle t = triangle_[corner / 3];
+    const double quality = quality_of(t, cross(t).norm());
+    const Vec3 own = vector_area_[corner / 3].cast<double>();
+    t[corner % 3] = w;
+    const Vec3 after = cross(t);
+    const double size = after.norm();
+    return size > 0 && quality_of(t, size) > std::min(kLeastQuality, quality / 2) &&
+           own.dot(after) > kLeastCosine * own.norm() * size;
+  }
+
+  [[nodiscard]] double quality_of(const Triangle& t, double twice_area) const {
     const auto p = mesh_.vertices();
-    const Vec3& n = normal_[label_[star_[0] / 3]];
-    for (const std::int32_t corner : star_) {
-      const std::int32_t f = corner / 3;
-      Triangle t = triangle_[f];
-      if (has(t, w)) {
-        if (!heir_fits(f, v, w)) return false;
-        continue;
-      }
-      const Vec3 before = cross(t);
-      t[corner % 3] = w;
-      const Vec3 after = cross(t);
-      const double size = after.norm();
-      const int k = corner % 3;
-      const double first = (p[t[(k + 1) % 3]] - p[w]).norm(), second = (p[t[(k + 2) % 3]] - p[w]).norm();
-      if (!(size > kLeastSine * first * second) || !(along(f, after) > 0)) return false;
-      if (n.dot(before) > 0 && !(n.dot(after) > 0)) return false;
-    }
-    return links_fit(v, w);
-  }
-
-  /// Compares a direction with the mean direction of the scan faces that a face represents. Above 0: the angle is less
-  /// than the limit. 0: at the limit, or there is no direction.
-  [[nodiscard]] double along(std::int32_t f, const Vec3& direction) const {
-    const Vec3 own = vector_area_[f].cast<double>();
-    return own.dot(direction) - kLeastCosine * own.norm() * direction.norm();
-  }
-
-  /// Returns whether the direction of a face's heir is near the face's mean direction after v is collapsed into w.
-  [[nodiscard]] bool heir_fits(std::int32_t face, std::int32_t v, std::int32_t w) const {
-    const std::int32_t heir = heir_of(face, v, w);
-    if (heir == kNone) return true;
-    Triangle t = triangle_[heir];
-    std::replace(t.begin(), t.end(), v, w);
-    return along(face, cross(t)) >= 0;
+    const double longest = std::max(
+        {(p[t[1]] - p[t[0]]).squaredNorm(), (p[t[2]] - p[t[1]]).squaredNorm(), (p[t[0]] - p[t[2]]).squaredNorm()});
+    return longest > 0 ? twice_area / longest : 0.0;
   }
 
   /// Returns whether the rings of v and w share exactly the two vertices opposite the edge between v and w.
@@ -185,37 +213,43 @@ class Thinner {
   }
 
   void collapse(std::int32_t v, std::int32_t w) {
+    const auto p = mesh_.vertices();
+    quadric_[w].add(quadric_[v], p[v] - p[w]);
     for (const std::int32_t corner : star_) {
       const std::int32_t f = corner / 3;
       if (!has(triangle_[f], w)) continue;
       heir_[f] = heir_of(f, v, w);
-      if (heir_[f] != kNone) vector_area_[heir_[f]] += vector_area_[f];
+      vector_area_[heir_[f]] += vector_area_[f];
+      --faces_;
     }
     for (const std::int32_t corner : star_) {
       if (heir_[corner / 3] != kNone) continue;
       triangle_[corner / 3][corner % 3] = w;
       next_[corner] = std::exchange(head_[w], corner);
     }
+    for (const std::int32_t u : ring_) least_[u] = 0;
   }
 
-  /// Returns the neighbour of a removed face of the star that stays and will represent it; kNone: there is none.
+  /// Returns the neighbour of a removed face of the star that stays and will represent it.
   [[nodiscard]] std::int32_t heir_of(std::int32_t face, std::int32_t v, std::int32_t w) const {
     const Triangle& t = triangle_[face];
     const std::int32_t u = *std::find_if(t.begin(), t.end(), [&](std::int32_t x) { return x != v && x != w; });
-    for (const std::int32_t corner : star_)
-      if (corner / 3 != face && has(triangle_[corner / 3], u) && !has(triangle_[corner / 3], w)) return corner / 3;
-    return kNone;
+    return *std::find_if(star_.begin(), star_.end(), [&](std::int32_t corner) {
+      const Triangle& other = triangle_[corner / 3];
+      return corner / 3 != face && has(other, u) && !has(other, w);
+    }) / 3;
   }
 
   const Mesh& mesh_;
-  std::span<const std::int32_t> label_;
   std::vector<Triangle> triangle_;
-  std::vector<std::int32_t> head_, next_;     // lists of the corners at each vertex
-  std::vector<std::int32_t> heir_;            // face that represents a removed face; kNone: the face is live
-  std::vector<Eigen::Vector3f> vector_area_;  // by face: twice the vector area of the scan faces that it represents
-  std::vector<std::int32_t> seen_;            // by vertex
-  std::vector<std::uint8_t> locked_;
-  std::vector<Vec3> normal_;  // by region, not normalised
+  std::vector<std::int32_t> head_, next_;  // lists of the corners at each vertex
+  std::vector<std::int32_t> heir_;         // face that represents a removed face; kNone: the face is live
+  std::vector<std::int32_t> seen_;         // by vertex
+  std::vector<float> least_;               // by vertex: it need not be looked at below this limit
+  std::vector<Quadric> quadric_;
+  std::vector<Eigen::Vector3f> vector_area_;  // by face: twice the vector area of the scan's faces in it
+  std::int64_t faces_;
+  double mean_area_ = 0;
   std::vector<std::int32_t> star_, ring_;
   std::vector<std::pair<double, std::int32_t>> near_;
   std::int32_t stamp_ = 0;
@@ -230,28 +264,19 @@ std::int32_t stands_for(std::vector<std::int32_t>& heir, std::int32_t f) {
   return f;
 }
 
-SurfaceMoments moments_of_face(const Mesh& mesh, std::int32_t f) {
-  const Triangle& t = mesh.triangles()[f];
-  SurfaceMoments m = moments_of(mesh.vertices()[t[0]], mesh.vertices()[t[1]], mesh.vertices()[t[2]]);
-  m.centre += mesh.origin();
-  return m;
-}
-
 }  // namespace
 
-Thinned thin(const Mesh& mesh, std::span<const std::int32_t> label, std::span<const SurfaceMoments> moments, Job& job) {
-  const auto faces = static_cast<std::size_t>(mesh.face_count());
-  if (label.size() != faces || (!moments.empty() && moments.size() != faces))
-    throw InvalidInput("the mesh has " + std::to_string(faces) +
-                       " faces; give one label, and one row of moments or none, for each");
-  auto thinner = std::make_unique<Thinner>(mesh, label);
-  thinner->run(job);
+Thinned thin(const Mesh& mesh, std::int64_t faces, Job& job) {
+  Thinner thinner(mesh);
+  thinner.run(faces, job);
+  std::vector<std::int32_t> heir = thinner.take_heirs();
   Thinned result;
-  std::vector<std::int32_t> vertex(static_cast<std::size_t>(mesh.vertex_count()), kNone), place(faces, kNone);
+  std::vector<std::int32_t> vertex(static_cast<std::size_t>(mesh.vertex_count()), kNone);
+  result.face.assign(heir.size(), kNone);
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    if (!thinner->lives(f)) continue;
-    place[f] = static_cast<std::int32_t>(result.triangles.size());
-    Triangle t = thinner->triangle(f);
+    if (heir[f] != kNone) continue;
+    result.face[f] = static_cast<std::int32_t>(result.triangles.size());
+    Triangle t = thinner.triangle(f);
     for (std::int32_t& v : t) {
       if (vertex[v] == kNone) {
         vertex[v] = static_cast<std::int32_t>(result.vertices.size());
@@ -260,16 +285,8 @@ Thinned thin(const Mesh& mesh, std::span<const std::int32_t> label, std::span<co
       v = vertex[v];
     }
     result.triangles.push_back(t);
-    result.label.push_back(label[f]);
   }
-  std::vector<std::int32_t> heir = thinner->take_heirs();
-  thinner.reset();  // before the moments, which need most memory
-  result.moments.resize(result.triangles.size());
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    if ((f & kPollEvery) == 0) job.poll();
-    if (label[f] != kNone)
-      result.moments[place[stands_for(heir, f)]].add(moments.empty() ? moments_of_face(mesh, f) : moments[f]);
-  }
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) result.face[f] = result.face[stands_for(heir, f)];
   return result;
 }
 

@@ -61,7 +61,7 @@ def show(text: str, beside: bool = False) -> None:
 
 
 def _drop_rest(stream: TextIO) -> None:
-    """Send what is left in the buffers of a stream to the null device: Python writes it again at its end.
+    """Send the rest of the buffers of a stream to the null device: Python writes it again at its end.
 
     A second error there would replace the exit status by 120.
     """

@@ -144,7 +144,7 @@ def add_fields(command: Any, options: Kind, wanted: Sequence[str]) -> None:
 
 
 class _Gone(argparse.Action):
-    """An option of an earlier version: it is taken and has no effect, and stderr says so."""
+    """An option of an earlier version: it has no effect, with a message on stderr."""
 
     def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
         print(f"isimp: {option_string} has no effect: this version does not have it", file=sys.stderr)

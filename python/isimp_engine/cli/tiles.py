@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..batch import BatchError, Children
+from ..recipe.engine_options import PARTITION
 from ..tiles import TileFailed, TilesError
 from ..tiles import run as run_tiles
 from ..tiles.plan import DETAIL
@@ -28,17 +29,6 @@ _WORDS = {  # the names of steps for the user
     "split": "cutting",
     "prepare": "reading",
     "mend": "fitting borders",
-    "patches": "patches",
-    "group": "joining",
-    "level": "joining",
-    "cut": "joining",
-    "join": "joining",
-    "halo": "halos",
-    "relax": "relaxing",
-    "sum": "relaxing",
-    "touch": "merging",
-    "regroup": "merging",
-    "merge": "merging",
     "thin": "thinning",
     "mesh": "meshing",
 }
@@ -72,6 +62,8 @@ def add_options(command: argparse.ArgumentParser) -> None:
     command.add_argument("--jobs", type=int, metavar="N", help="tiles at once. Default: by cores and memory.")
     faces = f"faces of the tiles that one scan is cut into. Default: {TILE_FACES:,}."
     command.add_argument("--tile-faces", type=int, default=TILE_FACES, metavar="N", help=faces)
+    metrics = PARTITION["metric"].choices
+    command.add_argument("--metric", choices=metrics, help=f"as of simplify. Default: {metrics[0]}.")
     command.add_argument("--smooth", type=float, metavar="X", help="as of simplify. Default: 0.5.")
     command.add_argument("--leave-out", type=float, metavar="X", help="as of simplify. Default: 0.001.")
     command.add_argument("--seed", type=int, metavar="N", help="as of simplify; merging draws no random numbers")
@@ -97,7 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
         if screen is not None:
             screen.draw(lambda: progress(now))
 
-    names = ("detail", "tolerance", "noise", "smooth", "leave_out", "seed", "planar")
+    names = ("detail", "tolerance", "noise", "metric", "smooth", "leave_out", "seed", "planar")
     given = {name: getattr(arguments, name) for name in names if getattr(arguments, name) is not None}
     begun = time.monotonic()
     try:
@@ -138,7 +130,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def progress(state: State) -> str:
-    """`relaxing: 3 of 16 tiles, 41 s`."""
+    """`thinning: 3 of 16 tiles, 41 s`."""
     return f"{_WORDS.get(state.step, state.step)}: {state.done:,} of {state.tiles:,} tiles, {state.seconds:.0f} s"
 
 

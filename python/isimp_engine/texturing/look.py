@@ -13,7 +13,7 @@ Fault = Callable[[str], None]  #: takes what can't be used of a file
 
 @dataclass(frozen=True)
 class Material:
-    """A material of a file. Its layers are "color" and those of `TexturedSoup`."""
+    """A material of a file. Its layers are "color" and the layers of `TexturedSoup`."""
 
     name: str
     color: tuple[float, float, float] | None = None  #: stored values, as in images; None: not stated

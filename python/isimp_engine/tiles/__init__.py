@@ -11,13 +11,10 @@ An interrupted run continues from its work folder. docs/scale.md describes it.
 from typing import TYPE_CHECKING
 
 from .._old_names import by_old_name
-from . import steps
 from .errors import TileFailed, TilesError
 from .run import run
 
 __all__ = ["TileFailed", "TilesError", "run"]
 
 if not TYPE_CHECKING:
-    _OLD = {name: f"tiles.steps.{name}" for name in vars(steps) if not name.startswith("_")}
-    _OLD |= {name: f"tiles.run.{name}" for name in ("Outcome", "State")}
-    __getattr__ = by_old_name(__name__, _OLD)
+    __getattr__ = by_old_name(__name__, {name: f"tiles.run.{name}" for name in ("Outcome", "State")})

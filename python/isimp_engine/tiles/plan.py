@@ -20,7 +20,7 @@ from .errors import TileFailed, TilesError
 from .tileset import Leaf, leaves, tileset_of
 
 DETAIL = 0.005  #: if neither a number nor a tolerance is given; the same as for one piece
-PARTITION = ("proxies", "detail", "tolerance", "noise", "snap", "smooth", "leave_out", "seed")
+PARTITION = ("proxies", "detail", "tolerance", "noise", "snap", "metric", "smooth", "leave_out", "seed")
 
 
 @dataclass(frozen=True)

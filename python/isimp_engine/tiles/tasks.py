@@ -1,5 +1,6 @@
 """The work of a child process: one step of one tile, or of all together. It reads and writes files of arrays."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,17 +13,21 @@ from .. import (
     FileError,
     InvalidInput,
     Mesh,
+    MeshingOptions,
+    PartitionOptions,
+    _core,
     clean,
+    partition,
+    polygonize,
+    write,
 )
-from ..file_faces import cut, largest_shares
+from ..file_faces import cut
 from ..reading import read_polygons
-from . import borders, grouped, meshing, steps, tileset
+from . import borders, tileset
 from .splitting import split_scan
 from .store import MADE, load, of_tile, save, save_values, tile_name
 
 _CLEAN = CleanOptions(stitch=0, grid=0, threads=1)  # tiles share their borders with their neighbours
-_FINER = 4.0  # ratio of the tolerance at which the joined tree is cut to that of the patches
-SURPLUS = 2.2  # regions before the last merging, as a multiple of a given number
 _T_JUNCTION = 1e-9  # share of the diagonal: largest distance of a T-junction from its edge without welding
 
 Task = dict[str, Any]
@@ -68,16 +73,23 @@ def _prepare(task: Task, work: Path, made: Path) -> dict[str, Any]:
         save(made, vertices=nothing, triangles=np.zeros((0, 3), np.int32), polygon=np.zeros(0, np.int32))
         save(made, ends=np.zeros((0, 2), np.int32), face=np.zeros(0, np.int32), corner=np.zeros(0, np.int8))
         return {"file_faces": faces, "faces": 0, "repairs": {}, "low": None, "high": None}
-    neighbour, mesh_face = steps.faces_of(whole)[1:3]
-    at, corner = borders.border_edges(neighbour)
-    face = mesh_face[at]
     corners = whole.triangles
+    face, corner, ends = _border_of(whole)
     save(made, vertices=whole.vertices, triangles=corners, polygon=polygon[whole.source_face])
-    save(made, ends=np.stack([corners[face, corner], corners[face, (corner + 1) % 3]], 1), face=face, corner=corner)
+    save(made, ends=ends, face=face, corner=corner)
     low, high = whole.vertices.min(0).tolist(), whole.vertices.max(0).tolist()
     repairs = {name: count for name, count in whole.report["repairs"].items() if count}
     values = {"file_faces": faces, "faces": len(corners), "repairs": repairs, "low": low, "high": high}
-    return values | ({"extent": steps.measure(whole)._asdict()} if task.get("measured") else {})
+    return values | ({"noise": _core._noise(whole), "area": whole.report["area"]} if task.get("measured") else {})
+
+
+def _border_of(mesh: Mesh) -> tuple[NDArray[np.int32], NDArray[np.int8], NDArray[np.int32]]:
+    """Return the border edges of a mesh: the face and the first corner of each, and its two ends."""
+    edge = _core._tile_border(mesh)
+    face, corner = edge // 3, edge % 3
+    triangles = mesh.triangles
+    ends = np.stack([triangles[face, corner], triangles[face, (corner + 1) % 3]], 1)
+    return face.astype(np.int32), corner.astype(np.int8), ends
 
 
 def _clean(vertices: NDArray[Any], triangles: NDArray[Any]) -> Mesh | None:
@@ -103,7 +115,7 @@ def _mend(task: Task, work: Path, made: Path) -> dict[str, Any]:
     place = np.concatenate([np.zeros((0, 3)), *points])
     moved = np.zeros(0, np.int64)
     if task["weld"] > 0 and len(place):
-        to = steps.weld(place, tile_of, task["weld"])
+        to = _core._tile_weld(place, tile_of, task["weld"])
         moved = np.flatnonzero((place[to] != place).any(1))
         place = place[to]
     first = np.cumsum([0] + [len(v) for v in vertex])
@@ -149,7 +161,7 @@ def _t_junctions(
     _, one = np.unique(names[points] ^ tile_of[points].astype(np.uint64), return_index=True)
     points = points[np.sort(one)]
     length = max(task["weld"], _T_JUNCTION * task["diagonal"])
-    found = steps.points_on_edges(place[edge[left]].reshape(-1, 3), place[points], length)
+    found = _core._tile_points_on_edges(place[edge[left]].reshape(-1, 3), place[points], length)
     if not len(found):
         return nothing
     result = np.stack([left[found[:, 0]], points[found[:, 1]]], 1)
@@ -160,26 +172,22 @@ def _t_junctions(
     return kept
 
 
-def _patches(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """Save the faces of the mended mesh of a tile, its patches, and the fringe that other tiles need."""
-    tile = task["tile"]
-    mesh, polygon = _mended(work, tile)
+def _thin(task: Task, work: Path, made: Path) -> dict[str, Any]:
+    """Save the mended mesh of a tile with fewer faces, and the thinned face that each face has become part of."""
+    mesh, polygon = _mended(work, task["tile"])
     if mesh is None:
-        return {"faces": 0, "patches": 0}
-    # The arrays for relaxing are saved before the patches are made, so that memory never holds both.
-    record, neighbour, mesh_face, length = steps.faces_of(mesh)
-    save(made, record=record, neighbour=neighbour, mesh_face=mesh_face, length=length, polygon=polygon)
-    del length, polygon
-    fringe = borders.fringe_of(record, neighbour, mesh_face, mesh.triangles, mesh.vertices)
-    save(made, **{f"fringe_{name}": array for name, array in fringe._asdict().items()})
-    faces, edge_face = len(record), fringe.edge_face
-    del record, neighbour, mesh_face, fringe
-    if "tolerance" in task:
-        found = steps.detail_patches(mesh, task["tolerance"] / _FINER, task["noise"])
-    else:
-        found = steps.patches(mesh, task["size"], task["smooth"])
-    save(made, label=found.label, sums=found.sums, pairs=found.pairs, edge_patch=found.label[edge_face])
-    return {"faces": faces, "patches": len(found.sums)}
+        return {"faces": 0, "thinned_faces": 0}
+    faces = len(mesh.triangles)
+    save(made, edge_keys=borders.place_keys(mesh.vertices)[_border_of(mesh)[2]], area=_areas(mesh), polygon=polygon)
+    vertices, triangles, to = _core._tile_thin(mesh, math.ceil(task["share"] * faces))
+    save(made, vertices=vertices, triangles=triangles, to=to)
+    return {"faces": faces, "thinned_faces": len(triangles)}
+
+
+def _areas(mesh: Mesh) -> NDArray[np.float32]:
+    corners = [mesh.vertices[mesh.triangles[:, k]] for k in range(3)]
+    areas: NDArray[np.float32] = np.linalg.norm(np.cross(corners[1] - corners[0], corners[2] - corners[0]), axis=1)
+    return areas.astype(np.float32)
 
 
 def _mended(work: Path, tile: int) -> tuple[Mesh | None, NDArray[np.int32]]:
@@ -199,228 +207,53 @@ def _mended(work: Path, tile: int) -> tuple[Mesh | None, NDArray[np.int32]]:
     return mesh, polygon[source[mesh.source_face]] if mesh is not None else polygon[:0]
 
 
-def fringe(work: Path, tile: int) -> borders.Fringe:
-    folder = of_tile(work, "patches", tile)
-    return borders.Fringe(*(load(folder, f"fringe_{name}") for name in borders.Fringe._fields))
-
-
-def _join(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """Join the graphs of patches, or of groups, and merge them to the number found, or to SURPLUS times a given one."""
-    tiles, groups = task["present"], task["groups"]
-    folders = [of_tile(work, "cut" if groups else "patches", k) for k in (range(groups) if groups else tiles)]
-    sums = [load(folder, "sums") for folder in folders]
-    first = np.cumsum([0] + [len(each) for each in sums])
-    keys = [load(folder, "fringe_edge_keys") for folder in folders]
-    patch = np.concatenate([load(f, "edge_patch") + o for f, o in zip(folders, first, strict=False)]).astype(np.int32)
-    edge_tile = np.repeat(np.arange(len(keys), dtype=np.int32), [len(k) for k in keys])
-    matched = borders.match(np.concatenate(keys), edge_tile)
-    inner = [load(f, "pairs") + o for f, o in zip(folders, first, strict=False)]
-    pairs = np.concatenate([*inner, patch[matched]]).astype(np.int32)
-    lengths = np.zeros(len(pairs))  # borders cost nothing yet
-    whole = np.concatenate(sums)
-    free = np.ones(len(patch), bool)
-    free[matched.ravel()] = False
-    open_nodes = np.concatenate([load(f, "open") for f in folders]) if groups else np.zeros(len(whole), np.uint8)
-    open_nodes[patch[free]] = 1
-    asked = task["wanted"].get("proxies")
-    found = steps.find_components(whole, pairs, lengths, open_nodes, asked or 1, task["leave_out"])
-    needed = int(found.need.sum())
-    by_detail = None if asked else steps.find_regions(whole, pairs, found, **task["wanted"])
-    wanted = max(asked if by_detail is None else by_detail.regions, needed)
-    target = int(SURPLUS * wanted) if asked else wanted
-    label = steps.merge(whole, pairs, lengths, found, max(target, needed))
-    region_sums, component = _merged(whole, found.component, label)
-    save(made, first=first, label=label, sums=region_sums, component=component, need=found.need)
-    return {
-        "regions": len(region_sums),
-        "wanted": wanted,
-        "cost": by_detail and by_detail.cost,
-        "snapped": by_detail and by_detail.snapped,
-        "needed": needed,
-        "left_out": found.left_out,
-        "area_left_out": found.area_left_out,
-        "area": float(whole[:, 3].sum() / 2),
-    } | (grouped.totals(work, groups) if groups else _totals(tiles, folders, keys, len(whole), len(matched)))
-
-
-def _totals(tiles: list[int], folders: list[Path], keys: list[Any], patches: int, matched: int) -> dict[str, Any]:
-    near = borders.neighbours_of(keys)
-    return {
-        "patches": patches,
-        "border_edges": sum(len(each) for each in keys),
-        "matched_edges": 2 * matched,
-        "graph_bytes": grouped.graph_bytes(folders),
-        "near": {str(tiles[k]): [tiles[j] for j in near[k]] for k in range(len(tiles))},
-    }
-
-
-def _merged(
-    sums: NDArray[np.float64], component: NDArray[np.int32], label: NDArray[np.int32]
-) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Return the sums and the components of regions, from the sums and components of their nodes."""
-    kept = label >= 0
-    count = int(label.max()) + 1
-    merged = np.empty((count, 5))
-    for k in range(5):
-        merged[:, k] = np.bincount(label[kept], sums[kept, k], count)
-    of = np.full(count, -1, np.int32)
-    of[label[kept]] = component[kept]
-    return merged, of
-
-
-def _halo(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """Save the halo of a tile, and the first labels of its faces."""
-    tile, near = task["tile"], task["near"]
-    folder, join = of_tile(work, "patches", tile), of_tile(work, "join", 0)
-    own = fringe(work, tile)
-    halo = borders.halo_of(tile, load(folder, "neighbour"), own, {k: fringe(work, k) for k in near})
-    save(made, **halo._asdict())
-    label = load(folder, "label")
-    if "group" in task:
-        label = load(of_tile(work, "cut", task["group"]), "label")[task["at"] + label]
-    label = load(join, "label")[task["first"] + label]
-    save(made, label=label, fringe_label=label[own.face])
-    return {"halo": len(halo.record)}
-
-
-def _labels(task: Task, work: Path) -> NDArray[np.int32]:
-    """Return the labels of a tile and its halo after the previous step."""
-    tile, before = task["tile"], task["before"]
-    halo = of_tile(work, "halo", tile)
-    owner, place = load(halo, "tile"), load(halo, "place")
-    label = np.append(load(of_tile(work, before, tile), "label"), np.empty(len(owner), np.int32))
-    out = label[len(label) - len(owner) :]
-    for other in np.unique(owner).tolist():
-        rows = owner == other
-        out[rows] = load(of_tile(work, before, other), "fringe_label")[place[rows]]
-    if "relabel" in task:
-        to = np.append(load(of_tile(work, task["relabel"], 0), "label"), np.int32(-1))
-        label = to[label]
-    return label
-
-
-def _relax(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    tile = task["tile"]
-    folder, place = of_tile(work, "patches", tile), of_tile(work, "halo", tile)
-    halo = borders.Halo(*(load(place, name) for name in borders.Halo._fields))
-    record = np.concatenate([load(folder, "record"), halo.record])
-    own = len(record) - len(halo.record)
-    rank = borders.ranks(task["tiles"], task["round"])
-    done = steps.relax(
-        record,
-        halo.neighbour,
-        own,
-        _labels(task, work),
-        borders.frozen_of(halo, own, tile, rank),
-        load(of_tile(work, task["sums"], 0), "sums"),
-        steps.WholeScan(**task["whole"]),
+def _mesh(task: Task, work: Path, made: Path) -> dict[str, Any]:
+    """Join the thinned tiles, write the polygons, and save the region of each thinned face; -1: none."""
+    folders = [of_tile(work, "thin", tile) for tile in task["present"]]
+    mesh = _joined(folders)
+    options = PartitionOptions(**task["partition"], threads=task["threads"])
+    part = partition(mesh, options)
+    region = np.full(sum(len(load(folder, "triangles", mapped=True)) for folder in folders), -1, np.int32)
+    region[mesh.source_face] = part.face_region
+    save(made, region=region)
+    poly = polygonize(mesh, part, MeshingOptions(**task["meshing"], threads=task["threads"]))
+    write(made / task["output"], poly)
+    report = {key: value for key, value in poly.report.items() if key not in ("imperfect", "work")}
+    found = {name: part.report[name] for name in ("tolerance", "noise", "snapped", "error")}
+    return (
+        found
+        | _border_counts(folders)
+        | {
+            "regions": part.region_count,
+            "parts_left_out": part.parts_left_out,
+            "area_left_out": part.area_left_out,
+            "thinned_faces": len(mesh.triangles),
+            "diagonal": mesh.report["diagonal"],
+            "output": report,
+        }
     )
-    save(made, label=done.label, fringe_label=done.label[load(folder, "fringe_face")])
-    save(made, changed=done.changed, change=done.change)
-    return {"moves": done.moves}
 
 
-def _sum(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """Save the sums of all regions after a round."""
-    folders = [of_tile(work, task["after"], tile) for tile in task["present"]]
-    changes = [(load(folder, "changed"), load(folder, "change")) for folder in folders]
-    save(made, sums=steps.add_changes(load(of_tile(work, task["sums"], 0), "sums"), changes))
-    return {}
+def _joined(folders: list[Path]) -> Mesh:
+    """Join the thinned meshes of tiles. Equal vertices become one, so tiles join where they fit."""
+    first = np.cumsum([0] + [len(load(folder, "vertices", mapped=True)) for folder in folders])
+    vertices = np.concatenate([load(folder, "vertices") for folder in folders])
+    triangles = np.concatenate([load(f, "triangles") + np.int32(o) for f, o in zip(folders, first, strict=False)])
+    return clean(vertices, triangles, CleanOptions(stitch=0, grid=0))
 
 
-def _touch(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    tile = task["tile"]
-    length = load(of_tile(work, "patches", tile), "length")
-    place, label = of_tile(work, "halo", tile), _labels(task, work)
-    pairs, lengths = steps.touching(load(place, "neighbour"), len(length), label, length)
-    save(made, pairs=pairs, lengths=lengths)
-    if task["groups"]:
-        halo = borders.Halo(*(load(place, name) for name in borders.Halo._fields))
-        save(made, rim=grouped.rim_of(halo, label, len(length)))
-    return {}
-
-
-def _merge(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """Merge the regions to the number to be made."""
-    folders = [of_tile(work, "touch", tile) for tile in task["present"]]
-    pairs, lengths = (np.concatenate([load(folder, name) for folder in folders]) for name in ("pairs", "lengths"))
-    sums, join, groups = load(of_tile(work, task["sums"], 0), "sums"), of_tile(work, "join", 0), task["groups"]
-    whole, component, need = len(sums), load(join, "component"), load(join, "need")
-    target, cost = task["target"], task["cost"]
-
-    def part(label: NDArray[np.int32]) -> tuple[Any, Any, Any, steps.Components]:
-        joined = steps.contracted(label, sums, pairs, lengths)
-        of = np.empty(len(joined[0]), np.int32)
-        of[label] = component
-        return *joined, steps.Components(of, need, 0, 0.0)
-
-    label = np.arange(whole, dtype=np.int32)
-    rest, near, own_lengths, found = sums, pairs, lengths, steps.Components(component, need, 0, 0.0)
-    if groups:
-        price = grouped.price_of_regions(work, groups, whole, target) if cost is None else cost / 2
-        label = grouped.merged_in_groups(work, groups, whole, price)
-        rest, near, own_lengths, found = part(label)
-    if cost is not None:  # count again: borders have moved, and some regions are now similar to their neighbours
-        target = min(target, steps.find_regions(rest, near, found, 0.0, 0.0, cost=cost).regions)
-    joined = len(rest)
-    label = steps.merge(rest, near, own_lengths, found, target, task["smooth"], task["error"], target)[label]
-    merged, of = _merged(sums, component, label)
-    save(made, label=label, sums=merged, component=of)
-    return {"regions": len(merged), "joined": joined}
-
-
-def _thin(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """Save the thinned mesh of a tile for meshing, and the labels of the file's faces."""
-    tile = task["tile"]
-    mesh, polygon = _mended(work, tile)
-    assert mesh is not None
-    folder = of_tile(work, "patches", tile)
-    mesh_face = load(folder, "mesh_face")
-    region = np.empty(len(mesh_face), np.int32)
-    region[mesh_face] = load(of_tile(work, task["before"], tile), "label")
-    area = np.empty(len(mesh_face))
-    area[mesh_face] = load(folder, "record")[:, 3]
-    if task["labels"]:
-        save(made, face=np.unique(polygon), region=_file_labels(polygon, region, area))
-    thinned = steps.thin(mesh, region)
-    save(made, **thinned._asdict())
-    length = load(folder, "length")
-    neighbour = load(of_tile(work, "halo", tile), "neighbour")
-    borders_length = float(steps.touching(neighbour, len(length), _labels(task, work), length)[1].sum())
-    return {"faces": len(thinned.triangles), "borders": borders_length}
-
-
-def _file_labels(polygon: NDArray[np.int32], region: NDArray[np.int32], area: NDArray[np.float64]) -> NDArray[np.int32]:
-    """Return the region with most of the area of each face of the file that is left, in rising order of the faces."""
-    kept = region >= 0
-    faces, at = np.unique(polygon, return_inverse=True)
-    result = np.full(len(faces), -1, np.int32)
-    result[at[kept]] = region[kept]
-    shared = np.bincount(at[kept][result[at[kept]] != region[kept]], minlength=len(faces)) > 0
-    several = kept & shared[at]
-    if several.any():
-        place, largest = largest_shares(at[several].astype(np.int32), region[several], area[several])
-        result[place] = largest
-    return result
+def _border_counts(folders: list[Path]) -> dict[str, int]:
+    keys = [load(folder, "edge_keys") for folder in folders]
+    tile = np.repeat(np.arange(len(keys), dtype=np.int32), [len(k) for k in keys])
+    return {"border_edges": len(tile), "matched_edges": 2 * len(borders.match(np.concatenate(keys), tile))}
 
 
 _STEPS: dict[str, Callable[[Task, Path, Path], dict[str, Any]]] = {
     "split": _split,
     "prepare": _prepare,
     "mend": _mend,
-    "patches": _patches,
-    "group": grouped.group,
-    "level": grouped.level,
-    "cut": grouped.cut,
-    "join": _join,
-    "halo": _halo,
-    "relax": _relax,
-    "sum": _sum,
-    "touch": _touch,
-    "regroup": grouped.regroup,
-    "merge": _merge,
     "thin": _thin,
-    "mesh": meshing.mesh_all,
+    "mesh": _mesh,
 }
-#: regular expression of the folders of steps in a work folder; rounds of relaxing have a number
-FOLDERS = "|".join([*(step for step in _STEPS if step not in ("relax", "sum")), r"(first|last)-\d+(-sums)?"])
+#: regular expression of the folders of steps in a work folder, also of earlier versions
+FOLDERS = "|".join([*_STEPS, "patches|group|level|cut|join|halo|touch|regroup|merge", r"(first|last)-\d+(-sums)?"])

@@ -140,19 +140,5 @@ TEST(KeptPart, ABoxReplacesRegionsThatAreTurnedAsTheyStand) {
   EXPECT_NEAR(volume, 1, 1e-9);
 }
 
-TEST(KeptPart, MomentsOfTheKeptFacesCount) {
-  const Cube cube;
-  const Partition part = cube.without({cube.top});
-  Job job;
-  std::vector<SurfaceMoments> moments;
-  for (const auto& [a, b, c] : cube.mesh.triangles()) {
-    const auto v = cube.mesh.vertices();
-    moments.push_back(moments_of(v[a], v[b], v[c]));
-  }
-  const PolygonMesh p = polygonize(cube.mesh, part, {}, job, moments), plain = run(cube.mesh, part);
-  EXPECT_EQ(p.loops, plain.loops);
-  for (std::size_t v = 0; v < p.vertices.size(); ++v) EXPECT_LT((p.vertices[v] - plain.vertices[v]).norm(), 1e-6);
-}
-
 }  // namespace
 }  // namespace isimp

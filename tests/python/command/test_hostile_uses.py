@@ -267,12 +267,18 @@ def test_a_damaged_tile_is_named_once(tmp_path, tile):
 
 @needs_fork
 def test_tiles_without_an_area_or_with_huge_numbers_are_named(tmp_path, tile):
-    with pytest.raises(tiles.TileFailed, match="numbers are not finite, since coordinates or a length that was given"):
-        tiles.run(tile, tmp_path / "o.obj", options={"noise": 1e300})
     vertices, triangles = shapes.cube(1)
-    meshfiles.obj(tile / "tile_00.obj", vertices * 0, triangles.tolist())
-    with pytest.raises(tiles.TileFailed, match="no tile has a face"):
-        tiles.run(tile, tmp_path / "o.obj", proxies=6)
+    for size in (0, 1e200):
+        meshfiles.obj(tile / "tile_00.obj", vertices * size, triangles.tolist())
+        with pytest.raises(tiles.TileFailed, match="no tile has a face"):
+            tiles.run(tile, tmp_path / "o.obj", proxies=6)
+
+
+def test_numbers_that_are_not_finite_are_no_values_of_a_step(tmp_path):
+    with pytest.raises(
+        engine.InvalidInput, match="numbers are not finite, since coordinates or a length that was given"
+    ):
+        store.save_values(tmp_path, {"error": float("inf")})
 
 
 @pytest.mark.parametrize("content", [b"", b"noise" * 30, b"\x93NUMPY", b"PK\x03\x04" + bytes(30)])
@@ -285,11 +291,11 @@ def test_damaged_arrays_of_a_work_folder_are_named(tmp_path, content):
 
 
 @needs_fork
-@pytest.mark.parametrize(("name", "content"), [("values.json", b""), ("sums.npy", None)])
+@pytest.mark.parametrize(("name", "content"), [("values.json", b""), ("triangles.npy", None)])
 def test_a_damaged_work_folder_is_named_once_and_then_made_again(tmp_path, tile, name, content):
     work, command = tmp_path / "work", ["tiles", tile, tmp_path / "o.obj", "--proxies", 6, "--quiet", "--work"]
     assert isimp(*command, work).returncode == 0
-    damaged = work / "join" / "000000" / name
+    damaged = work / "thin" / "000000" / name
     damaged.unlink() if content is None else damaged.write_bytes(content)
     for path in work.glob("mesh*"):
         (path / "000000" / "values.json").unlink()
@@ -298,4 +304,4 @@ def test_a_damaged_work_folder_is_named_once_and_then_made_again(tmp_path, tile,
     assert len(done.stderr.splitlines()) == 1
     assert f"{name}: is damaged; the next run begins with an empty work folder" in done.stderr
     assert isimp(*command, work).returncode == 0
-    assert json.loads((work / "join" / "000000" / "values.json").read_text())
+    assert json.loads((work / "thin" / "000000" / "values.json").read_text())

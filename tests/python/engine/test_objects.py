@@ -159,12 +159,11 @@ def test_an_object_that_was_never_made_is_no_argument():
 
 
 def test_nor_is_one_of_a_private_class():
-    mesh, part, polygons = made()[:3]
+    polygons = made()[2]
     search = _core._BoundSearch
     for kind, use in [
         (_core._Atlas, lambda empty: _core._uv(polygons, empty)),
         (_core._Atlas, lambda empty: empty.side),
-        (_core._Moments, lambda empty: _core._tile_polygonize(mesh, part, engine.MeshingOptions(), empty)),
         (search, lambda empty: empty.next()),
         (search.Step, lambda empty: empty.share),
         (_core._Stretch, lambda empty: empty.__enter__()),

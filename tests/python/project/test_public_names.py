@@ -2,6 +2,7 @@
 
 import inspect
 import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -54,7 +55,7 @@ def test_a_job_is_a_keyword():
         (engine, "read_polygons", reading.read_polygons, "private from the next version on"),
         (batch, "read_rows", batch.table.read_rows, "isimp_engine.batch.table.read_rows"),
         (batch, "Ending", engine.children.process.Ending, "isimp_engine.children.process.Ending"),
-        (tiles, "merge_inside", tiles.steps.merge_inside, "isimp_engine.tiles.steps.merge_inside"),
+        (tiles, "Outcome", sys.modules["isimp_engine.tiles.run"].Outcome, "isimp_engine.tiles.run.Outcome"),
     ],
 )
 def test_names_of_before_work(package, old, thing, said):

@@ -20,7 +20,7 @@ def test_workers_of_a_cluster_give_the_same_bits_also_when_one_is_killed(tmp_pat
     command = [sys.executable, "-m", "isimp_engine", "tiles", folder, tmp_path / "a.ply", *options]
     command += ["--dask", address, "--work", tmp_path / "work"]
     process = subprocess.Popen([*map(str, command)], env=ENVIRONMENT, stderr=subprocess.PIPE, text=True)
-    wait_for((tmp_path / "work" / "join").exists)
+    wait_for((tmp_path / "work" / "mend").exists)
     processes[-1].kill()
     said = process.communicate(timeout=120)[1]
     assert process.returncode == 0, said

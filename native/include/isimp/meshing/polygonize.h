@@ -8,7 +8,6 @@
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
 #include "isimp/mesh/mesh.h"
-#include "isimp/meshing/moments.h"
 #include "isimp/meshing/options.h"
 #include "isimp/partition/partition.h"
 
@@ -117,13 +116,10 @@ struct PolygonMesh {
 /// that is left out, border others, the polygons end there as at a border of the scan. Boxes that replace regions follow the
 /// polygons of the others.
 ///
-/// \param moments  (F) moments of the surface that each face of a thinned mesh stands for (tiles/thin.h), in the mesh's
-///                 own coordinates; planes are fitted to them. Empty: the moments of the faces
-/// \throws InvalidInput  the partition is not one of this mesh; not F moments, or moments with such faces; an option out
-///                       of its range; all regions are left out
+/// \throws InvalidInput  the partition is not one of this mesh; an option out of its range; all regions are left
+///                       out
 /// \throws Cancelled     nothing was made
 /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 4.
-PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job,
-                       std::span<const SurfaceMoments> moments = {});
+PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job);
 
 }  // namespace isimp

@@ -18,8 +18,7 @@ struct Moments {
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();  ///< its lower half
   std::int32_t face = kNone;
 
-  /// \param given  as of Labels
-  void add(const Mesh& mesh, std::int32_t f, const Vec3& origin, std::span<const SurfaceMoments> given) {
+  void add(const Mesh& mesh, std::int32_t f, const Vec3& origin) {
     const Triangle& t = mesh.triangles()[f];
     const Vec3 a = mesh.vertices()[t[0]] - origin, b = mesh.vertices()[t[1]] - origin,
                c = mesh.vertices()[t[2]] - origin;
@@ -28,24 +27,11 @@ struct Moments {
     const Vec3 sum = a + b + c;
     if (face == kNone) face = f;
     normal += n;
-    if (!given.empty()) {
-      add(given[f], origin);
-      return;
-    }
     area += s;
     first += s / 3 * sum;
     // The integral of x x^T over a triangle is its area / 12 times this.
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j <= i; ++j) second(i, j) += s / 12 * (sum[i] * sum[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j]);
-  }
-
- private:
-  void add(const SurfaceMoments& m, const Vec3& origin) {
-    const Vec3 c = m.centre - origin;
-    area += m.area;
-    first += m.area * c;
-    for (int i = 0, k = 0; i < 3; ++i)
-      for (int j = 0; j <= i; ++j, ++k) second(i, j) += m.second[k] + m.area * c[i] * c[j];
   }
 };
 
@@ -85,7 +71,7 @@ std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const
       if (part == 0 && f % kStride == 0) job.poll();
       if (f + kAhead < mesh.face_count() && mine(f + kAhead))
         for (const std::int32_t v : mesh.triangles()[f + kAhead]) prefetch(&mesh.vertices()[v]);
-      if (mine(f)) moments[labels.label[f]].add(mesh, f, origin[labels.label[f]], labels.moments);
+      if (mine(f)) moments[labels.label[f]].add(mesh, f, origin[labels.label[f]]);
     }
     for (std::int32_t l = begin; l < end; ++l) planes[l] = plane(mesh, moments[l], origin[l]);
   };
@@ -169,27 +155,11 @@ Scale scale_of(const Labels& labels, std::span<const Plane> planes) {
   return scale;
 }
 
-Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const SurfaceMoments> given) {
+Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces) {
   Moments moments;
   const Vec3 origin = mesh.vertices()[mesh.triangles()[faces[0]][0]];
-  for (const std::int32_t f : faces) moments.add(mesh, f, origin, given);
+  for (const std::int32_t f : faces) moments.add(mesh, f, origin);
   return plane(mesh, moments, origin);
 }
 
 }  // namespace isimp::meshing
-
-namespace isimp {
-
-SurfaceMoments moments_of(const Vec3& a, const Vec3& b, const Vec3& c) {
-  SurfaceMoments m;
-  m.area = (b - a).cross(c - a).norm() / 2;
-  m.centre = (a + b + c) / 3;
-  for (const Vec3& p : {a, b, c}) {
-    const Vec3 d = p - m.centre;
-    for (int i = 0, k = 0; i < 3; ++i)
-      for (int j = 0; j <= i; ++j, ++k) m.second[k] += m.area / 12 * d[i] * d[j];
-  }
-  return m;
-}
-
-}  // namespace isimp

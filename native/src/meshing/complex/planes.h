@@ -6,7 +6,6 @@
 
 #include "discs/labels.h"
 #include "isimp/core/threads.h"
-#include "isimp/meshing/moments.h"
 #include "isimp/partition/partition.h"
 
 namespace isimp::meshing {
@@ -43,8 +42,7 @@ Scale scale_of(const Labels& labels, std::span<const Plane> planes);
 std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const Job& job);
 
 /// The plane of one chart from its faces.
-/// \param moments  as of Labels
-Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const SurfaceMoments> moments = {});
+Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces);
 
 /// Turns the plane of a chart into the one that the partition holds for its region, if it does.
 /// \param origin  of the mesh

@@ -35,9 +35,7 @@ struct SharedBoundary {
 class State {
  public:
   /// \param job  `update` polls it too, so it must outlive the state
-  /// \param moments  as in Labels
-  State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job,
-        std::span<const SurfaceMoments> moments = {});
+  State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job);
 
   /// The charts across the chords of one, in rising order.
   [[nodiscard]] std::vector<std::int32_t> neighbours(std::int32_t chart) const;

@@ -10,7 +10,6 @@
 #include "isimp/core/job.h"
 #include "isimp/core/threads.h"
 #include "isimp/mesh/mesh.h"
-#include "isimp/meshing/moments.h"
 
 namespace isimp::meshing {
 
@@ -70,7 +69,6 @@ struct Labels {
   const Mesh& mesh;
   Logged<std::int32_t> label;                 ///< (F) kNone where a part was left out
   Logged<Chart> charts;                       ///< by label
-  std::span<const SurfaceMoments> moments;    ///< (F) surface that each face stands for; empty: the faces themselves
   std::span<const std::int32_t> face_region;  ///< (F) the partition's
   std::vector<std::int32_t> touched;  ///< charts that were cut, or gained or lost faces, since `State` last updated
   mutable Marks face_marks, vertex_marks, halfedge_marks;  // scratch space of callers
