@@ -18,8 +18,9 @@ constexpr double kNoSurface = 1.2;    ///< cost of a face on none
 constexpr double kVote = 0.25;        ///< reduction of the cost by each neighbour of the same label
 constexpr double kSmallPart = 0.004;  ///< share of the whole area: a smaller part on no surface may fit less well
 constexpr double kSmallHole = 0.05;   ///< share of the whole area: such a part within one surface may fit less well
-constexpr double kFitsWell = 1.6, kFitsAtAll = 4;  ///< misfit of a part on no surface that joins one; of a small one
-constexpr double kFragment = 0.0015;               ///< share of the whole area
+constexpr double kFitsWell = 1.6;     ///< misfit of a part on no surface that joins one
+constexpr double kFitsAtAll = 4;      ///< misfit of a small part, or one within a surface, that joins it
+constexpr double kFragment = 0.0015;  ///< share of the whole area
 
 /// Normals of faces after kFilters averages with neighbours. Only requested ones are computed, since labels
 /// change at borders alone.

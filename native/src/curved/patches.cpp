@@ -14,7 +14,8 @@ namespace isimp::curved {
 namespace {
 
 // tuned round
-constexpr double kOfTolerance = 0.3, kOfNoise = 2.5;       ///< how near data is to its surface
+constexpr double kOfTolerance = 0.3;  ///< times the tolerance: how near data is to its surface
+constexpr double kOfNoise = 2.5;      ///< times the noise: how near data is to its surface at the least
 constexpr double kNearTurn = 14 * std::numbers::pi / 180;  ///< between the normals of data and of its surface
 constexpr int kSteps = 3;                                  ///< steps of the last fit
 

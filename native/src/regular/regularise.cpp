@@ -25,10 +25,12 @@ constexpr double kUnsure = 3.5;     ///< times that distance * sqrt(3 / faces): 
 constexpr double kMostAdded = 0.1;  ///< share of the root mean square distance that all planes together may add by
                                     ///< default
 constexpr double kSure = 0.6;       ///< share of a given length: regions that move by less hardly move
-/// By default a plane may be turned by at most kTimesUsual times the turn of half of the area, and kLeastTurn: where
-/// that is little, a plane that is some degrees off its neighbours was made so. Source: own trials on MFCAD and houses.
-constexpr double kTimesUsual = 10, kLeastTurn = std::numbers::pi / 180;
-constexpr double kLeastLength = 1e-5;  ///< rounding: share of the diagonal
+
+/// Times the turn of half of the area: the largest turn of a plane by default. Where half of the area turns little, a
+/// plane that is some degrees off its neighbours was made so.
+constexpr double kTimesUsual = 10;
+constexpr double kLeastTurn = std::numbers::pi / 180;  ///< a turn that is always allowed
+constexpr double kLeastLength = 1e-5;                  ///< rounding: share of the diagonal
 
 /// The regions of a partition, then one for each axis of its round parts.
 std::vector<Region> regions_of(const Partition& partition, const std::vector<RegionPlane>& planes,

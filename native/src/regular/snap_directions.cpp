@@ -11,10 +11,9 @@ namespace isimp::regular {
 namespace {
 
 // tuned regular
-constexpr int kFrames = 3;  ///< directions of walls, each with the directions square to it
-/// A part has an upward direction of its own if kMostOfArea is parallel or square to it, kTimesOfUp times as much as to
-/// that of the scene: then the latter says nothing about it. It is looked for among kLargest regions.
-constexpr double kMostOfArea = 0.75, kTimesOfUp = 2;
+constexpr int kFrames = 3;            ///< directions of walls, each with the directions square to it
+constexpr double kMostOfArea = 0.75;  ///< share of the area along or square to an upward direction of its own
+constexpr double kTimesOfUp = 2;  ///< times the area along or square to that of the scene: the area of one of its own
 constexpr std::size_t kLargest = 12;  ///< regions among which an upward direction is searched
 
 /// The normal that some regions fit best together.

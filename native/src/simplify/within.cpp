@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kShares[] = {1.0, 0.5, 0.25};  // share of the bound; borders and corners may use up half of it
 // tuned bound
-constexpr double kStep = 0.75, kLeast = 0.2;  // factor for the regions' own bound, and its least share
+constexpr double kStep = 0.75;  // factor for the regions' own bound, of one try
+constexpr double kLeast = 0.2;  // least share of the bound that is tried
 
 /// The largest of some distances; NaN where there is none.
 double largest(const std::vector<double>& distances) {

@@ -25,7 +25,8 @@ using detail::Texel;
 using detail::TexelBox;
 
 // tuned texture
-constexpr std::int32_t kLeastSamples = 2, kMostSamples = 4;  // a side of a texel
+constexpr std::int32_t kLeastSamples = 2;  // least number of samples a side of a texel
+constexpr std::int32_t kMostSamples = 4;   // largest number of samples a side of a texel
 
 /// Bakes all polygons: small ones share the threads, and so do the squares of large ones. `make_shade(view, q)` returns
 /// the function for each texel, `samples_of(q)` the number of samples along a side.

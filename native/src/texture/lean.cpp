@@ -14,6 +14,7 @@ namespace {
 // Polygons at sharper edges do not bend each other's directions: the walls of a house are drawn straight. Cosine.
 constexpr double kSmooth = 0.2;
 constexpr float kOnEdge = 1e-3F;  // squared texels
+
 // Share of the way to the mean normal. 1 is nearest to the scan in close-ups, 0 in views of the whole.
 constexpr double kShare = 0.9;
 constexpr double kSteps = 16;  // slopes are rounded to multiples of 1 / kSteps

@@ -13,10 +13,11 @@ namespace isimp::meshing {
 namespace {
 // tuned needles
 constexpr double kSharpCosine = 0.94;  ///< cosine of 20 degrees: a triangle with a sharper corner is a needle
-// Share of its chart's area that a triangle may leave out or add; the second is for a triangle between three junctions
-// that is no needle. The largest triangle in a rectangle leaves out half of it.
 // tuned street
-constexpr double kOfTriangle = 0.2, kOfThree = 0.45;
+constexpr double kOfTriangle = 0.2;  ///< share of its chart's area that a triangle may leave out or add
+
+/// The same for a triangle between three junctions that is no needle. The largest in a rectangle leaves out half of it.
+constexpr double kOfThree = 0.45;
 }  // namespace
 
 Complex::Complex(const Labels& labels, const Logged<Plane>& planes)

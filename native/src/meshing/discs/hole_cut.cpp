@@ -12,12 +12,12 @@ namespace isimp::meshing {
 namespace {
 
 // tuned holes
-constexpr double kTurn = 0.1;  ///< a sharp turn costs as much as a straight link of 1 / kTurn times the length
-/// Factors on the cost of a link to a loop that has been reached; with few loops one chain is to reach all of them.
-constexpr double kAgain = 4, kAgainOfFew = 1e6;
-constexpr std::size_t kFew = 8;    ///< most loops that are few
-constexpr std::size_t kRow = 12;   ///< holes of a row that one polygon may lie at
-constexpr std::int32_t kMost = 8;  ///< limit: links that are kept between the same two loops
+constexpr double kTurn = 0.1;        ///< a sharp turn costs as much as a straight link of 1 / kTurn times the length
+constexpr double kAgain = 4;         ///< factor on the cost of a link to a loop that has been reached
+constexpr double kAgainOfFew = 1e6;  ///< such a factor where loops are few: one chain is to reach all of them
+constexpr std::size_t kFew = 8;      ///< most loops that are few
+constexpr std::size_t kRow = 12;     ///< holes of a row that one polygon may lie at
+constexpr std::int32_t kMost = 8;    ///< limit: links that are kept between the same two loops
 
 /// The shortest way found between two boundary loops over an edge in the middle.
 struct Link {

@@ -15,10 +15,11 @@ namespace isimp::meshing {
 namespace {
 
 // tuned shapes
-constexpr int kRounds = 2, kDirections = 8;  // passes over all corners; directions in which each is tried
-constexpr std::array kSteps = {0.2, 0.08};   // largest move of a corner in a round, in sqrt(area / charts)
-constexpr double kFar = 0.3;                 // largest move in all, in the same unit
-constexpr double kOff = 0.4;                 // distance from its planes, in deviations of the scan from them
+constexpr int kRounds = 2;                  // passes over all corners
+constexpr int kDirections = 8;              // directions in which each is tried
+constexpr std::array kSteps = {0.2, 0.08};  // largest move of a corner in a round, in sqrt(area / charts)
+constexpr double kFar = 0.3;                // largest move in all, in the same unit
+constexpr double kOff = 0.4;                // distance from its planes, in deviations of the scan from them
 // tuned needles
 constexpr double kOfSharp = 4;  // degrees above kReflex that one below kNeedle counts as
 constexpr double kBend = 1200;  // degrees that a bend of sqrt(area / charts) counts as

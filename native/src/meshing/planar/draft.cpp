@@ -39,7 +39,7 @@ void Draft::place(State& state, const Job& job) {
   const std::vector<std::int32_t> corners = moving.take();
   const auto n = static_cast<std::int32_t>(corners.size());
   std::vector<Vec3> to(corners.size());
-  state.threads.blocks(n, 64, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+  state.threads.blocks(n, kBlock, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     job.poll();
     for (std::int32_t i = begin; i < end; ++i) to[i] = meet(corners[i]);
   });

@@ -181,7 +181,7 @@ Kept meet(const std::vector<Unit>& units, const Around& around, const Places& pl
   for (std::size_t u = 0; u < units.size(); ++u) kept[u].assign(units[u].loop.size(), 0);
   at.resize(places.start.size());
   const auto n = static_cast<std::int32_t>(places.start.size());
-  threads.blocks(n, 64, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+  threads.blocks(n, kBlock, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     job.poll();
     for (std::int32_t c = begin; c < end; ++c) at[c] = meet_at(c, units, around, places, kept);
   });

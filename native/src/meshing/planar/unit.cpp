@@ -13,8 +13,9 @@ namespace isimp::meshing::planar {
 namespace {
 
 // tuned planar
-// Largest move of a corner, as shares of its shortest edge and of the reach of the options. Source: own trials.
-constexpr double kOfEdge = 0.5, kLeast = 0.3, kMost = 1.5;
+constexpr double kOfEdge = 0.5;    ///< largest move of a corner, as a share of its shortest edge
+constexpr double kLeast = 0.3;     ///< largest move of a corner at the least, as a share of the reach of the options
+constexpr double kMost = 1.5;      ///< largest move of a corner at the most, as a share of the reach of the options
 constexpr double kMostToHeld = 6;  ///< replaces kMost if given planes are further off
 /// A spread whose smallest eigenvalue is above this share of the next fixes no plane.
 constexpr double kThin = 0.25;

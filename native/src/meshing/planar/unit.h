@@ -11,6 +11,8 @@
 
 namespace isimp::meshing::planar {
 
+inline constexpr std::int32_t kBlock = 64;  ///< work: corners that a thread takes at a time
+
 /// The reason why a polygon is not one face any more.
 enum class Cause : std::uint8_t {
   none,

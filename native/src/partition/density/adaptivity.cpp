@@ -19,7 +19,8 @@ constexpr double kClusterSteps = 0.58;  // number of these that one step over ne
                                         // equals
 constexpr int kFewestSteps = 12;        // for which faces are still joined into larger clusters
 constexpr double kQuiet = 0.2;          // share of the area that is taken to be rough by noise alone
-constexpr double kFloor = 0.1, kMost = 8.0;  // share of the mean that is added to each; largest factor
+constexpr double kFloor = 0.1;          // share of the mean that is added to each
+constexpr double kMost = 8.0;           // largest factor on the density
 
 /// Faces, or clusters of a few, that normals spread over.
 struct Field {

@@ -25,11 +25,18 @@ constexpr double kOfCell = 0.12;  // share of the cell of a grid that is left of
 // tuned noise
 // The second application of the operator to white noise leaves 1.26 times as much as the first. Where it leaves less,
 // the mesh is a coarse one of a curved shape; where more, of a shape with creases between flat parts.
-constexpr double kShape = 0.85, kNoise = 1.0, kNoiseToo = 1.6, kShapeToo = 2.0;  // twice over once
+constexpr double kShape = 0.85;    // twice over once, up to which it is all shape
+constexpr double kNoise = 1.0;     // twice over once, from which it is all noise
+constexpr double kNoiseToo = 1.6;  // twice over once, up to which it is all noise
+constexpr double kShapeToo = 2.0;  // twice over once, from which it is all shape
+
 // Noise is the same at long edges and at short ones; the remainder of a shape grows with them.
-constexpr double kSpread = 2.0;                 // least ratio of the edges of the outer quarters that shows it
-constexpr double kSteady = 0.5, kGrows = 0.75;  // power of the edges' length
-constexpr double kFelt = 0.06, kStrong = 0.1;   // shares of an edge's length: from here on it matters, and fully
+constexpr double kSpread = 2.0;  // least ratio of the edges of the outer quarters that shows it
+constexpr double kSteady = 0.5;  // power of the edges' length, up to which it is noise
+constexpr double kGrows = 0.75;  // power of the edges' length, from which it is shape
+constexpr double kFelt = 0.06;   // share of an edge's length, from which the remainder matters
+constexpr double kStrong = 0.1;  // share of an edge's length, from which it matters fully
+constexpr double kOutside = -1;  // mark: no length
 
 struct Ring {
   Vec3 sum = Vec3::Zero();
@@ -79,7 +86,7 @@ Vec3 normal_at(const Mesh& mesh, std::int32_t v) {
 /// \param value  value(v) for a vertex
 template <class Value>
 double median_along(const Mesh& mesh, std::int32_t step, const Value& value, const Threads& threads, Job& job) {
-  std::vector<double> lengths(static_cast<std::size_t>((mesh.vertex_count() - 1) / step + 1), -1.0);
+  std::vector<double> lengths(static_cast<std::size_t>((mesh.vertex_count() - 1) / step + 1), kOutside);
   threads.run(static_cast<std::int32_t>(lengths.size()), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i) {
       if ((i & kPollEvery) == 0) job.poll();
@@ -89,7 +96,7 @@ double median_along(const Mesh& mesh, std::int32_t step, const Value& value, con
       if (const double length = normal.norm(); length > 0) lengths[i] = std::abs(value(v).dot(normal)) / length;
     }
   });
-  std::erase(lengths, -1.0);
+  std::erase(lengths, kOutside);
   return median_of(std::move(lengths));
 }
 

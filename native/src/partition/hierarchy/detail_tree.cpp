@@ -148,8 +148,11 @@ double finest_for(double detail) {
 
 std::int32_t small_count(std::int32_t faces) {
   // tuned round
-  // Faces of a small region; least and largest number of them, the latter also for scans of more faces than kFine.
-  constexpr std::int32_t kFaces = 20, kFewest = 120, kMost = 450, kMostFine = 700, kFine = 100000;
+  constexpr std::int32_t kFaces = 20;      // faces of a small region
+  constexpr std::int32_t kFewest = 120;    // least number of small regions
+  constexpr std::int32_t kMost = 450;      // largest number of small regions
+  constexpr std::int32_t kMostFine = 700;  // largest number of small regions of scans of more faces than kFine
+  constexpr std::int32_t kFine = 100000;   // faces of a scan that is fine
   return std::min(faces, std::clamp(faces / kFaces, kFewest, faces > kFine ? kMostFine : kMost));
 }
 

@@ -16,15 +16,16 @@ namespace isimp {
 namespace {
 
 // tuned unrecorded
-// Regions before the last merging, as a multiple of the wanted number: for the least error, and if borders count too.
-constexpr double kSurplus = 1.5, kSmoothSurplus = 2.2;
-constexpr int kTries = 4;  // teleports without gain
+constexpr double kSurplus = 1.5;        // regions before the last merging, as a multiple of the wanted number
+constexpr double kSmoothSurplus = 2.2;  // such a multiple if borders count too
+constexpr int kTries = 4;               // teleports without gain
 // tuned nodes
 constexpr std::int64_t kNodesOfRegion = 30;  // nodes for each region of a level that is relaxed before the patches are
 // tuned unrecorded
 constexpr std::int32_t kManyRegions = 200;  // least number of regions for it
-// Sweeps of a level of patches, of faces before teleports, and at the end.
-constexpr int kPatchSweeps = 2, kFirstSweeps = 6, kLastSweeps = 60;
+constexpr int kPatchSweeps = 2;             // sweeps of a level of patches
+constexpr int kFirstSweeps = 6;             // sweeps of faces before teleports
+constexpr int kLastSweeps = 60;             // sweeps of faces at the end
 
 /// The factor by which a region must exceed the usual before teleports are tried. On a scan of many regions they gain
 /// little and cost much; a shape of a few sides must come out right, and there any wrong side exceeds the usual by far.

@@ -27,9 +27,10 @@ constexpr double kLeastGain = 1e-7;  // rounding: share of the whole area: less 
 /// Faces of all regions that were split, as a multiple of the surface's faces: the last round begins below it.
 /// Otherwise few regions that share the walls of thousands of holes would exchange these one by one.
 constexpr std::int64_t kMoves = 24;
-/// From so many regions on both limits shrink with the number of regions, down to this share of the surface's faces: the
-/// error can fall but little by each of many regions.
-constexpr double kFewRegions = 30, kLeastWork = 0.5;
+
+/// From so many regions on both limits shrink with their number: the error can fall but little by each of many.
+constexpr double kFewRegions = 30;
+constexpr double kLeastWork = 0.5;         // least limit for many regions, as a multiple of the surface's faces
 constexpr double kLeastFallOfMany = 1e-3;  // as kLeastFall, where there are more regions than these
 constexpr int kVain = 3;                   // neighbours in a row without gain that end the tries for a region
 
