@@ -13,7 +13,6 @@ namespace {
 
 // tuned colliders
 constexpr double kPad = 0.01;          // share of the diagonal, around the solid
-constexpr double kOpposite = -0.5;     // cosine between the normals of the two sides of a plate
 constexpr double kDoubtful = 0.25;     // turns off a whole number
 constexpr double kMostDoubtful = 0.1;  // share of the volume
 
@@ -34,7 +33,7 @@ bool grazes(const Fragment& fragment, const Cell& cell, const Solid& solid) {
     if (face.plane == facet.plane) return true;
     const Plane& plane = solid.planes[face.plane];
     const bool known = face.plane < std::ssize(solid.both_ways);
-    if (known && solid.both_ways[face.plane] == 0 && plane.normal.dot(facet.normal) < kOpposite) return false;
+    if (known && solid.both_ways[face.plane] == 0 && plane.normal.dot(facet.normal) < -kLikeNormal) return false;
     return std::ranges::all_of(fragment.loop,
                                [&](const Vec3& p) { return std::abs(plane.height(p)) <= solid.lengths.same; });
   });

@@ -20,7 +20,6 @@ using detail::Piece;
 using detail::Pieces;
 
 // tuned colliders
-constexpr double kDropped = 0.1;     // share of the tolerance: corners this near to a hull are left out
 constexpr std::size_t kSmall = 100;  // cells of a piece for which cuts are tried to their end
 constexpr std::int32_t kFew = 16;    // parts that such a piece may become
 constexpr std::size_t kTried = 8;    // such cuts
@@ -166,8 +165,7 @@ void leave_out_skins(std::vector<ConvexPart>& parts, double tolerance) {
 }
 
 /// The parts of a solid.
-std::vector<ConvexPart> parts_of(detail::Solid& solid, const Vec3& origin, double tolerance,
-                                 const ConvexOptions& options, Job& job) {
+std::vector<ConvexPart> parts_of(detail::Solid& solid, const Vec3& origin, const ConvexOptions& options, Job& job) {
   detail::Cells cells;
   {
     const Job::Stage stage(job, "cells", 0.0, 0.3);
@@ -185,7 +183,7 @@ std::vector<ConvexPart> parts_of(detail::Solid& solid, const Vec3& origin, doubl
     for (const Piece& piece : parts) {
       std::vector<Vec3> corners = pieces.corners(piece);
       for (Vec3& p : corners) p += origin;
-      ConvexPart part = detail::simple_hull_of(corners, kDropped * tolerance, options.most_vertices);
+      ConvexPart part = detail::simple_hull_of(corners, solid.lengths.slight, options.most_vertices);
       if (!part.vertices.empty()) made.push_back(std::move(part));
     }
   }
@@ -223,7 +221,7 @@ std::vector<ConvexPart> convex_parts(const PolygonSoup& polygons, std::span<cons
     for (ConvexPart& part : made)
       for (Vec3& p : part.vertices) p += origin;
   } else {
-    made = parts_of(solid, origin, tolerance, options, job);
+    made = parts_of(solid, origin, options, job);
   }
   leave_out_skins(made, tolerance);
   if (!enclosed.empty() && !made.empty()) {

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kSnap = 1e-9;  // rounding: share of the diagonal
 // tuned colliders
-constexpr double kSame = 0.4;        // share of the tolerance, and at most of the default one
-constexpr double kLikeNormal = 0.5;  // cosine of 60 degrees: of the normals of polygons that can be in one plane
+constexpr double kSame = 0.4;    // share of the tolerance, and at most of the default one
+constexpr double kSlight = 0.1;  // share of the tolerance
 
 /// The polygons of a region.
 struct Group {
@@ -141,8 +141,10 @@ Solid solid_of(const PolygonSoup& polygons, std::span<const std::int32_t> region
     solid.high = i == 0 ? p : solid.high.cwiseMax(p);
   }
   const double diagonal = near.vertices.empty() ? 0 : (solid.high - solid.low).norm();
-  solid.lengths = {
-      .snap = kSnap * diagonal, .same = kSame * std::min(tolerance, kTolerance * diagonal), .deep = tolerance};
+  solid.lengths = {.snap = kSnap * diagonal,
+                   .same = kSame * std::min(tolerance, kTolerance * diagonal),
+                   .slight = kSlight * tolerance,
+                   .deep = tolerance};
   const Triangulation cut = triangulate(near, job);
   std::int32_t count = polygons.polygon_count();
   for (const std::int32_t r : region) {

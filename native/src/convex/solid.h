@@ -20,12 +20,14 @@ struct Facet {
 
 // tuned colliders
 constexpr double kTolerance = 0.005;  ///< share of the diagonal: the default ConvexOptions::tolerance
+constexpr double kLikeNormal = 0.5;   ///< cosine of 60 degrees, between which normals are alike or opposite
 
 /// Lengths that count as nothing.
 struct Lengths {
-  double snap = 0;  ///< for rounding: a billionth of the diagonal
-  double same = 0;  ///< for noise: polygons this near to a plane lie in it
-  double deep = 0;  ///< ConvexOptions::tolerance
+  double snap = 0;    ///< for rounding: a billionth of the diagonal
+  double same = 0;    ///< for noise: polygons this near to a plane lie in it
+  double slight = 0;  ///< of parts: corners this near to a hull are left out, and deeper ones of a face are reflex
+  double deep = 0;    ///< ConvexOptions::tolerance
 };
 
 /// A solid that is bounded by few planes.

@@ -14,7 +14,6 @@ namespace isimp::detail {
 namespace {
 
 // tuned colliders
-constexpr double kBent = 0.1;    ///< share of the tolerance: deeper corners of a face are reflex
 constexpr double kSpread = 1.0;  ///< the most by which the back of a slab is wider at an edge, in thicknesses
 
 constexpr double kAlong = 1e-6;  ///< rounding: cosine: a facet this upright on a polygon is not in front of it
@@ -247,7 +246,7 @@ std::vector<ConvexPart> walls_of(const PolygonSoup& polygons, std::span<const st
     const auto& [a, b, c] = corners;
     triangles.push_back({{a, b, c}, {{a, b}, {b, c}, {c, a}}, region.empty() ? q : region[q]});
   }
-  Surface surface(near.vertices, std::move(triangles), kBent * solid.lengths.deep);
+  Surface surface(near.vertices, std::move(triangles), solid.lengths.slight);
   surface.join(solid, thickness / 2, job);
   const std::map<Edge, Vec3> normals = surface.normals();
   std::vector<ConvexPart> made;
