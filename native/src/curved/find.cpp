@@ -14,7 +14,6 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;  // unit
 // tuned round
 constexpr std::int32_t kSeeds = 20;          ///< a round
-constexpr int kFails = 3;                    ///< rounds of seeds without a find, after which the search ends
 constexpr int kGrows = 4;                    ///< times that a surface is fitted again to the points that it reaches
 constexpr double kBent = 0.015;              ///< 1 - |mean normal|: points with less form a plane
 constexpr double kLeastTurn = 0.3;           ///< least seen share of a full turn, of a revolution
@@ -58,19 +57,18 @@ class Search {
 
   std::vector<Found> run(Job& job) {
     std::vector<Found> found;
-    for (int fails = 0, round = 0; fails < kFails; ++round) {
+    for (int round = 0;; ++round) {
       job.poll();
       const Some seeds = seeds_of(round);
       if (seeds.empty()) break;
       for (std::size_t k = 0; k < seeds.size(); ++k) try_seed(seeds[k], k % 2 == 0);
       std::optional<Found> best = choose(kStillFree);
-      fails = best && best->area >= kLeastArea * total() ? 0 : fails + 1;
+      if (!best || best->area < kLeastArea * total()) break;
       // Others of the same seeds are as good if they lose nothing to it and are not much smaller.
-      for (const double least = best ? kNotMuchSmaller * best->area : 0; fails == 0 && best;) {
+      for (const double least = std::max(kNotMuchSmaller * best->area, kLeastArea * total());
+           best && best->area >= least; best = choose(kUntouched)) {
         for (const std::int32_t i : best->points) is_free_[i] = false;
         found.push_back(std::move(*best));
-        best = choose(kUntouched);
-        if (best && best->area < std::max(least, kLeastArea * total())) best.reset();
       }
       drop_taken();
     }
