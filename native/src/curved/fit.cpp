@@ -15,7 +15,6 @@ using Eigen::Matrix3d;
 using Solver3 = Eigen::SelfAdjointEigenSolver<Matrix3d>;
 
 // tuned round
-constexpr double kThin = 1e-4;     ///< a least eigenvalue of normal lines below this: they do not meet
 constexpr double kMostTilt = 0.2;  ///< radians, of one step
 
 double sign(double x) { return x < 0 ? -1.0 : 1.0; }
@@ -40,7 +39,7 @@ CurvedSurface plane(const Samples& s) {
 }
 
 /// The point nearest to all lines along the normals, with those along `axis` projected out where there is one.
-std::optional<Vec3> meeting(const Samples& s, const Vec3* axis) {
+Vec3 meeting(const Samples& s, const Vec3* axis) {
   Matrix3d a = Matrix3d::Zero();
   Vec3 b = Vec3::Zero();
   for (std::size_t i = 0; i < s.size(); ++i) {
@@ -54,7 +53,6 @@ std::optional<Vec3> meeting(const Samples& s, const Vec3* axis) {
     a += s.weight[i] * p;
     b += s.weight[i] * p * x;
   }
-  if (Solver3(a, Eigen::EigenvaluesOnly).eigenvalues()[0] < kThin) return std::nullopt;
   return a.ldlt().solve(b);
 }
 
@@ -118,12 +116,10 @@ void set_side(CurvedSurface& c, const Samples& s) {
   c.side = sign(sum);
 }
 
-std::optional<CurvedSurface> sphere(const Samples& s) {
-  const auto centre = meeting(s, nullptr);
-  if (!centre) return std::nullopt;
+CurvedSurface sphere(const Samples& s) {
   CurvedSurface c;
   c.kind = CurvedKind::sphere;
-  c.point = *centre;
+  c.point = meeting(s, nullptr);
   c = refined_sphere(c, s, 4);
   double sum = 0;
   for (std::size_t i = 0; i < s.size(); ++i) sum += s.weight[i] * s.normal[i].dot(s.place[i] - c.point);
@@ -139,9 +135,7 @@ std::optional<CurvedSurface> cylinder(const Samples& s) {
   CurvedSurface c;
   c.kind = CurvedKind::cylinder;
   c.axis = solver.eigenvectors().col(0);
-  const auto centre = meeting(s, &c.axis);
-  if (!centre) return std::nullopt;
-  c.point = *centre;
+  c.point = meeting(s, &c.axis);
   c.radius = 0;
   for (std::size_t i = 0; i < s.size(); ++i) c.radius += s.weight[i] * polar(c, s.place[i]).rho;
   c = refined_axial(c, s, 4);
@@ -162,8 +156,7 @@ std::optional<CurvedSurface> cone(const Samples& s) {
     b += s.weight[i] * n.dot(s.place[i]) * n;
   }
   const Solver3 solver(spread);
-  if (solver.eigenvalues()[1] < kFlat || Solver3(a, Eigen::EigenvaluesOnly).eigenvalues()[0] < 3 * kThin)
-    return std::nullopt;
+  if (solver.eigenvalues()[1] < kFlat) return std::nullopt;
   CurvedSurface c;
   c.kind = CurvedKind::cone;
   c.axis = solver.eigenvectors().col(0);
