@@ -20,7 +20,6 @@ constexpr double kSmallPart = 0.004;  ///< share of the whole area: a smaller pa
 constexpr double kSmallHole = 0.05;   ///< share of the whole area: such a part within one surface may fit less well
 constexpr double kFitsWell = 1.6;     ///< misfit of a part on no surface that joins one
 constexpr double kFitsAtAll = 4;      ///< misfit of a small part, or one within a surface, that joins it
-constexpr double kFragment = 0.0015;  ///< share of the whole area
 
 /// Normals of faces after kFilters averages with neighbours. Only requested ones are computed, since labels
 /// change at borders alone.
@@ -83,8 +82,6 @@ class Borders {
     }
     for (int k = 0; k < 3; ++k)
       if (!give_rest_away(job)) break;
-    absorb_fragments(
-        f_, label_, [](std::int32_t) { return kFragment; }, nullptr, nullptr, job);
     for (std::int32_t i = 0; i < f_.size(); ++i)
       if (!is_open(i)) label_[i] = kNone;
     return std::move(label_);
@@ -243,8 +240,7 @@ void absorb_fragments(const Faces& faces, Some& labels, const std::function<doub
     for (std::int32_t i = 0; i < faces.size(); ++i) {
       if (!is_bad[parts.part[i]]) continue;
       for (const std::int32_t j : graph.neighbours[i])
-        if (j != graph.size() && parts.part[j] != parts.part[i] && !is_bad[parts.part[j]] &&
-            (takes == nullptr || takes(labels[j])))
+        if (j != graph.size() && parts.part[j] != parts.part[i] && !is_bad[parts.part[j]] && takes(labels[j]))
           ++beside[{parts.part[i], labels[j]}];
     }
     std::map<std::int32_t, std::map<std::int32_t, double>> worth;  // by part and label of a neighbour
