@@ -3,6 +3,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "cells.h"
@@ -79,17 +80,16 @@ class Chooser {
   [[nodiscard]] std::vector<std::vector<std::size_t>> classes() const {
     std::vector<std::int32_t> patch(s_.found.size(), kNone);
     for (std::size_t k = 0; k < s_.patches.size(); ++k) patch[s_.patches[k].found] = static_cast<std::int32_t>(k);
-    std::map<std::pair<std::int32_t, std::int32_t>, int> beside;
+    std::set<std::pair<std::int32_t, std::int32_t>> beside;
     for (const RoundPatch& p : s_.patches)
       for (const std::int32_t i : p.faces.face)
         for (const std::int32_t j : f_.graph().neighbours[i]) {
           const std::int32_t other = j == f_.size() || s_.label[j] == kNone ? kNone : patch[s_.label[j]];
-          if (other != kNone && patch[p.found] < other) ++beside[{patch[p.found], other}];
+          if (other != kNone && patch[p.found] < other) beside.emplace(patch[p.found], other);
         }
     detail::Forest forest(s_.patches.size());
-    for (const auto& [pair, edges] : beside)
-      if (edges >= kLeastBorder && is_coaxial(s_.patches[pair.first].proxy, s_.patches[pair.second].proxy, distance_))
-        forest.join(pair.first, pair.second);
+    for (const auto& [a, b] : beside)
+      if (is_coaxial(s_.patches[a].proxy, s_.patches[b].proxy, distance_)) forest.join(a, b);
     std::map<std::int32_t, std::vector<std::size_t>> sets;
     for (std::size_t k = 0; k < s_.patches.size(); ++k) sets[forest.root(static_cast<std::int32_t>(k))].push_back(k);
     std::vector<std::vector<std::size_t>> all;

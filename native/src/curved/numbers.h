@@ -19,8 +19,7 @@ inline constexpr double kSpeck = 0.02;          ///< share of the area of a regi
 inline constexpr double kLeastArea = 0.01;      ///< share of the area of the whole mesh, of a curved surface
 inline constexpr std::size_t kLeastPoints = 6;  ///< least number of points of a curved surface
 inline constexpr std::size_t kMostSamples =
-    500;                                ///< number of faces, about, that a surface is compared with or fitted to
-inline constexpr int kLeastBorder = 6;  ///< edges of a common border
-inline constexpr int kCorners = 48;     ///< number of corners, about, of the profile of a bend
+    500;                             ///< number of faces, about, that a surface is compared with or fitted to
+inline constexpr int kCorners = 48;  ///< number of corners, about, of the profile of a bend
 
 }  // namespace isimp::curved

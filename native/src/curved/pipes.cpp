@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
+#include <set>
 #include <vector>
 
 #include "numbers.h"
@@ -80,16 +80,16 @@ class Pipes {
     for (std::size_t k = 0; k < s_.patches.size(); ++k) {
       const CurvedProxy& bend = s_.patches[k].proxy;
       if (bend.kind != CurvedKind::revolution || !bend.closed || bend.full) continue;
-      std::map<std::int32_t, int> beside;
+      std::set<std::int32_t> beside;
       for (const std::int32_t i : s_.patches[k].faces.face)
         for (const std::int32_t j : f_.graph().neighbours[i])
-          if (j != f_.size() && s_.label[j] != kNone && patch[s_.label[j]] != kNone) ++beside[patch[s_.label[j]]];
+          if (j != f_.size() && s_.label[j] != kNone && patch[s_.label[j]] != kNone) beside.insert(patch[s_.label[j]]);
       Run run{k, {}};
       const double radius = tube_of(bend).radius;
-      for (const auto& [other, edges] : beside) {
+      for (const std::int32_t other : beside) {
         const CurvedProxy& p = s_.patches[other].proxy;
-        if (p.kind == CurvedKind::cylinder && p.full && edges >= kLeastBorder &&
-            std::abs(p.axis.dot(bend.axis)) < kSquare && std::abs(p.radius - radius) < kAlike * distance_)
+        if (p.kind == CurvedKind::cylinder && p.full && std::abs(p.axis.dot(bend.axis)) < kSquare &&
+            std::abs(p.radius - radius) < kAlike * distance_)
           run.pipes.push_back(static_cast<std::size_t>(other));
       }
       all.push_back(std::move(run));
