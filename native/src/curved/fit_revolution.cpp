@@ -18,7 +18,6 @@ constexpr double kThin = 2e-3;               ///< eigenvalues of the normals bel
 constexpr std::size_t kMostBins = 40;        ///< number of bins of the profile of a revolution
 constexpr std::size_t kPointsABin = 3;       ///< at the least: a profile through every point fits anything
 constexpr double kCluster = 1.0 / 80;        ///< share of the profile's size: points at a smaller distance are merged
-constexpr double kSameWay = 0.8;             ///< cosine of the normals of points that are one
 constexpr double kTurns = 4;                 ///< by how much a difference of normals lengthens a step
 constexpr double kGap = 8;                   ///< median steps: ends that are nearer make a ring
 constexpr std::size_t kLeastOfProfile = 12;  ///< points
@@ -58,7 +57,7 @@ std::vector<Cluster> clusters_of(const Half& h, const Samples& s) {
     double least = radius;
     for (Cluster& c : all) {
       const double d = (c.place - h.place[i]).norm();
-      if (d >= least || c.normal.normalized().dot(h.normal[i]) < kSameWay) continue;
+      if (d >= least) continue;
       least = d;
       best = &c;
     }

@@ -17,7 +17,6 @@ constexpr int kSteps = 72;  ///< work: number of steps of a full turn in the sea
 // tuned round
 constexpr double kCapRadius = 0.12;  ///< share of the largest radius: an end nearer to the axis may be a cap
 constexpr double kStraight = 1e-6;   ///< rounding: radians: the turn of a strip of an extrusion
-constexpr double kFine = 1.1;        ///< times the mean square distance from the surface: no more strips
 constexpr double kLeastEdges = 2;    ///< edges of faces in the width of a segment: narrower ones have ragged borders
 constexpr double kShort =
     1e-9;  ///< rounding: share of its distance from 0 along the profile: a shorter range is one place
@@ -302,7 +301,7 @@ std::vector<Grid> Cuts::strips_within(double cells, double rough) {
   const auto most = to_integer(cells * kMoreCells + kHalfCell, 1, kMostStrips);
   for (std::int32_t n = proxy_->full ? kLeastRound : 1; n <= most; ++n) {
     all.push_back(of(n, 1, cells));
-    if (all.back().cost < kFine * rough * rough * area_) break;
+    if (all.back().cost < rough * rough * area_) break;  // they are as near as the surface itself
   }
   return all;
 }

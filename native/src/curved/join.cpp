@@ -17,7 +17,6 @@ namespace {
 constexpr int kSmoothBorders = 4;   ///< between two surfaces that may be one
 constexpr double kTurnsMore = 1.3;  ///< times the turn of the nearness, of a point that a surface explains
 constexpr double kFurther = 1.5;    ///< times the nearness: a surface explains such points
-constexpr double kAtBreak = 0.03;   ///< share of the length of a profile: points across its break
 
 class Joiner {
  public:
@@ -157,14 +156,8 @@ class Joiner {
     const std::optional<double> at = profile_break(surface);
     if (!at) return;
     std::array<Some, 2> halves;
-    double length = 0;
-    for (std::size_t i = 1; i < corners(surface); ++i) length += (corner(surface, i) - corner(surface, i - 1)).norm();
     const Locator on(surface);
-    for (const std::int32_t i : found_[k].points) {
-      const double beyond = on.at(p_.centre[i]).along - *at;
-      // Regions across the break are on neither.
-      if (std::abs(beyond) > kAtBreak * length) halves[beyond < 0 ? 0 : 1].push_back(i);
-    }
+    for (const std::int32_t i : found_[k].points) halves[on.at(p_.centre[i]).along < *at ? 0 : 1].push_back(i);
     const double most = allowed(found_[k]);
     std::optional<Found> low = simple(halves[0], most), high = simple(halves[1], most);
     if (!low || !high) return;

@@ -9,9 +9,6 @@
 namespace isimp::curved {
 namespace {
 
-// tuned round
-constexpr std::size_t kLeast = 3;  ///< least number of corners of each part
-
 /// Sums over corners of a profile, from which lines and circles are fitted.
 class Run {
  public:
@@ -62,17 +59,18 @@ class Run {
 
 std::optional<double> profile_break(const CurvedSurface& surface) {
   const std::size_t n = corners(surface);
-  if (surface.closed || n < 2 * kLeast + 2) return std::nullopt;
+  if (surface.closed) return std::nullopt;
   const Run run(surface);
   // The first and the last corner are extrapolated.
   std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t at = 1 + kLeast; at + kLeast < n; ++at) {
+  for (std::size_t at = 2; at + 1 < n; ++at) {
     const double both = run.misfit(1, at) + run.misfit(at, n - 1);
     if (both >= least) continue;
     least = both;
     best = at;
   }
+  if (best == 0) return std::nullopt;
   double length = 0;
   for (std::size_t i = 1; i < best; ++i) length += (corner(surface, i) - corner(surface, i - 1)).norm();
   return length + (corner(surface, best) - corner(surface, best - 1)).norm() / 2;
