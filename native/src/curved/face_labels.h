@@ -23,7 +23,7 @@ using Misfit = std::function<double(std::int32_t face, std::int32_t label)>;
 /// \param labels  (n) by graph index, at least kNone
 /// \param small   the area below which a part of a label is small, as a share of the whole surface's
 /// \param misfit  of a face to a neighbour's label; null: the longest border counts
-/// \param takes   whether a label may get faces of others; null: each may
+/// \param takes   whether a label may get faces of others
 void absorb_fragments(const Faces& faces, Some& labels, const std::function<double(std::int32_t)>& small,
                       const Misfit& misfit, const std::function<bool(std::int32_t)>& takes, Job& job);
 
@@ -35,7 +35,7 @@ struct LabelParts {
 };
 LabelParts parts_of_labels(const Faces& faces, const Some& labels, Job& job);
 
-/// The surfaces that are kept, so that free-form parts stay as they are: large flat planes; a curved patch with most of its
+/// The surfaces that are kept, so that free-form parts stay as they are: flat planes; a curved patch with most of its
 /// border at creases, planes, other kept patches or the border of the scan; a full turn, or all of a sphere, with
 /// a quarter of its border there. (gates.cpp)
 std::vector<bool> kept_surfaces(const Faces& faces, const Points& points, const std::vector<Found>& found,

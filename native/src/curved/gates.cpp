@@ -13,8 +13,7 @@ constexpr double kEasier = 0.62;  ///< least good share of the border of a spher
 constexpr double kHalf = 0.5;     ///< share of its border along planes, of a fillet
 constexpr double kSome = 0.25;    ///< least good share of the border of a full turn; share that faces may add when they
                                   ///< move
-constexpr double kLarge = 0.02;   ///< share of the whole area: planes of free forms are smaller ...
-constexpr double kNearPlane = 0.45;  ///< times the nearness: ... or their faces are not so near to them
+constexpr double kNearPlane = 0.45;  ///< times the nearness: faces of planes of free forms are not so near to them
 constexpr double kDisc = 2.3;        ///< outline of a disc of n equilateral triangles, in edges, over the root of n
 
 /// Some edges of the border of a patch: the point inside, the one outside and its surface; kNone at the border of the scan
@@ -94,8 +93,7 @@ class Gates {
         const bool is_sphere = found_[k].surface.kind == CurvedKind::sphere;
         const bool is_easier = is_sphere || found_[k].surface.closed || along_planes(k, kept) > kHalf;
         const double most = is_easier ? kEasier : kMost;
-        const double more = good_share(k, kept) - (round[k] > kFullTurn ? kSome : most) +
-                            (may_gain_ && found_[k].area > kLarge ? kSome : 0);
+        const double more = good_share(k, kept) - (round[k] > kFullTurn ? kSome : most) + (may_gain_ ? kSome : 0);
         if (more > least) continue;
         least = more;
         worst = k;
@@ -155,7 +153,7 @@ std::vector<bool> kept_surfaces(const Faces& faces, const Points& points, const 
                                 const Some& labels, const Nearness& near) {
   std::vector<bool> planes(found.size());
   for (std::size_t k = 0; k < found.size(); ++k)
-    planes[k] = found[k].is_plane() && found[k].area > kLarge && found[k].rms < kNearPlane * near.distance;
+    planes[k] = found[k].is_plane() && found[k].rms < kNearPlane * near.distance;
   return Gates(outlines(faces, points, found, labels), points, found, false).run(planes);
 }
 
