@@ -20,7 +20,6 @@ namespace {
 // tuned real
 constexpr double kEdges = 3.0;        // mean edges: the width where none is given
 constexpr double kZigzag = 1.3;       // a border along faces is that much longer than the line that it follows
-constexpr double kOfRim = 0.2;        // largest share of a strip's perimeter on the border
 constexpr double kBeside = 0.7;       // least share of a strip's perimeter along wider regions
 constexpr double kWider = 1.5;        // times a strip's width, from which a region is wider
 constexpr double kLeastAngle = 25.0;  // degrees between the planes that meet at a strip
@@ -42,7 +41,7 @@ double degrees_between(const Vec3& a, const Vec3& b) {
 
 struct Region {
   Vec3 normal = Vec3::Zero();
-  double area = 0, rim = 0, perimeter = 0, width = 0;
+  double area = 0, perimeter = 0, width = 0;
   std::map<std::int32_t, double> beside;  // length of the border to each neighbour
 };
 
@@ -102,7 +101,7 @@ class Sharpener {
       if (other == r) continue;
       const double length = (mesh_.vertices()[mesh_.to(g)] - mesh_.vertices()[mesh_.from(g)]).norm();
       region.perimeter += length;
-      (other == kNone ? region.rim : region.beside[other]) += length;
+      if (other != kNone) region.beside[other] += length;
     }
     for (Region& r : regions_) {
       if (r.normal.norm() > 0) r.normal.normalize();
@@ -126,7 +125,6 @@ class Sharpener {
   }
 
   [[nodiscard]] bool is_strip_of_edge(const Region& r, const std::vector<bool>& is_strip) const {
-    if (r.rim > kOfRim * r.perimeter) return false;
     double beside = 0;
     std::vector<std::pair<double, std::int32_t>> wider;
     for (const auto& [other, length] : r.beside) {
