@@ -18,11 +18,9 @@ constexpr int kSweeps = 200;  // limit: sweeps of the borders after a round; a f
 // tuned unrecorded
 constexpr double kMargin = 0.02;  // a move must gain this share more than it costs
 constexpr std::int64_t kRenewals =
-    16;                          // limit: faces in repeated splits, in all, as a multiple of the surface's: one large
-                                 // region with hundreds around it would try for long
-constexpr double kShare = 3e-4;  // share of the whole error, times the least ratio, from which a region is split
-                                 // again
-constexpr double kLeastFall = 1e-4;  // share of the error: the least fall in a round that is worth another
+    16;  // limit: faces in repeated splits, in all, as a multiple of the surface's: one large
+         // region with hundreds around it would try for long
+constexpr double kLeastFall = 1e-3;  // share of the error: the least fall in a round that is worth another
 constexpr double kLeastGain = 1e-7;  // rounding: share of the whole area: less is rounding
 /// Faces of all regions that were split, as a multiple of the surface's faces: the last round begins below it.
 /// Otherwise few regions that share the walls of thousands of holes would exchange these one by one.
@@ -30,9 +28,8 @@ constexpr std::int64_t kMoves = 24;
 
 /// From so many regions on both limits shrink with their number: the error can fall but little by each of many.
 constexpr double kFewRegions = 30;
-constexpr double kLeastWork = 0.5;         // least limit for many regions, as a multiple of the surface's faces
-constexpr double kLeastFallOfMany = 1e-3;  // as kLeastFall, where there are more regions than these
-constexpr int kVain = 3;                   // neighbours in a row without gain that end the tries for a region
+constexpr double kLeastWork = 0.5;  // least limit for many regions, as a multiple of the surface's faces
+constexpr int kVain = 3;            // neighbours in a row without gain that end the tries for a region
 
 }  // namespace
 
@@ -250,10 +247,9 @@ int Teleport::round(int tries, double least_ratio, Job& job) {
   return moves;
 }
 
-/// The error above which a region is split again: far above the usual, and a worthwhile share of the whole.
+/// The error above which a region is split again: far above the usual.
 double Teleport::renewal_bound(const std::vector<std::int32_t>& worst, double least_ratio) const {
-  const double usual = regions_.sum[worst[worst.size() / 2]].error();
-  return kLeastGain + least_ratio * std::max(usual, kShare * regions_.error());
+  return kLeastGain + least_ratio * regions_.sum[worst[worst.size() / 2]].error();
 }
 
 bool Teleport::worth_trying(const MergeGraph& pairs, double least_ratio) const {
@@ -314,13 +310,12 @@ int Teleport::run(int tries, double least_ratio, Job& job) {
   };
   renewal_work_ = work(kRenewals);
   move_work_ = work(kMoves);
-  const double least_fall = few < 1 ? kLeastFallOfMany : kLeastFall;
   for (;;) {
     const Regions before = regions_;
     int made = round(tries, least_ratio, job);
     if (made == 0) made = renew(tries, least_ratio, job);
     if (made == 0) return moves;
-    if (regions_.error() > (1 - least_fall) * before.error()) {  // the relaxation also weighs the borders' length
+    if (regions_.error() > (1 - kLeastFall) * before.error()) {  // the relaxation also weighs the borders' length
       if (regions_.error() > before.error()) {
         std::copy(before.label.begin(), before.label.end(), regions_.label.begin());
         regions_.sum = before.sum;
