@@ -15,11 +15,11 @@ constexpr std::int64_t kEnough = 20;         // limit: passes of one cost end if
 constexpr std::int32_t kPollEvery = 0x3fff;  // work
 constexpr double kLeastCosine = 0.2;         // between a face and the mean direction of the scan's faces in it
 constexpr double kLeastQuality = 0.05;       // twice the area of a new face by the square of its longest edge
+
 // Costs are squared distances, summed over the area, in squares of the mean area of a face. The limit grows until few
 // enough faces are left, so that vertices go nearly in the order of their costs.
 constexpr double kFirstLimit = 1e-4, kLastLimit = 64.0;  // limit: of the cost in the first and in the last passes
 constexpr double kGrowth = 4.0;                          // of the limit from pass to pass
-constexpr double kNear = 1e-3;  // share of the limit that a collapse over the length of an edge costs in addition
 
 /// The sum of squared distances from planes, by area, as a polynomial about a vertex
 /// (Garland, Heckbert: Surface Simplification Using Quadric Error Metrics, 1997).
@@ -93,7 +93,7 @@ class Thinner {
   [[nodiscard]] const Triangle& triangle(std::int32_t f) const { return triangle_[f]; }
 
  private:
-  static constexpr float kNever = std::numeric_limits<float>::infinity();
+  static constexpr float kNever = std::numeric_limits<float>::infinity();  // mark
 
   /// Removes vertices up to a cost, and returns whether there may be more.
   bool pass(std::int64_t faces, double limit, Job& job) {
@@ -149,9 +149,8 @@ class Thinner {
     near_.clear();
     double least = kNever;
     for (const std::int32_t w : ring_) {
-      const Vec3 way = p[w] - p[v];
-      const double cost = quadric_[v].at(way) + quadric_[w].at(Vec3::Zero());
-      if (cost <= limit) near_.emplace_back(cost + kNear * limit * way.squaredNorm() / mean_area_, w);
+      const double cost = quadric_[v].at(p[w] - p[v]) + quadric_[w].at(Vec3::Zero());
+      if (cost <= limit) near_.emplace_back(cost, w);
       least = std::min(least, cost);
     }
     std::sort(near_.begin(), near_.end());

@@ -175,7 +175,7 @@ def _t_junctions(
 def _thin(task: Task, work: Path, made: Path) -> dict[str, Any]:
     """Save the mended mesh of a tile with fewer faces, and the thinned face that each face has become part of."""
     mesh, polygon = _mended(work, task["tile"])
-    if mesh is None:
+    if mesh is None or not mesh.report["area"] > 0:
         return {"faces": 0, "thinned_faces": 0}
     faces = len(mesh.triangles)
     save(made, edge_keys=borders.place_keys(mesh.vertices)[_border_of(mesh)[2]], area=_areas(mesh), polygon=polygon)
