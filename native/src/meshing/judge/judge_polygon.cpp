@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "isimp/core/noinline.h"
@@ -135,12 +136,17 @@ std::array<std::int32_t, 2> find_crossing(const std::vector<Point>& p) {
 /// Cuts ears off a simple polygon, the one with the shortest diagonal first (the first one, where corners are many).
 /// A cut changes only whether the two adjacent corners are ears: each triangle that contains corners contains one that is
 /// not convex, and such a corner is not cut.
-/// Cost: O(n^2).
+/// Cost: O(n (log n + k)) for k corners that are not convex and whose x lies within that of an ear, and moves of O(n^2)
+/// numbers.
 class Ears {
  public:
   Ears(const std::vector<Point>& points, std::span<const std::int32_t> polygon)
       : p_(points), polygon_(polygon), is_ear_(points.size(), Ear::unknown) {
-    for (std::size_t i = 0; i < p_.size(); ++i) left_.push_back(i);
+    left_.resize(p_.size());
+    std::iota(left_.begin(), left_.end(), std::size_t{0});
+    for (const std::size_t i : left_)
+      if (CGAL::orientation(p_[before(i)], p_[i], p_[after(i)]) != CGAL::LEFT_TURN) not_convex_.push_back(i);
+    std::sort(not_convex_.begin(), not_convex_.end(), [&](std::size_t i, std::size_t j) { return x(i) < x(j); });
   }
 
   void cut(const Facet& like, std::vector<Facet>& facets) {
@@ -149,6 +155,8 @@ class Ears {
       if (ear == left_.size()) return;  // only if rounding made the polygon not simple
       add(ear, like, facets);
       is_ear_[before(ear)] = is_ear_[after(ear)] = Ear::unknown;
+      first_ = ear + 1 < left_.size() ? ear - std::min<std::size_t>(ear, 1) : 0;
+      take_out(left_[ear]);
       left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(ear));
     }
     add(1, like, facets);
@@ -157,6 +165,7 @@ class Ears {
  private:
   static constexpr std::size_t kMany = 48;  // work
   enum class Ear : std::uint8_t { unknown, yes, no };
+  [[nodiscard]] double x(std::size_t i) const { return p_[i].x(); }
   [[nodiscard]] std::size_t before(std::size_t i) const { return left_[i > 0 ? i - 1 : left_.size() - 1]; }
   [[nodiscard]] std::size_t after(std::size_t i) const { return left_[i + 1 < left_.size() ? i + 1 : 0]; }
 
@@ -165,15 +174,30 @@ class Ears {
     facets.push_back(like);
   }
 
+  /// The first of the corners that are not convex with at least this x.
+  [[nodiscard]] auto not_left_of(double least) const {
+    return std::lower_bound(not_convex_.begin(), not_convex_.end(), least,
+                            [&](std::size_t i, double value) { return x(i) < value; });
+  }
+
+  void take_out(std::size_t corner) {
+    auto at = not_left_of(x(corner));
+    while (at != not_convex_.end() && *at != corner && x(*at) == x(corner)) ++at;
+    if (at != not_convex_.end() && *at == corner) not_convex_.erase(at);
+  }
+
   [[nodiscard]] std::size_t find() {
     std::size_t best = left_.size();
     double shortest = 0;
+    if (left_.size() > kMany) {
+      while (first_ < left_.size() && !knows_ear(first_)) ++first_;
+      return first_;
+    }
     for (std::size_t i = 0; i < left_.size(); ++i) {
       const double diagonal = CGAL::squared_distance(p_[before(i)], p_[after(i)]);
       if ((best < left_.size() && diagonal >= shortest) || !knows_ear(i)) continue;
       best = i;
       shortest = diagonal;
-      if (left_.size() > kMany) break;
     }
     return best;
   }
@@ -189,9 +213,10 @@ class Ears {
     if (CGAL::orientation(a, b, c) != CGAL::LEFT_TURN) return false;
     const auto [left, right] = std::minmax({a.x(), b.x(), c.x()});
     const auto [low, high] = std::minmax({a.y(), b.y(), c.y()});
-    for (const std::size_t k : left_) {
+    for (auto at = not_left_of(left); at != not_convex_.end() && x(*at) <= right; ++at) {
+      const std::size_t k = *at;
       const Point& q = p_[k];
-      if (q.x() < left || q.x() > right || q.y() < low || q.y() > high) continue;
+      if (q.y() < low || q.y() > high) continue;
       if (k == before(i) || k == left_[i] || k == after(i)) continue;
       if (CGAL::orientation(a, b, q) != CGAL::RIGHT_TURN && CGAL::orientation(b, c, q) != CGAL::RIGHT_TURN &&
           CGAL::orientation(c, a, q) != CGAL::RIGHT_TURN)
@@ -202,7 +227,8 @@ class Ears {
 
   const std::vector<Point>& p_;
   std::span<const std::int32_t> polygon_;
-  std::vector<std::size_t> left_;
+  std::vector<std::size_t> left_, not_convex_;  // corners that are left; of these by x, those that once were not convex
+  std::size_t first_ = 0;    // no corner of `left_` before this one is an ear, where corners are many
   std::vector<Ear> is_ear_;  // by corner
 };
 
