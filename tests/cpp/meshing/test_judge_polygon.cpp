@@ -4,6 +4,7 @@
 #include <numbers>
 #include <numeric>
 #include <random>
+#include <ranges>
 
 #include "judge/judge.h"
 
@@ -65,6 +66,13 @@ TEST(JudgePolygon, FindsWhetherManyEdgesCross) {
       std::vector<Facet> facets;
       triangulate(*view, polygon, p, {0, 1e-3}, {}, facets);
       ASSERT_EQ(facets.size(), p.size() - 2) << trial;
+      std::int64_t area = 0, sum = 0;  // twice
+      for (std::size_t i = 0; i < p.size(); ++i) area += turn(Vec3::Zero(), p[i], p[(i + 1) % p.size()]);
+      for (const auto& [a, b, c] : facets | std::views::transform(&Facet::corner)) {
+        ASSERT_GE(turn(p[a], p[b], p[c]), 0) << trial;
+        sum += turn(p[a], p[b], p[c]);
+      }
+      ASSERT_EQ(sum, area) << trial;
     }
   }
   EXPECT_GT(crossed, 20);
