@@ -9,6 +9,7 @@
 #include "bindings.h"
 #include "call.h"
 #include "isimp/core/errors.h"
+#include "isimp/partition/noise.h"
 #include "isimp/partition/partition.h"
 #include "kept_mesh.h"
 #include "options.h"
@@ -265,6 +266,18 @@ The mesh keeps intermediate results, so another number, detail or tolerance take
 Raises InvalidInput (an option out of its range, a weight or barrier that can't be used) or Cancelled.
 Cost: method 'hierarchy' O(F), the others O(iterations * F).
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
+  m.def(
+      "_noise",
+      [](const KeptMesh& mesh, Job* job) {
+        return call(job, [&](Job& j) { return estimate_noise(mesh, Threads(1), j); });
+      },
+      "mesh"_a, "job"_a = py::none(), "See isimp/partition/noise.h.");
+  m.def(
+      "_has_noise",
+      [](const KeptMesh& mesh, Job* job) {
+        return call(job, [&](Job& j) { return is_noisier(mesh, kScanNoise * mean_edge(mesh), j); });
+      },
+      "mesh"_a, "job"_a = py::none(), "Whether a mesh has the noise of a scan: see isimp/partition/noise.h.");
   m.def(
       "barrier_faces",
       [](const KeptMesh& mesh, const Partition& part) { return owned(separated_faces(Surface(mesh, part.guided))); },

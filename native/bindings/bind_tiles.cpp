@@ -8,7 +8,6 @@
 #include "bindings.h"
 #include "call.h"
 #include "isimp/core/errors.h"
-#include "isimp/tiles/noise.h"
 #include "isimp/tiles/thin.h"
 #include "isimp/tiles/weld.h"
 #include "kept_mesh.h"
@@ -33,9 +32,6 @@ std::vector<std::int32_t> border(const Mesh& mesh) {
 void bind_mesh_of_a_tile(py::module_& m) {
   m.def(
       "_tile_border", [](const KeptMesh& mesh) { return owned(border(mesh)); }, "mesh"_a, "See isimp/tiles.");
-  m.def(
-      "_noise", [](const KeptMesh& mesh, Job* job) { return call(job, [&](Job& j) { return tiles::noise(mesh, j); }); },
-      "mesh"_a, "job"_a = py::none(), "See isimp/tiles/noise.h.");
   m.def(
       "_tile_thin",
       [](const KeptMesh& mesh, std::int64_t faces, Job* job) {

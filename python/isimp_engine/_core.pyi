@@ -452,6 +452,7 @@ _scan_distances: Callable[[Mesh, Partition, PolygonMesh, float, int, int, Job | 
 _distances_to_triangles: Callable[[NDArray[Any], NDArray[Any]], NDArray[np.float64]]
 _tightened: Callable[[Mesh, Partition, float, MeshingOptions], MeshingOptions]
 _noise: Callable[[Mesh], float]
+_has_noise: Callable[[Mesh], bool]
 _tile_border: Callable[[Mesh], NDArray[np.int32]]
 _tile_thin: Callable[[Mesh, int], tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]]
 _tile_weld: Callable[..., NDArray[np.int32]]

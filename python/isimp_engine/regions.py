@@ -7,7 +7,7 @@ import numpy as np
 from ._core import (
     Mesh,
     Partition,
-    _noise,
+    _has_noise,
     all_statistics,
     barrier_faces,
     close_openings,
@@ -46,13 +46,10 @@ _LEAST_BENT = 0.01  # share of the area that bends in a part with round surfaces
 _ROUGH = 0.01  # share of the diagonal: noise that hides any bend
 _DEEP = 2.0  # a bend is seen where its height in a region is this many times the noise
 
-_LEAST_NOISE = 0.005  # share of the mean edge: scans have .01 and more, drawn models .001 and less
-
 
 def is_drawn(mesh: Mesh) -> bool:
     """Whether a mesh was drawn and not scanned: it has no noise. Cost: O(F)."""
-    edge = math.sqrt(mesh.report["area"] / len(mesh.triangles) * 4 / math.sqrt(3))
-    return bool(_noise(mesh) < _LEAST_NOISE * edge)
+    return not _has_noise(mesh)
 
 
 def why_not_round(mesh: Mesh, part: Partition) -> str:

@@ -9,11 +9,11 @@
 #include "bound/bound.h"
 #include "components.h"
 #include "density/adaptivity.h"
-#include "density/noise.h"
 #include "hierarchy/optimise.h"
 #include "isimp/core/check.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/options.h"
+#include "isimp/partition/noise.h"
 #include "isimp/partition/regions.h"
 #include "make_partition.h"
 

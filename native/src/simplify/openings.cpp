@@ -5,11 +5,11 @@
 #include <string>
 
 #include "components.h"
-#include "density/noise.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/forest.h"
 #include "isimp/core/sorted.h"
 #include "isimp/mesh/part_of.h"
+#include "isimp/partition/noise.h"
 #include "isimp/simplify/partitioner.h"
 
 namespace isimp {

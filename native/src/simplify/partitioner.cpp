@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "components.h"
-#include "density/noise.h"
 #include "hierarchy/detail_tree.h"
 #include "hierarchy/hierarchy.h"
 #include "isimp/core/check.h"
@@ -18,6 +17,7 @@
 #include "isimp/curved/round.h"
 #include "isimp/mesh/part_of.h"
 #include "isimp/partition/keep_regions.h"
+#include "isimp/partition/noise.h"
 #include "isimp/partition/regions.h"
 #include "isimp/partition/soundness.h"
 #include "isimp/simplify/edges.h"

@@ -11,7 +11,7 @@
 #include <span>
 #include <tuple>
 
-#include "density/noise.h"
+#include "isimp/partition/noise.h"
 #include "parts.h"
 
 namespace isimp {

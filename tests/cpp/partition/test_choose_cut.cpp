@@ -5,9 +5,9 @@
 #include <functional>
 #include <set>
 
-#include "density/noise.h"
 #include "hierarchy/choose_cut.h"
 #include "hierarchy/detail_tree.h"
+#include "isimp/partition/noise.h"
 #include "shapes.h"
 
 namespace isimp {

@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "density/noise.h"
 #include "density/normal_filter.h"
+#include "isimp/partition/noise.h"
 #include "shapes.h"
 
 namespace isimp {
@@ -35,6 +35,12 @@ TEST(Noise, IsFoundOnPlanesAndCurvedSurfaces) {
     EXPECT_NEAR(ratio(shapes::cube(40), sigma), 1.0, 0.2);  // its edges look like noise to some vertices
   }
   EXPECT_NEAR(ratio(shapes::sphere(5), 0.004), 1.0, 0.1);
+}
+
+TEST(Noise, OfOneThreadIsThatOfTheVertices) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::plane(60), 0.002, 1));
+  EXPECT_NEAR(estimate_noise(mesh, Threads(1), job), 0.002, 0.0004);
 }
 
 TEST(Noise, ASampleShowsWhetherThereIsEnough) {

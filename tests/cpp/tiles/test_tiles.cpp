@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "isimp/core/errors.h"
-#include "isimp/tiles/noise.h"
 #include "isimp/tiles/thin.h"
 #include "isimp/tiles/weld.h"
 #include "shapes.h"
@@ -90,11 +89,6 @@ TEST(Thinning, MayBeCancelled) {
   Job job;
   job.cancel();
   EXPECT_THROW(tiles::thin(shapes::mesh(shapes::plane(8)), 10, job), Cancelled);
-}
-
-TEST(TileNoise, IsThatOfTheVertices) {
-  Job job;
-  EXPECT_NEAR(tiles::noise(shapes::mesh(shapes::noisy(shapes::plane(60), 0.002, 1)), job), 0.002, 0.0004);
 }
 
 TEST(Welding, TakesTheNearestPlaceOfAnEarlierTile) {

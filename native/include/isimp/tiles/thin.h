@@ -18,8 +18,8 @@ struct Thinned {
 /// Removes vertices until `faces` faces are left: each is collapsed into a neighbour, those first whose planes stay
 /// nearest. Vertices on the border of the mesh stay, so tiles still fit.
 ///
-/// A vertex is removed only if the surface stays a manifold and no face turns over against the faces that it stands for. More faces are left if the others
-/// are far from the planes of the faces that they would replace.
+/// A vertex is removed only if the surface stays a manifold and no face turns over against the faces that it represents.
+/// More faces are left if the others are far from the planes of the faces that they would replace.
 /// \throws Cancelled  no result
 /// Cost: O(F log F), about 3 us a face; about 90 bytes a face in addition to the mesh.
 Thinned thin(const Mesh& mesh, std::int64_t faces, Job& job);

@@ -5,9 +5,9 @@
 #include <numeric>
 #include <utility>
 
-#include "density/noise.h"
 #include "density/normal_filter.h"
 #include "hierarchy/contraction.h"
+#include "isimp/partition/noise.h"
 
 namespace isimp {
 namespace {

@@ -1,6 +1,6 @@
 // The umbrella operator: Kobbelt, Campagna, Vorsatz, Seidel: Interactive multi-resolution modeling, 1998.
 
-#include "density/noise.h"
+#include "isimp/partition/noise.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "borders/relax.h"
-#include "density/noise.h"
 #include "density/normal_filter.h"
 #include "hierarchy/features.h"
 #include "hierarchy/hierarchy.h"
 #include "hierarchy/region_graph.h"
 #include "hierarchy/strays.h"
+#include "isimp/partition/noise.h"
 
 namespace isimp {
 namespace {
