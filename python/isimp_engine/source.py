@@ -139,6 +139,6 @@ def labels(source: Source, mesh: Mesh, regions: NDArray[np.int32]) -> NDArray[np
     return result
 
 
-def face_areas(mesh: Mesh, faces: NDArray[np.intp]) -> NDArray[np.float64]:
+def face_areas(mesh: Mesh, faces: NDArray[np.intp] | slice) -> NDArray[np.float64]:
     a, b, c = (mesh.vertices[mesh.triangles[faces, k]] for k in range(3))
     return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)

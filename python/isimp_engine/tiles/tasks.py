@@ -23,6 +23,7 @@ from .. import (
 )
 from ..file_faces import cut
 from ..reading import read_polygons
+from ..source import face_areas
 from . import borders, tileset
 from .splitting import split_scan
 from .store import MADE, load, of_tile, save, save_values, tile_name
@@ -178,16 +179,11 @@ def _thin(task: Task, work: Path, made: Path) -> dict[str, Any]:
     if mesh is None or not mesh.report["area"] > 0:
         return {"faces": 0, "thinned_faces": 0}
     faces = len(mesh.triangles)
-    save(made, edge_keys=borders.place_keys(mesh.vertices)[_border_of(mesh)[2]], area=_areas(mesh), polygon=polygon)
+    areas = face_areas(mesh, slice(None)).astype(np.float32)
+    save(made, edge_keys=borders.place_keys(mesh.vertices)[_border_of(mesh)[2]], area=areas, polygon=polygon)
     vertices, triangles, to = _core._tile_thin(mesh, math.ceil(task["share"] * faces))
     save(made, vertices=vertices, triangles=triangles, to=to)
     return {"faces": faces, "thinned_faces": len(triangles)}
-
-
-def _areas(mesh: Mesh) -> NDArray[np.float32]:
-    corners = [mesh.vertices[mesh.triangles[:, k]] for k in range(3)]
-    areas: NDArray[np.float32] = np.linalg.norm(np.cross(corners[1] - corners[0], corners[2] - corners[0]), axis=1)
-    return areas.astype(np.float32)
 
 
 def _mended(work: Path, tile: int) -> tuple[Mesh | None, NDArray[np.int32]]:
