@@ -13,8 +13,8 @@ inline constexpr std::int32_t kMostSegments = 256, kMostRings = 64;  // limit
 inline constexpr std::int32_t kMostStrips = 120;                     ///< limit: segments of an extrusion
 // tuned round
 inline constexpr std::int32_t kLeastRound = 6;  ///< least number of segments of a full turn
-inline constexpr double kMoreCells = 1.03;      ///< times the wanted number of cells: cuts may have so many ...
-inline constexpr double kHalfCell = 0.5;        ///< ... and a half more cells
+inline constexpr double kMoreCells = 1.03;      ///< largest number of cells of a cut, over the wanted one
+inline constexpr double kHalfCell = 0.5;        ///< cells that a cut may have beyond that
 
 /// The faces of a patch, seen from its axis.
 struct PatchFaces {

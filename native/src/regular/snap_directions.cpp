@@ -13,7 +13,8 @@ namespace {
 // tuned regular
 constexpr int kFrames = 3;            ///< directions of walls, each with the directions square to it
 constexpr double kMostOfArea = 0.75;  ///< share of the area along or square to an upward direction of its own
-constexpr double kTimesOfUp = 2;  ///< times the area along or square to that of the scene: the area of one of its own
+constexpr double kTimesOfUp =
+    2;  ///< least area along or square to a part's own upward direction, over that of the scene's
 constexpr std::size_t kLargest = 12;  ///< regions among which an upward direction is searched
 
 /// The normal that some regions fit best together.
