@@ -284,7 +284,7 @@ std::int32_t CellGrid::part(double along) const {
 }
 
 double CellGrid::place(double angle) const {
-  const double t = std::fmod(angle - p_->phase + 2 * kTurn, kTurn);
+  const double t = rest_of_turns(angle - p_->phase + 2 * kTurn);
   if (p_->full) return t;
   return t > p_->span + (kTurn - p_->span) / 2 ? 0 : std::min(t, p_->span);
 }

@@ -247,9 +247,11 @@ void absorb_fragments(const Faces& faces, Some& labels, const std::function<doub
     for (const auto& [pair, edges] : beside) worth[pair.first][pair.second] = edges;
     if (misfit != nullptr) {
       std::map<std::int32_t, std::map<std::int32_t, double>> sum;
-      for (std::int32_t i = 0; i < faces.size(); ++i)
+      for (std::int32_t i = 0; i < faces.size(); ++i) {
+        if (!is_bad[parts.part[i]]) continue;
         if (const auto at = worth.find(parts.part[i]); at != worth.end())
           for (const auto& [label, edges] : at->second) sum[parts.part[i]][label] -= misfit(i, label);
+      }
       worth.swap(sum);
     }
     std::map<std::int32_t, std::int32_t> to;
@@ -258,8 +260,10 @@ void absorb_fragments(const Faces& faces, Some& labels, const std::function<doub
                    return a.second < b.second;
                  })->first;
     if (to.empty()) return;
-    for (std::int32_t i = 0; i < faces.size(); ++i)
+    for (std::int32_t i = 0; i < faces.size(); ++i) {
+      if (!is_bad[parts.part[i]]) continue;
       if (const auto at = to.find(parts.part[i]); at != to.end()) labels[i] = at->second;
+    }
   }
 }
 

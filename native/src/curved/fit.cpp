@@ -178,6 +178,12 @@ std::optional<CurvedSurface> cone(const Samples& s) {
 
 }  // namespace
 
+Samples::Samples(std::size_t count) {
+  weight.reserve(count);
+  place.reserve(count);
+  normal.reserve(count);
+}
+
 void Samples::add(double w, const Vec3& x, const Vec3& n) {
   weight.push_back(w);
   place.push_back(x);
@@ -191,14 +197,14 @@ void Samples::normalise() {
 }
 
 Samples samples_of(const Points& points, std::span<const std::int32_t> some) {
-  Samples s;
+  Samples s(some.size());
   for (const std::int32_t i : some) s.add(points.area[i], points.centre[i], points.normal[i]);
   s.normalise();
   return s;
 }
 
 Samples samples_of(const Faces& faces, std::span<const std::int32_t> some) {
-  Samples s;
+  Samples s(some.size());
   for (const std::int32_t i : some) s.add(faces.area(i), faces.centre(i), faces.normal(i));
   s.normalise();
   return s;
@@ -231,7 +237,7 @@ double rms(const CurvedSurface& surface, const Samples& samples) {
   const Locator on(surface);
   double sum = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const double d = on.residual(samples.place[i]).distance;
+    const double d = on.distance(samples.place[i]);
     sum += samples.weight[i] * d * d;
   }
   return std::sqrt(sum);

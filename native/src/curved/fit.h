@@ -17,6 +17,9 @@ struct Samples {
   std::vector<double> weight;  ///< they add up to 1
   std::vector<Vec3> place, normal;
 
+  Samples() = default;
+  /// \param count  about how many there will be
+  explicit Samples(std::size_t count);
   [[nodiscard]] std::size_t size() const { return weight.size(); }
   void add(double w, const Vec3& x, const Vec3& n);
   void normalise();

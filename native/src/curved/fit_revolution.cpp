@@ -35,6 +35,8 @@ struct Half {  // half of a plane through the axis
 
 Half half_plane(const CurvedSurface& surface, const Samples& s) {
   Half h;
+  h.place.reserve(s.size());
+  h.normal.reserve(s.size());
   for (std::size_t i = 0; i < s.size(); ++i) {
     const Polar p = polar(surface, s.place[i]);
     const Vec2 m(s.normal[i].dot(p.out), s.normal[i].dot(p.up));
@@ -52,23 +54,31 @@ std::vector<Cluster> clusters_of(const Half& h, const Samples& s) {
   }
   const double radius = kCluster * (high - low).norm();
   std::vector<Cluster> all;
+  std::vector<Vec2> place;  // of each cluster
   for (std::size_t i = 0; i < s.size(); ++i) {
-    Cluster* best = nullptr;
+    std::size_t best = place.size();
     double least = radius;
-    for (Cluster& c : all) {
-      const double d = (c.place - h.place[i]).norm();
+    for (std::size_t k = 0; k < place.size(); ++k) {
+      const double d = (place[k] - h.place[i]).norm();
       if (d >= least) continue;
       least = d;
-      best = &c;
+      best = k;
     }
-    if (best == nullptr) best = &all.emplace_back();
+    if (best == place.size()) {
+      all.emplace_back();
+      place.emplace_back(Vec2::Zero());
+    }
+    Cluster& c = all[best];
     const double w = std::max(s.weight[i], kTiny);
-    best->place = (best->weight * best->place + w * h.place[i]) / (best->weight + w);
-    best->normal += w * h.normal[i];
-    best->weight += w;
-    best->samples.push_back(i);
+    place[best] = (c.weight * place[best] + w * h.place[i]) / (c.weight + w);
+    c.normal += w * h.normal[i];
+    c.weight += w;
+    c.samples.push_back(i);
   }
-  for (Cluster& c : all) c.normal.normalize();
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    all[k].place = place[k];
+    all[k].normal.normalize();
+  }
   return all;
 }
 
@@ -77,19 +87,19 @@ std::vector<std::vector<std::size_t>> shortest_tree(const std::vector<Cluster>& 
   std::vector<std::vector<std::size_t>> tree(all.size());
   std::vector<double> to(all.size(), std::numeric_limits<double>::infinity());
   std::vector<std::size_t> from(all.size(), 0);
-  std::vector<bool> is_in(all.size(), false);
+  std::vector<std::size_t> left(all.size());
+  std::iota(left.begin(), left.end(), std::size_t{0});
   std::size_t at = 0;
-  for (std::size_t k = 1; k < all.size(); ++k) {
-    is_in[at] = true;
-    std::size_t next = all.size();
-    for (std::size_t j = 0; j < all.size(); ++j) {
-      if (is_in[j]) continue;
+  while (left.size() > 1) {
+    left.erase(std::lower_bound(left.begin(), left.end(), at));
+    std::size_t next = left[0];
+    for (const std::size_t j : left) {
       const double d = (all[at].place - all[j].place).norm() * (1 + kTurns * (1 - all[at].normal.dot(all[j].normal)));
       if (d < to[j]) {
         to[j] = d;
         from[j] = at;
       }
-      if (next == all.size() || to[j] < to[next]) next = j;
+      if (to[j] < to[next]) next = j;
     }
     tree[next].push_back(from[next]);
     tree[from[next]].push_back(next);

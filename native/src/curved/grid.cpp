@@ -202,6 +202,7 @@ void begin_at(CurvedProxy& proxy, double at) {
 PatchFaces::PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some) : face(std::move(some)) {
   const Locator surface(proxy);
   double square = 0, all = 0;
+  for (std::vector<double>* v : {&area, &angle, &rho, &z, &along, &out, &up}) v->reserve(face.size());
   for (const std::int32_t i : face) {
     const Vec3 x = faces.centre(i);
     const OnSurface on = surface.at(x);

@@ -49,15 +49,17 @@ class Splitter {
   /// Whether a flat region has its centre away from all of its faces.
   [[nodiscard]] bool is_off(const Some& some) const {
     if (some.size() < kLeastPoints) return false;
-    const Vec3 middle = centre(some);
     Vec3 normal = Vec3::Zero();
-    double least = std::numeric_limits<double>::infinity(), area = 0;
+    double area = 0;
     for (const std::int32_t i : some) {
-      least = std::min(least, (f_.centre(i) - middle).squaredNorm());
       area += f_.area(i);
       normal += f_.area(i) * f_.normal(i);
     }
-    return normal.norm() > kFlat * area && least > kOff * area * f_.graph().area / static_cast<double>(some.size());
+    if (normal.norm() <= kFlat * area) return false;
+    const double far = kOff * area * f_.graph().area / static_cast<double>(some.size());
+    const Vec3 middle = centre(some);
+    return std::all_of(some.begin(), some.end(),
+                       [&](std::int32_t i) { return (f_.centre(i) - middle).squaredNorm() > far; });
   }
 
   /// Halves a region across its longest direction; the second half gets a new label.

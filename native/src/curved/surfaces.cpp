@@ -12,7 +12,10 @@ namespace isimp::curved {
 namespace {
 
 // tuned round
-constexpr double kBeyond = 3;  ///< extension of an open profile at both ends, in lengths of its end edges
+constexpr double kBeyond = 3;        ///< extension of an open profile at both ends, in lengths of its end edges
+constexpr std::size_t kBlock = 8;    ///< work: number of edges of a profile that are searched at once
+constexpr double kRounding = 1e-12;  ///< rounding: of a squared distance, over the largest square of its terms
+constexpr double kNever = std::numeric_limits<double>::infinity();  // mark
 
 }  // namespace
 
@@ -21,18 +24,6 @@ std::array<Vec3, 2> frame(const Vec3& axis) {
   axis.cwiseAbs().minCoeff(&least);
   const Vec3 u = axis.cross(Vec3::Unit(least)).normalized();
   return {u, axis.cross(u)};
-}
-
-Polar polar(const CurvedSurface& surface, const Vec3& p) {
-  const Vec3 v = p - surface.point;
-  if (surface.kind == CurvedKind::extrusion) {
-    const Vec3 up = surface.axis.cross(surface.across);
-    return {v.dot(surface.across), v.dot(up), surface.across, up};
-  }
-  const double z = v.dot(surface.axis);
-  const Vec3 out = v - z * surface.axis;
-  const double rho = out.norm();
-  return {rho, z, out / std::max(rho, kTiny), surface.axis};
 }
 
 Locator::Locator(const CurvedSurface& s) : surface_(&s) {
@@ -52,29 +43,55 @@ Locator::Locator(const CurvedSurface& s) : surface_(&s) {
     to_.push_back(!s.closed && i + 1 == ends ? 1 + kBeyond : 1);
     length_.push_back(length);
     length += std::sqrt(square);
+    if (i % kBlock == 0) block_.push_back({Vec2::Constant(kNever), Vec2::Constant(-kNever), i, i});
+    Block& b = block_.back();
+    ++b.end;
+    for (const double u : {from_.back(), to_.back()}) {
+      const Vec2 end = a + u * t;
+      b.low = b.low.cwiseMin(end);
+      b.high = b.high.cwiseMax(end);
+      size_ = std::max(size_, end.squaredNorm());
+    }
   }
 }
 
 Locator::OnProfile Locator::nearest(double x, double y) const {
-  constexpr std::size_t kBlock = 32;  // work
-  double least = std::numeric_limits<double>::infinity();
+  double least = kNever;
   std::size_t best = 0;
-  for (std::size_t begin = 0; begin < x_.size(); begin += kBlock) {
+  // An edge further than the nearest by rounding alone may still be the one: equal ones are told apart by their number.
+  const double rounding = kRounding * (size_ + x * x + y * y);
+  const auto search = [&](const Block& b) {
     std::array<double, kBlock> square;
-    const std::size_t count = std::min(kBlock, x_.size() - begin);
+    const std::size_t count = b.end - b.begin;
     for (std::size_t k = 0; k < count; ++k) {  // without a branch, so that compilers use vectors
-      const std::size_t i = begin + k;
+      const std::size_t i = b.begin + k;
       const double px = x - x_[i], py = y - y_[i];
       const double u = std::min(std::max((px * dx_[i] + py * dy_[i]) * inverse_[i], from_[i]), to_[i]);
       const double ax = px - u * dx_[i], ay = py - u * dy_[i];
       square[k] = ax * ax + ay * ay;
     }
     for (std::size_t k = 0; k < count; ++k) {
-      if (square[k] >= least) continue;
+      if (square[k] > least || (square[k] == least && b.begin + k >= best)) continue;
       least = square[k];
-      best = begin + k;
+      best = b.begin + k;
     }
+  };
+  const auto bound = [&](const Block& b) {
+    const double dx = std::max(std::max(b.low.x() - x, x - b.high.x()), 0.0);
+    const double dy = std::max(std::max(b.low.y() - y, y - b.high.y()), 0.0);
+    return dx * dx + dy * dy;
+  };
+  double nearest = kNever;
+  const Block* first = nullptr;
+  for (const Block& b : block_) {
+    const double square = bound(b);
+    if (square >= nearest) continue;
+    nearest = square;
+    first = &b;
   }
+  if (first != nullptr) search(*first);
+  for (const Block& b : block_)
+    if (&b != first && bound(b) <= least + rounding) search(b);
   const double px = x - x_[best], py = y - y_[best];
   const double u = std::clamp((px * dx_[best] + py * dy_[best]) * inverse_[best], from_[best], to_[best]);
   return {best, u, {px - u * dx_[best], py - u * dy_[best]}};
@@ -100,24 +117,43 @@ Vec2 Locator::place(double along) const {
 
 OnSurface Locator::at(const Vec3& x) const {
   const CurvedSurface& s = *surface_;
-  if (s.kind == CurvedKind::plane) return {{}, {(x - s.point).dot(s.axis), s.axis}, 0};
+  if (s.kind == CurvedKind::plane) return {{}, residual(x), 0};
   const Polar p = polar(s, x);
   if (has_profile(s)) {
     const OnProfile on = nearest(p.rho, p.z);
-    const Vec2 edge(dx_[on.edge], dy_[on.edge]);
-    const Vec2 tangent = edge.squaredNorm() > 0 ? Vec2(edge.normalized()) : Vec2::UnitX();
-    const Vec2 normal = s.side * Vec2(tangent.y(), -tangent.x());
-    const bool is_inside = s.kind == CurvedKind::extrusion && on.away.dot(normal) < 0;
-    const double distance = on.away.norm();
-    return {p, {is_inside ? -distance : distance, normal.x() * p.out + normal.y() * p.up}, length_to(on)};
+    return {p, residual(p, on), length_to(on)};
   }
+  return {p, residual(x), s.kind == CurvedKind::sphere ? std::atan2(p.rho, -p.z) : p.z};
+}
+
+Residual Locator::residual(const Vec3& x) const {
+  const CurvedSurface& s = *surface_;
+  if (s.kind == CurvedKind::plane) return {(x - s.point).dot(s.axis), s.axis};
   if (s.kind == CurvedKind::sphere) {
     const Vec3 v = x - s.point;
     const double l = std::max(v.norm(), kTiny);
-    return {p, {l - s.radius, s.side * v / l}, std::atan2(p.rho, -p.z)};
+    return {l - s.radius, s.side * v / l};
   }
+  const Polar p = polar(s, x);
+  if (has_profile(s)) return residual(p, nearest(p.rho, p.z));
   const double c = 1 / std::sqrt(1 + s.slope * s.slope);
-  return {p, {(p.rho - s.radius - s.slope * p.z) * c, s.side * c * (p.out - s.slope * s.axis)}, p.z};
+  return {(p.rho - s.radius - s.slope * p.z) * c, s.side * c * (p.out - s.slope * s.axis)};
+}
+
+Residual Locator::residual(const Polar& p, const OnProfile& on) const {
+  const CurvedSurface& s = *surface_;
+  const Vec2 edge(dx_[on.edge], dy_[on.edge]);
+  const Vec2 tangent = edge.squaredNorm() > 0 ? Vec2(edge.normalized()) : Vec2::UnitX();
+  const Vec2 normal = s.side * Vec2(tangent.y(), -tangent.x());
+  const bool is_inside = s.kind == CurvedKind::extrusion && on.away.dot(normal) < 0;
+  const double distance = on.away.norm();
+  return {is_inside ? -distance : distance, normal.x() * p.out + normal.y() * p.up};
+}
+
+double Locator::distance(const Vec3& x) const {
+  if (!has_profile(*surface_)) return std::abs(residual(x).distance);
+  const Polar p = polar(*surface_, x);
+  return nearest(p.rho, p.z).away.norm();
 }
 
 Residual residual(const CurvedSurface& surface, const Vec3& p) { return Locator(surface).residual(p); }
@@ -130,8 +166,13 @@ double angle(const CurvedProxy& proxy, const Vec3& p) {
   return a < 0 ? a + kTurn : a;
 }
 
+double rest_of_turns(double angle) {
+  const double rest = angle < kTurn ? angle : angle < 2 * kTurn ? angle - kTurn : angle - 2 * kTurn;
+  return rest >= 0 && rest < kTurn ? rest : std::fmod(angle, kTurn);
+}
+
 double turned(double angle) {
-  const double a = std::fmod(angle + std::numbers::pi, kTurn);
+  const double a = rest_of_turns(angle + std::numbers::pi);
   return (a < 0 ? a + kTurn : a) - std::numbers::pi;
 }
 

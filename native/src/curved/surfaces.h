@@ -1,11 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <numbers>
 #include <span>
 #include <vector>
 
 #include "isimp/partition/curved.h"
+#include "least.h"
 
 /// Geometry of a curved surface at a point.
 namespace isimp::curved {
@@ -29,7 +31,17 @@ struct Residual {
 /// Two unit vectors square to a unit vector, which they follow in a right-handed frame.
 std::array<Vec3, 2> frame(const Vec3& axis);
 
-Polar polar(const CurvedSurface& surface, const Vec3& p);
+inline Polar polar(const CurvedSurface& surface, const Vec3& p) {
+  const Vec3 v = p - surface.point;
+  if (surface.kind == CurvedKind::extrusion) {
+    const Vec3 up = surface.axis.cross(surface.across);
+    return {v.dot(surface.across), v.dot(up), surface.across, up};
+  }
+  const double z = v.dot(surface.axis);
+  const Vec3 out = v - z * surface.axis;
+  const double rho = out.norm();
+  return {rho, z, out / std::max(rho, kTiny), surface.axis};
+}
 Residual residual(const CurvedSurface& surface, const Vec3& p);
 
 /// The place on a surface that is nearest to a point.
@@ -45,7 +57,8 @@ class Locator {
   explicit Locator(const CurvedSurface& surface);
 
   [[nodiscard]] OnSurface at(const Vec3& p) const;
-  [[nodiscard]] Residual residual(const Vec3& p) const { return at(p).residual; }
+  [[nodiscard]] Residual residual(const Vec3& p) const;
+  [[nodiscard]] double distance(const Vec3& p) const;  ///< not signed
   [[nodiscard]] double along(const Polar& p) const;
   /// The place of a sphere or a profile at a place along it.
   [[nodiscard]] Vec2 place(double along) const;
@@ -57,13 +70,21 @@ class Locator {
     double share = 0;          ///< share of the edge
     Vec2 away = Vec2::Zero();  ///< from that place to the point
   };
+  /// Some edges in a row, and a box around them.
+  struct Block {
+    Vec2 low, high;
+    std::size_t begin, end;
+  };
   [[nodiscard]] OnProfile nearest(double x, double y) const;
+  [[nodiscard]] Residual residual(const Polar& p, const OnProfile& on) const;
   [[nodiscard]] double length_to(const OnProfile& on) const;
 
   const CurvedSurface* surface_;
   // By edge of the profile: its first corner, its vector, 1 / its squared length, and the shares that are on it.
   std::vector<double> x_, y_, dx_, dy_, inverse_, from_, to_;
   std::vector<double> length_;  // of the profile up to each edge
+  std::vector<Block> block_;
+  double size_ = 0;  // the largest squared length of a corner
 };
 
 inline bool has_profile(const CurvedSurface& s) {
@@ -75,6 +96,8 @@ double along(const CurvedSurface& surface, const Polar& p);
 
 /// The angle of a point about the axis, from `across` on, in [0, 2 pi).
 double angle(const CurvedProxy& proxy, const Vec3& p);
+/// std::fmod(angle, kTurn), with a subtraction that is exact where the angle is between 0 and three turns.
+double rest_of_turns(double angle);
 /// An angle made one in [-pi, pi).
 double turned(double angle);
 
