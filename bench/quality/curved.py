@@ -9,7 +9,7 @@
   axis radius  error of the best patch for each true part: degrees; %
   polygons     with round parts, and without: the quotient
   mean p99     distance of the scan's vertices from the polygons: the quotient
-  quads        share of the cells with four corners
+  quads        share of the cells with four corners, or three at a tip, where six cells of the part meet
   spread       standard deviation over mean of the areas of the cells, full cylinders and cones only
   whole        share of the cells' polygons that are whole under `planar`
   kept         share of the cells whose plane was kept
@@ -32,6 +32,7 @@ COLUMNS = (
     *("found", "right", "axis", "radius", "polygons", "more", "mean", "p99", "quads", "spread", "whole", "kept"),
     *("defects", "time"),
 )
+LEAST_AT_TIP = 6  # cells of a part at one corner
 
 
 def areas(poly):
@@ -94,6 +95,12 @@ def of_cells(mesh, part, poly, plain_poly):
     if not is_cell.any():
         return {"quads": np.nan, "spread": np.nan, "whole": np.nan, "kept": np.nan}
     corners = np.diff(np.append(np.asarray(poly.loop_start), len(poly.loops)))
+    at_tip = np.zeros(len(corners), bool)
+    owner, loops = np.repeat(np.arange(len(corners)), corners), np.asarray(poly.loops)
+    for k in range(len(part.curved)):
+        is_of = patch[poly.polygon_region][owner] == k
+        meeting = np.bincount(loops[is_of], minlength=len(poly.vertices))
+        at_tip[owner[is_of & (meeting[loops] >= LEAST_AT_TIP)]] = True
     area, spreads = areas(poly), []
     for k, p in enumerate(part.curved):
         mine = area[patch[poly.polygon_region] == k]
@@ -103,7 +110,7 @@ def of_cells(mesh, part, poly, plain_poly):
     pieces = np.bincount(planar.polygon_region, minlength=part.region_count)[patch >= 0]
     let_go = np.asarray(poly.planes_let_go, int)
     return {
-        "quads": (corners[is_cell] == 4).mean(),
+        "quads": (corners[is_cell] == np.where(at_tip[is_cell], 3, 4)).mean(),
         "spread": np.mean(spreads or [np.nan]),
         "whole": (pieces == 1).mean(),
         "kept": 1 - (patch[let_go] >= 0).sum() / (patch >= 0).sum(),

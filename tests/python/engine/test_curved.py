@@ -232,6 +232,22 @@ def test_a_torus_is_one_part(seed):
     assert np.isin(part.face_region, found.regions).all()
 
 
+def test_all_segments_of_a_cone_meet_in_its_apex():
+    vertices, triangles = round_shapes.made(round_shapes.shapes()["silo"])
+    mesh = engine.clean(round_shapes.with_noise(vertices, 0.001, 201), triangles)
+    part = engine.partition(mesh, engine.PartitionOptions(curved=True))
+    (cone,) = (each for each in part.curved if each.kind == "cone")
+    for planar in (False, True):
+        poly = engine.polygonize(mesh, part, engine.MeshingOptions(planar=planar))
+        corners = np.split(poly.loops, poly.loop_start[1:])
+        cells = [set(loop) for loop, region in zip(corners, poly.polygon_region, strict=True) if region in cone.regions]
+        assert len(cells) == cone.segments  # each whole
+        (apex,) = set.intersection(*cells)
+        on_axis = np.asarray(cone.point) - cone.radius / cone.slope * np.asarray(cone.axis)
+        assert poly.vertices[apex] == pytest.approx(on_axis, abs=0.002 * mesh.report["diagonal"])
+        assert np.mean([len(cell) == 3 for cell in cells]) > 0.7
+
+
 def test_pipes_and_their_bend_meet_in_shared_corners():
     vertices, triangles = round_shapes.made(round_shapes.shapes()["elbow"], 48)
     mesh = engine.Mesh(round_shapes.with_noise(vertices, 0.001, 1), triangles)

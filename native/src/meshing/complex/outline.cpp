@@ -30,12 +30,11 @@ std::vector<std::int32_t> chords_of(const State& state, std::int32_t chart, std:
   const auto chords = state.complex.chords(chart);
   const auto n = chords.size();
   std::vector<std::int32_t> found(polygon.size(), kNone);
+  const auto at = [&](std::int32_t h) { return state.corners.of_vertex[state.mesh.from(h)]; };
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const std::int32_t from = state.corners.vertex[polygon[i]],
-                       to = state.corners.vertex[polygon[i + 1 < polygon.size() ? i + 1 : 0]];
+    const std::int32_t from = polygon[i], to = polygon[i + 1 < polygon.size() ? i + 1 : 0];
     for (std::size_t k = 0; k < n && found[i] == kNone; ++k)
-      if (state.mesh.from(chords[k]) == from && state.mesh.from(chords[k + 1 < n ? k + 1 : 0]) == to)
-        found[i] = static_cast<std::int32_t>(k);
+      if (at(chords[k]) == from && at(chords[k + 1 < n ? k + 1 : 0]) == to) found[i] = static_cast<std::int32_t>(k);
   }
   return found;
 }

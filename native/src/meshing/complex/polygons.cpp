@@ -67,10 +67,20 @@ std::int32_t Corners::at(std::int32_t v) {
     radius.push_back(0);
     position.push_back(Vec3::Zero());
   }
-  ISIMP_ASSERT(vertex[of_vertex[v]] == v, "a corner stands for its vertex");
+  ISIMP_ASSERT(of_vertex[vertex[of_vertex[v]]] == of_vertex[v], "a corner stands for its vertex");
   ISIMP_ASSERT(radius.size() == vertex.size() && position.size() == vertex.size(),
                "every corner has a radius and a place");
   return of_vertex[v];
+}
+
+void Corners::share(std::int32_t v, std::span<const std::int32_t> vertices) {
+  const std::int32_t c = at(v);
+  for (const std::int32_t other : vertices) of_vertex.set(other, c);
+}
+
+void Corners::part(std::int32_t v, std::span<const std::int32_t> vertices) {
+  for (const std::int32_t other : vertices)
+    if (other != v) of_vertex.set(other, kNone);
 }
 
 void Polygons::remove(std::int32_t chart) {
@@ -171,7 +181,12 @@ void Polygons::collect(const Complex& complex, const Labels& labels, Diagonals& 
     remove(l);
     if (complex.chords(l).empty()) continue;  // no more
     cycles.assign(1, {});
-    for (const std::int32_t h : complex.chords(l)) cycles[0].push_back(labels.mesh.from(h));
+    for (const std::int32_t h : complex.chords(l)) {
+      const std::int32_t from = labels.mesh.from(h), c = corners.of_vertex[from];
+      const std::int32_t v = c == kNone ? from : corners.vertex[c];
+      if (cycles[0].empty() || cycles[0].back() != v) cycles[0].push_back(v);
+    }
+    if (cycles[0].size() > 1 && cycles[0].front() == cycles[0].back()) cycles[0].pop_back();
     const std::size_t had = diagonals[l].size();
     std::erase_if(diagonals.edit(l), [&](const Edge& d) {
       return complex.has_chord(d[0], d[1]) || added.contains(edge(d[0], d[1])) || !split_at(cycles, d) ||

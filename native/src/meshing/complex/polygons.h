@@ -9,11 +9,19 @@
 
 namespace isimp::meshing {
 
-/// The mesh vertices that have become corners. A corner keeps its number, also when no polygon uses it any more.
+/// The mesh vertices that have become corners. A corner keeps its number, also when no polygon uses it any more. It
+/// stands for one vertex, or for several that share it.
 struct Corners {
   explicit Corners(std::int32_t vertices) : of_vertex(vertices, kNone) {}
   /// The corner at a mesh vertex, a new one if there is none.
   std::int32_t at(std::int32_t v);
+  /// Makes the corner at one of some vertices stand for all of them.
+  void share(std::int32_t v, std::span<const std::int32_t> vertices);
+  [[nodiscard]] bool is_shared(std::span<const std::int32_t> vertices) const {
+    return of_vertex[vertices.front()] == of_vertex[vertices.back()];
+  }
+  /// Ends that.
+  void part(std::int32_t v, std::span<const std::int32_t> vertices);
   [[nodiscard]] std::int32_t count() const { return static_cast<std::int32_t>(vertex.size()); }
   /// Calls fn(array) for each array of corners that a transaction takes back.
   template <class Self, class Function>
@@ -25,7 +33,7 @@ struct Corners {
   }
 
   Logged<std::int32_t> of_vertex;  ///< (V) kNone where there is none
-  Logged<std::int32_t> vertex;     ///< (C) the mesh vertex
+  Logged<std::int32_t> vertex;     ///< (C) the mesh vertex, the nearest of several
   Logged<double> radius;           ///< (C) how far it may be from its mesh vertex
   Logged<Vec3> position;           ///< (C)
   /// Corners that would move by less keep their position bit by bit, so that the polygons at them need not be judged

@@ -109,6 +109,11 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   complex_.tolerance = chord_tolerance(mesh, planes, partition, options);
   job.report(0.08);
   complex_.refresh(numbers_below(labels.chart_count()), std::move(loops), job);
+  tips_ = tips_of(labels, complex, partition);
+  for (const Tip& tip : tips_) {
+    corners_.share(tip.nearest, tip.vertices);
+    for (const std::int32_t v : bends_at(labels, complex, tip)) drop_corner(v);
+  }
   job.report(0.1);
 }
 
@@ -387,6 +392,23 @@ void State::derive_charts(std::span<const std::int32_t> touched, Pending& pendin
   ISIMP_ASSERT(planes.size() == labels.charts.size() && diagonals.size() == labels.charts.size(),
                "every chart has a plane and diagonals");
   complex_.refresh(touched, std::move(loops), job_);
+  for (const Tip& tip : tips_) {
+    if (!corners.is_shared(tip.vertices)) continue;
+    const std::vector<std::int32_t> some = charts_of(labels, tip.vertices);
+    if (std::ranges::find_first_of(some, touched) == some.end()) continue;
+    for (const std::int32_t v : bends_at(labels, complex, tip)) drop_corner(v);
+  }
+}
+
+std::vector<std::int32_t> State::part_tips() {
+  std::vector<std::int32_t> charts;
+  for (const Tip& tip : tips_) {
+    if (!corners.is_shared(tip.vertices) || is_whole(labels, complex, tip)) continue;
+    corners_.part(tip.nearest, tip.vertices);
+    const std::vector<std::int32_t> some = charts_of(labels, tip.vertices);
+    charts.insert(charts.end(), some.begin(), some.end());
+  }
+  return charts;
 }
 
 std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool in_place) {
@@ -396,6 +418,8 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool 
   const std::vector<std::int32_t> cornered = complex_.make_regular();
   changed.insert(changed.end(), cornered.begin(), cornered.end());
   changed.insert(changed.end(), pending.united.begin(), pending.united.end());
+  const std::vector<std::int32_t> parted = part_tips();
+  changed.insert(changed.end(), parted.begin(), parted.end());
   std::vector<bool> used;  // by corner, before the polygons change; a transaction keeps it
   if (in_place && !polygons.in_transaction())
     for (std::int32_t c = 0; c < corners.count(); ++c) used.push_back(polygons.was_used(c));

@@ -11,6 +11,7 @@
 #include "complex/complex.h"
 #include "complex/placement.h"
 #include "complex/polygons.h"
+#include "complex/tips.h"
 #include "discs/discs.h"
 #include "discs/logged.h"
 #include "isimp/core/threads.h"
@@ -147,6 +148,9 @@ class State {
   friend class Transaction;
 
   std::vector<std::int32_t> update(std::vector<std::int32_t> changed, bool in_place);
+  /// Parts the tips that changes of charts have spoilt.
+  /// \return the charts at these
+  std::vector<std::int32_t> part_tips();
   /// Sets the radii of some corners; 0 for corners that must stay at their vertices.
   void limit(std::span<const std::int32_t> moving);
   /// Places some corners by the energy, beginning at their vertices or where they are.
@@ -170,6 +174,7 @@ class State {
   Diagonals diagonals_;
   Corners corners_;
   Polygons polygons_;
+  std::vector<Tip> tips_;
   const Job& job_;
   std::int32_t merged_without_area_ = 0;
   std::int64_t placed_ = 0;

@@ -67,6 +67,7 @@ class JunctionNet {
       if (s_.labels.charts[l].face != kNone)
         for (const std::int32_t h : s_.complex.chords(l)) {
           const std::int32_t c = s_.corners.of_vertex[s_.mesh.from(h)];
+          if (!at_[c].empty() && at_[c].back() == l) continue;  // vertices that share it
           loops_[l].push_back(c);
           at_[c].push_back(l);
         }

@@ -38,10 +38,10 @@ constexpr double kWorthwhile = 0.97;        ///< a pass that leaves more of the 
 
 /// The chord of a chart from one corner to another.
 std::int32_t chord_of(const State& s, std::int32_t l, std::int32_t from, std::int32_t to) {
-  const std::int32_t a = s.corners.vertex[from], b = s.corners.vertex[to];
   const auto chords = s.complex.chords(l);
+  const auto at = [&](std::size_t k) { return s.corners.of_vertex[s.mesh.from(chords[k % chords.size()])]; };
   for (std::size_t k = 0; k < chords.size(); ++k)
-    if (s.mesh.from(chords[k]) == a && s.mesh.from(chords[(k + 1) % chords.size()]) == b) return chords[k];
+    if (at(k) == from && at(k + 1) == to) return chords[k];
   return kNone;
 }
 
