@@ -92,6 +92,9 @@ class Joiner {
     both.surface = fit(CurvedKind::revolution, rest).value_or(*surface);
     both.area = a.area + b.area;
     both.rms = rms(both.surface, rest);
+    const double apart = std::sqrt((a.area * a.rms * a.rms + b.area * b.rms * b.rms) / both.area);
+    if (!is_one && !a.is_plane() && !b.is_plane() && both.rms > std::max(kNearlyAsWell * apart, kGood * near_.distance))
+      return false;  // two simple surfaces, such as a cylinder and the cone on it
     found_.erase(found_.begin() + std::max(i, j));
     found_.erase(found_.begin() + std::min(i, j));
     found_.push_back(std::move(both));
