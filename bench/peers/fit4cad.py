@@ -5,9 +5,8 @@
 DATA is a folder of Fit4CAD (github.com/chiararomanengo/Fit4CAD) or one above: each cloud NAME.txt, whose truth is
 NAME_primitives.txt in the same folder or in pointCloud_primitives. `isimp_engine` and scipy must be importable.
 
-The benchmark has points alone and the engine takes meshes, so points are joined first: balls as small as possible that
-do not pass between neighbours carve the tetrahedra of Delaunay from outside, and the border of the rest is the mesh. It
-has all points as vertices. A ball that is too small enters the solid, one too large closes its hollows.
+The benchmark has points alone and the engine takes meshes, so points are joined first: the mesh is the border between
+the tetrahedra of Delaunay inside and outside.
 
 A row a cloud: points, primitives of the truth and found ones, share of the points in the mesh, and the mean Dice index.
 As in the benchmark, each primitive of the truth is compared with the found one that has most of its points. The last
@@ -24,7 +23,7 @@ import numpy as np
 import isimp_engine as engine
 
 NEAR = 2e-3  # share of the diagonal: points of a neighbour at this distance from a primitive's surface belong to it too
-BALLS = (1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0)  # radii in gaps: medians of the distance of the sixth neighbour
+JITTER = 1e-6  # share of the diagonal, of a move of points while they are joined: planes have no flat tetrahedra then
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 
@@ -61,49 +60,100 @@ def clouds(folder):
 
 
 def meshed(points):
-    """(F, 3) triangles of a surface through the points that faces outwards, by the ball that reaches most points."""
-    from scipy.spatial import Delaunay, cKDTree
+    """(F, 3) triangles of a closed surface through the points that faces outwards.
 
-    gap = float(np.median(cKDTree(points).query(points, k=min(7, len(points)))[0][:, -1]))
+    The tetrahedra of Delaunay are inside or outside. Neighbours are on one side the surer, the deeper the balls around
+    them overlap, and the poles of a point, its largest balls in opposite directions, are on two sides. The surest of
+    these facts counts first, and one that contradicts it does not count.
+    Source: Kolluri, Shewchuk, O'Brien 2004 for the facts; Wolf et al. 2018 (mutex watershed) for their order.
+    """
+    from scipy.spatial import Delaunay
+
+    points = points + JITTER * diagonal(points) * np.random.default_rng(0).normal(size=points.shape)
     cells = Delaunay(points)
     tetrahedra, neighbours = cells.simplices, cells.neighbors
-    centre = points[tetrahedra].mean(axis=1)
-    sides = np.array([(1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1)])
-    best = np.zeros((0, 3), np.int32)
-    for ball in BALLS:
-        faces = tetrahedra[:, sides]  # (T, 4, 3): the face beyond each corner
-        opened = circumradius(points[faces]) > ball * gap
-        outside = carved(neighbours, opened)
-        beyond = np.where(neighbours < 0, True, outside[neighbours])
-        at = np.argwhere(~outside[:, None] & beyond)
-        found = faces[at[:, 0], at[:, 1]]
-        a, b, c = points[found].swapaxes(0, 1)
-        inwards = (np.cross(b - a, c - a) * (centre[at[:, 0]] - a)).sum(axis=1) > 0
-        found[inwards] = found[inwards][:, ::-1]
-        if len(np.unique(found)) > len(np.unique(best)):
-            best = found.astype(np.int32)
-    return best
+    outside, centres = len(tetrahedra), ball_centres(points[tetrahedra])
+    faces = tetrahedra[:, [(1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1)]]  # (T, 4, 3): the face beyond each corner
+    a, b, c = points[faces].transpose(2, 0, 1, 3)
+    away = unit(np.cross(b - a, c - a))
+    inwards = ((points[tetrahedra] - a) * away).sum(axis=-1) > 0
+    away[inwards] *= -1
+    faces[inwards] = faces[inwards][:, ::-1]
+
+    # Same sides: neighbours, and the hull with the outside, whose ball is the half space beyond.
+    cell, side = np.nonzero(neighbours < np.arange(outside)[:, None])
+    beyond = neighbours[cell, side]
+    on = points[faces[cell, side, 0]]
+    towards = np.where(beyond[:, None] < 0, away[cell, side], unit(centres[beyond] - on))
+    same = (unit(centres[cell] - on) * towards).sum(axis=1), cell, np.where(beyond < 0, outside, beyond)
+
+    # Two sides: the poles of each point. The first one of a point of the hull is the outside.
+    corner, own = tetrahedra.ravel(), np.repeat(np.arange(outside), 4)
+    ball = centres[own] - points[corner]
+    size = np.linalg.norm(ball, axis=1)
+    first = last_of_each(corner, size)
+    pole, axis = own[first], ball[first] / size[first, None]
+    at_hull = faces[neighbours < 0]
+    normals = np.zeros_like(points)
+    np.add.at(normals, at_hull.ravel(), np.repeat(away[neighbours < 0], 3, axis=0))
+    hull = np.unique(at_hull)
+    pole[hull], axis[hull] = outside, unit(normals[hull])
+    turn = (ball * axis[corner]).sum(axis=1) / size
+    second = last_of_each(corner, np.where(turn < 0, size, -1.0))
+    two = -turn[second], pole, own[second]
+
+    side_of = sides(outside + 1, same, two)
+    is_inside = side_of[:-1] != side_of[-1]
+    open_beyond = np.where(neighbours < 0, True, ~is_inside[neighbours])
+    return faces[is_inside[:, None] & open_beyond].astype(np.int32)
 
 
-def circumradius(corners):
-    """(...) of triangles (..., 3, 3); infinite without area."""
-    a, b, c = (corners[..., k, :] for k in range(3))
-    lengths = [np.linalg.norm(side, axis=-1) for side in (b - a, c - b, a - c)]
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=-1) / 2
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(area > 0, lengths[0] * lengths[1] * lengths[2] / (4 * area), np.inf)
+def ball_centres(corners):
+    """(T, 3) the centres of the balls through the corners (T, 4, 3) of tetrahedra."""
+    sides = corners[:, 1:] - corners[:, :1]
+    middle = np.linalg.solve(sides, (sides**2).sum(axis=2, keepdims=True) / 2)
+    return corners[:, 0] + middle[:, :, 0]
 
 
-def carved(neighbours, opened):
-    """(T,) whether each tetrahedron is reached from outside through open faces."""
-    outside = (opened & (neighbours < 0)).any(axis=1)
-    reached = np.flatnonzero(outside)
-    while len(reached):
-        beyond = np.where(opened[reached], neighbours[reached], -1).ravel()
-        beyond = np.unique(beyond[beyond >= 0])
-        reached = beyond[~outside[beyond]]
-        outside[reached] = True
-    return outside
+def unit(vectors):
+    """The vectors with length 1."""
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def last_of_each(number, value):
+    """For each of the numbers 0, 1, ... the place where it has its largest value."""
+    order = np.lexsort((value, number))
+    return order[np.searchsorted(number[order], np.arange(number.max() + 1), side="right") - 1]
+
+
+def sides(count, same, two):
+    """(count,) 0 or 1 of each cell: its side. same, two: certainty and two cells of each fact, see `meshed`."""
+    certainty, first, second = (np.concatenate(pair) for pair in zip(same, two, strict=True))
+    differ = np.arange(len(certainty)) >= len(same[0])
+    order = np.argsort(-certainty, kind="stable")
+    parent, turn, size = list(range(count)), [0] * count, [1] * count
+
+    def root(cell):
+        """The root of the tree of a cell, and whether it is on the other side."""
+        other = 0
+        while parent[cell] != cell:
+            other ^= turn[cell]
+            cell = parent[cell]
+        return cell, other
+
+    for one, other, differs in zip(*(fact[order].tolist() for fact in (first, second, differ)), strict=True):
+        (a, turn_a), (b, turn_b) = root(one), root(other)
+        if a == b:
+            continue
+        small, large = (a, b) if size[a] < size[b] else (b, a)
+        parent[small], turn[small] = large, turn_a ^ turn_b ^ differs
+        size[large] += size[small]
+    return np.array([root(cell)[1] for cell in range(count)])
+
+
+def diagonal(points):
+    """The length of the diagonal of the box of points."""
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
 def distance(surface, points):
@@ -130,7 +180,6 @@ def primitives_of(points, triangles, made):
         of_region[patch.regions] = part.region_count + 1 + patch.number
         surfaces[part.region_count + 1 + patch.number] = patch
     owner = of_region[label]  # -1 is the last one: faces in no region
-    diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
     found = []
     for number in np.unique(owner[label >= 0]).tolist():
         own = np.unique(triangles[owner == number])
@@ -138,7 +187,7 @@ def primitives_of(points, triangles, made):
         around = np.unique(triangles[np.isin(triangles, own).any(axis=1)])
         around = np.setdiff1d(around, own)
         away = distance(surface, points)
-        most = NEAR * diagonal
+        most = NEAR * diagonal(points)
         keeps = own[~(away[own] > most)]
         found.append(np.union1d(keeps if 2 * len(keeps) > len(own) else own, around[away[around] <= most]))
     return found

@@ -46,6 +46,20 @@ def test_dice_is_of_the_found_primitive_with_most_common_points():
     assert fit4cad.dice(truth, []).tolist() == [0, 0]
 
 
+@pytest.mark.parametrize("height", [1, 0.25])
+def test_the_mesh_is_closed_and_has_all_points_at_thin_walls(height):
+    pytest.importorskip("scipy")
+    points = cube()[0] * [1, 1, height]
+    triangles = fit4cad.meshed(points)
+    assert len(np.unique(triangles)) == len(points)
+    edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    assert np.unique(edges, axis=0).tolist() == np.unique(edges[:, ::-1], axis=0).tolist()
+    assert len(np.unique(edges, axis=0)) == len(edges)  # two triangles at each edge, in opposite directions
+    a, b, c = points[triangles].swapaxes(0, 1)
+    volume = (np.cross(a, b) * c).sum() / 6
+    assert volume == pytest.approx(np.ptp(points, axis=0).prod())
+
+
 def test_a_cube_of_points_is_found(tmp_path):
     pytest.importorskip("scipy")
     points, sides = cube()
