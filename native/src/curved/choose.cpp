@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <utility>
@@ -87,9 +88,19 @@ class Chooser {
           const std::int32_t other = j == f_.size() || s_.label[j] == kNone ? kNone : patch[s_.label[j]];
           if (other != kNone && patch[p.found] < other) beside.emplace(patch[p.found], other);
         }
+    const auto have_one_axis = [&](std::int32_t i, std::int32_t j) {
+      return is_coaxial(s_.patches[i].proxy, s_.patches[j].proxy, distance_);
+    };
     detail::Forest forest(s_.patches.size());
-    for (const auto& [a, b] : beside)
-      if (is_coaxial(s_.patches[a].proxy, s_.patches[b].proxy, distance_)) forest.join(a, b);
+    Some axis(s_.patches.size());  // by root: the patch whose axis all have; a sphere where there is no other
+    std::iota(axis.begin(), axis.end(), 0);
+    for (const auto& [a, b] : beside) {
+      const std::int32_t one = axis[forest.root(a)], other = axis[forest.root(b)];
+      // Pipes that meet a sphere need not have one axis.
+      if (!have_one_axis(a, b) || !have_one_axis(one, other)) continue;
+      forest.join(a, b);
+      axis[forest.root(a)] = s_.patches[one].proxy.kind == CurvedKind::sphere ? other : one;
+    }
     std::map<std::int32_t, std::vector<std::size_t>> sets;
     for (std::size_t k = 0; k < s_.patches.size(); ++k) sets[forest.root(static_cast<std::int32_t>(k))].push_back(k);
     std::vector<std::vector<std::size_t>> all;

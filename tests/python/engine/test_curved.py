@@ -37,6 +37,29 @@ def turned(profile, steps=96):
     return np.concatenate([vertices, [[0, 0, z[0]], [0, 0, z[-1]]]]), triangles.astype(np.int32)
 
 
+def star(n=48, radius=1.0, reach=1.8):
+    """A sphere with two pipes along each axis, of another radius for each, as a cube's sides with n x n squares."""
+    u, v = (x.ravel() for x in np.meshgrid(*[np.linspace(-1, 1, n + 1)] * 2, indexing="ij"))
+    ring = np.maximum(np.abs(u), np.abs(v))[:, None]  # a pipe ends at 0.5 and begins at 0.75
+    cube = np.stack([u, v, ring[:, 0]], axis=1)
+    cube /= np.maximum(np.linalg.norm(cube, axis=1), 1e-9)[:, None]
+    k = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    a, b, c, d = (x.ravel() for x in (k[:-1, :-1], k[1:, :-1], k[1:, 1:], k[:-1, 1:]))
+    square = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    sides = []
+    for turn, pipe in enumerate((0.45, 0.38, 0.31)):
+        foot = np.sqrt(radius**2 - pipe**2)
+        circle = np.stack([u, v], axis=1) * (pipe / np.maximum(np.hypot(u, v), 1e-9))[:, None]
+        share = np.clip(4 * ring - 3, 0, 1)
+        ball = (1 - share) * np.c_[circle, np.full(len(u), foot)] + share * radius * cube
+        ball *= radius / np.linalg.norm(ball, axis=1)[:, None]
+        tube = np.c_[circle * np.minimum(2 * ring, 1), foot + (reach - foot) * np.clip(3 - 4 * ring, 0, 1)]
+        side = np.where(ring >= 0.75, ball, tube)
+        sides += [np.roll(side * [sign, 1, sign], turn, axis=1) for sign in (1, -1)]
+    vertices, number = np.unique(np.round(np.concatenate(sides), 9), axis=0, return_inverse=True)
+    return vertices, number.reshape(6, -1)[:, square].reshape(-1, 3).astype(np.int32)
+
+
 def can(upper=1.0):
     lids = np.arange(1, 8) / 8
     side = np.linspace(0, 1, 41)
@@ -550,3 +573,10 @@ def test_the_reason_why_no_round_part_is_found_is_known(made, why):
 def noisy_cylinder(share):
     vertices, triangles = round_shapes.made(round_shapes.shapes()["capped"])
     return round_shapes.with_noise(vertices, share, 1), triangles
+
+
+def test_pipes_into_a_sphere_keep_their_own_axes():
+    patches = engine.simplify(star(), curved=True, detail=0.007).partition.curved
+    found = [(np.argmax(np.abs(p.axis)), p.radius) for p in patches if p.kind == "cylinder"]
+    assert len({axis for axis, _ in found}) > 1
+    assert all(radius == pytest.approx({2: 0.45, 0: 0.38, 1: 0.31}[axis], rel=0.01) for axis, radius in found)
