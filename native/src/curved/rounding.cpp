@@ -18,6 +18,7 @@ namespace {
 // tuned round
 constexpr double kOfRegion = 0.3;  ///< share of a region's area: if patches leave less of it, the rest joins neighbours
 constexpr double kNarrow = 1;      ///< radians, the least span of one that is no full turn
+constexpr double kPrism = 0.01;    ///< share of the square distance of the faces from the surface: of a prism's sides
 constexpr double kFar = 1e300;     ///< mark: misfit of a face to a cell without a plane
 
 /// Puts cells in the place of regions.
@@ -103,15 +104,17 @@ class Rounding {
   [[nodiscard]] bool is_edit() const { return scene_.found.empty(); }
 
   /// Whether the cells of patches with the same segments are about as near to the faces as the regions that were there.
-  /// A patch that was found must pass, an edit need not.
+  /// These may be nearer by the distance of the faces from the surface, which no cells follow, unless they are the sides
+  /// of a prism. A patch that was found must pass, an edit need not.
   [[nodiscard]] bool pay(const std::vector<PatchCut>& cuts) const {
     if (is_edit()) return true;
-    double now = 0, before = 0;
+    double now = 0, before = 0, rough = 0;
     const auto add = [&](std::int32_t i, const Vec3& normal, double offset) {
       now += f_.area(i) * std::pow(normal.dot(f_.centre(i)) - offset, 2);
     };
     for (const PatchCut& c : cuts) {
       before += c.patch->before;
+      for (const double a : c.patch->faces.area) rough += a * c.patch->faces.rough * c.patch->faces.rough;
       const Some& face = c.patch->faces.face;
       for (std::size_t k = 0; k < face.size(); ++k)
         add(face[k], c.cells.normal[c.cells.of_face[k]], c.cells.offset[c.cells.of_face[k]]);
@@ -120,7 +123,7 @@ class Rounding {
         add(i, s.axis, s.axis.dot(s.point));
       }
     }
-    return now <= kWorse * before;
+    return now <= kWorse * (before < kPrism * rough ? before : before + rough);
   }
 
   /// Removes the first and the last half segment from a patch if planes touch it there.

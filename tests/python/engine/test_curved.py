@@ -580,3 +580,24 @@ def test_pipes_into_a_sphere_keep_their_own_axes():
     found = [(np.argmax(np.abs(p.axis)), p.radius) for p in patches if p.kind == "cylinder"]
     assert len({axis for axis, _ in found}) > 1
     assert all(radius == pytest.approx({2: 0.45, 0: 0.38, 1: 0.31}[axis], rel=0.01) for axis, radius in found)
+
+
+def test_a_ball_of_few_squares_is_a_sphere_and_a_prism_keeps_its_sides():
+    angle = np.linspace(0.02, np.pi - 0.02, 9)
+    ball = finer(*turned(np.stack([np.sin(angle), -np.cos(angle)], axis=1), 16))
+    assert [p.kind for p in engine.simplify(ball, curved=True, detail=0.0025).partition.curved] == ["sphere"]
+    prism = finer(*turned([(1, 0), (1, 1.5)], 16))
+    assert engine.simplify(prism, curved=True).partition.region_count == 18
+
+
+def finer(vertices, triangles, times=2):
+    """A mesh whose triangles are split in four, some times."""
+    for _ in range(times):
+        edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        ends, middle = np.unique(edges, axis=0, return_inverse=True)
+        a, b, c = triangles.T
+        x, y, z = middle.reshape(-1, 3).T + len(vertices)
+        vertices = np.concatenate([vertices, vertices[ends].mean(axis=1)])
+        parts = ((a, x, z), (x, b, y), (z, y, c), (x, y, z))
+        triangles = np.concatenate([np.stack(part, 1) for part in parts]).astype(np.int32)
+    return vertices, triangles
