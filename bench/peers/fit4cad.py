@@ -8,6 +8,8 @@ NAME_primitives.txt in the same folder or in pointCloud_primitives. `isimp_engin
 The benchmark has points alone and the engine takes meshes, so points are joined first: the mesh is the border between
 the tetrahedra of Delaunay inside and outside.
 
+A round part with a free profile is one primitive for each line and arc of it: a benchmark's torus is an arc.
+
 A row a cloud: points, primitives of the truth and found ones, share of the points in the mesh, and the mean Dice index.
 As in the benchmark, each primitive of the truth is compared with the found one that has most of its points. The last
 line has the mean over clouds. By the authors, a method of Hough transforms has .905.
@@ -23,6 +25,8 @@ import numpy as np
 import isimp_engine as engine
 
 NEAR = 2e-3  # share of the diagonal: points of a neighbour at this distance from a primitive's surface belong to it too
+STEPS = 48  # parts of a profile that lines and arcs consist of
+SAMPLES = 500  # places along a profile, about
 JITTER = 1e-6  # share of the diagonal, of a move of points while they are joined: planes have no flat tetrahedra then
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
@@ -156,61 +160,133 @@ def diagonal(points):
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
-def distance(surface, points):
-    """(N,) distances of points from a plane (normal, offset) or a round part; NaN where the kind has no formula."""
-    if isinstance(surface, tuple):
-        normal, offset = surface
-        return np.abs(points @ normal - offset)
-    off, axis = points - np.asarray(surface.point), np.asarray(surface.axis)
-    if surface.kind == "sphere":
-        return np.abs(np.linalg.norm(off, axis=1) - surface.radius)
-    along = off @ axis
-    rho = np.linalg.norm(off - np.outer(along, axis), axis=1)
-    if surface.kind in ("cylinder", "cone"):
-        slope = surface.slope if surface.kind == "cone" else 0.0
-        return np.abs(rho - surface.radius - slope * along) / np.hypot(1, slope)
-    return np.full(len(points), np.nan)
-
-
 def primitives_of(points, triangles, made):
-    """The points of each plane and round part of a result. Points on a neighbour too belong to both."""
+    """The points of each primitive of a result. Points on a neighbour too belong to both."""
     part, label = made.partition, np.asarray(made.labels)
-    of_region, surfaces = np.arange(part.region_count + 1), {}
+    of_region, patches = np.arange(part.region_count + 1), {}
     for patch in part.curved:
         of_region[patch.regions] = part.region_count + 1 + patch.number
-        surfaces[part.region_count + 1 + patch.number] = patch
+        patches[part.region_count + 1 + patch.number] = patch
     owner = of_region[label]  # -1 is the last one: faces in no region
+    most = NEAR * diagonal(points)
+    is_own = np.zeros(len(points), bool)
     found = []
     for number in np.unique(owner[label >= 0]).tolist():
-        own = np.unique(triangles[owner == number])
-        surface = surfaces.get(number) or plane_of(points[own])
-        around = np.unique(triangles[np.isin(triangles, own).any(axis=1)])
-        around = np.setdiff1d(around, own)
-        away = distance(surface, points)
-        most = NEAR * diagonal(points)
-        keeps = own[~(away[own] > most)]
-        found.append(np.union1d(keeps if 2 * len(keeps) > len(own) else own, around[away[around] <= most]))
+        faces = owner == number
+        for some, away in surfaces(patches.get(number), points, triangles[faces], most):
+            own = np.unique(some)
+            is_own[:] = False
+            is_own[own] = True
+            around = np.unique(triangles[is_own[triangles].any(axis=1)])
+            around = around[~is_own[around]]
+            keeps = own[away(points[own]) <= most]
+            more = around[away(points[around]) <= most]
+            found.append(np.union1d(keeps if 2 * len(keeps) > len(own) else own, more))
     return found
 
 
+def surfaces(patch, points, triangles, most):
+    """Pairs of the triangles of a primitive and the function of its distance from points.
+
+    patch: a round part; None: a plane. One with a profile has a primitive for each line and arc of its profile, which
+    keeps to the points within `most`.
+    """
+    own = np.unique(triangles)
+    if patch is None:
+        return [(triangles, plane_of(points[own]))]
+    if patch.kind not in ("revolution", "extrusion"):
+        return [(triangles, lambda at: distance(patch, at))]
+    curves = curves_of(in_profile(patch, points[own]), np.asarray(patch.profile), most)
+    middle = in_profile(patch, points[triangles]).mean(axis=1)
+    nearest = np.argmin([curve(middle) for curve in curves], axis=0)
+    return [
+        (triangles[nearest == k], lambda at, curve=curve: curve(in_profile(patch, at)))
+        for k, curve in enumerate(curves)
+        if (nearest == k).any()
+    ]
+
+
+def distance(patch, points):
+    """(N,) distances of points from a sphere, a cylinder or a cone."""
+    if patch.kind == "sphere":
+        return np.abs(np.linalg.norm(points - np.asarray(patch.point), axis=1) - patch.radius)
+    rho, along = in_profile(patch, points).T
+    slope = patch.slope if patch.kind == "cone" else 0.0
+    return np.abs(rho - patch.radius - slope * along) / np.hypot(1, slope)
+
+
+def in_profile(patch, points):
+    """(..., 2) the places of points in the plane of a profile: from the axis and along it, or across an extrusion."""
+    off, axis = points - np.asarray(patch.point), np.asarray(patch.axis)
+    if patch.kind == "extrusion":
+        across = np.asarray(patch.across)
+        return np.stack([off @ across, off @ np.cross(axis, across)], axis=-1)
+    along = off @ axis
+    return np.stack([np.linalg.norm(off - along[..., None] * axis, axis=-1), along], axis=-1)
+
+
+def curves_of(places, profile, most):
+    """The least number of lines and arcs at most `most` from places along a profile, as functions of distance."""
+    places = places[:: 1 + len(places) // SAMPLES]
+    sides = np.roll(profile, -1, axis=0) - profile
+    length = np.maximum(np.linalg.norm(sides, axis=1), 1e-300)
+    if length[-1] > 2 * np.median(length):  # an open profile
+        profile, sides, length = profile[:-1], sides[:-1], length[:-1]
+    share = np.clip(((places[:, None] - profile) * sides).sum(axis=2) / length**2, 0, 1)
+    nearest = np.linalg.norm(places[:, None] - profile - share[..., None] * sides, axis=2).argmin(axis=1)
+    along = (np.cumsum(length) - length)[nearest] + (share * length)[np.arange(len(places)), nearest]
+    step = np.unique((STEPS * along / np.ptp(along).clip(1e-300)).astype(int), return_inverse=True)[1]
+    count = step.max() + 1
+    best = [(0, 0.0, [])] + [None] * count  # of the steps before each one: curves, their misfit and themselves
+    for first in range(count):
+        for end in range(first + 1, count + 1):
+            some = places[(step >= first) & (step < end)]
+            curve = min((line_of(some), arc_of(some)), key=lambda one: one(some).max())
+            misfit = curve(some)
+            if end > first + 1 and misfit.max() > most:
+                break
+            now = (best[first][0] + 1, best[first][1] + (misfit**2).sum(), [*best[first][2], curve])
+            if best[end] is None or now[:2] < best[end][:2]:
+                best[end] = now
+    return best[count][2]
+
+
+def line_of(places):
+    """The distance from the line that fits places best."""
+    middle = places.mean(axis=0)
+    normal = np.linalg.svd(places - middle, full_matrices=True)[2][1]
+    return lambda at: np.abs((at - middle) @ normal)
+
+
+def arc_of(places):
+    """The distance from the circle that fits places best."""
+    middle = places.mean(axis=0)
+    off = places - middle
+    x, y, rest = np.linalg.lstsq(np.c_[2 * off, np.ones(len(off))], (off**2).sum(axis=1), rcond=None)[0]
+    radius = np.sqrt(max(rest + x * x + y * y, 0.0))
+    return lambda at: np.abs(np.linalg.norm(at - middle - [x, y], axis=-1) - radius)
+
+
 def plane_of(points):
-    """(normal, offset) of the plane of least squares of points, without the fifth that is farthest from it."""
+    """The distance from the plane of least squares of points, without the fifth that is farthest from it."""
     for _ in range(3):
         middle = points.mean(axis=0)
         normal = np.linalg.svd(points - middle, full_matrices=False)[2][2]
         away = np.abs((points - middle) @ normal)
         points = points[away <= np.quantile(away, 0.8)] if len(points) > 8 else points
-    return normal, float(normal @ middle)
+    return lambda at: np.abs((at - middle) @ normal)
 
 
 def dice(truth, found):
     """(P,) of each primitive of the truth with the found one that shares most points; 0 where none does."""
     values = []
     for one in truth:
-        shared = [len(np.intersect1d(one, other, assume_unique=True)) for other in found]
+        is_one = np.zeros(1 + max(int(some.max()) for some in [one, *found]), bool)
+        is_one[one] = True
+        shared = [np.count_nonzero(is_one[other]) for other in found]
         best = int(np.argmax(shared)) if shared else -1
         both = len(one) + len(found[best]) if shared else 1
-        values.append(2 * shared[best] / both if shared and shared[best] else 0.0)
+        values.append(2 * shared[best] / both if shared else 0.0)
     return np.array(values)
 
 

@@ -60,6 +60,21 @@ def test_the_mesh_is_closed_and_has_all_points_at_thin_walls(height):
     assert volume == pytest.approx(np.ptp(points, axis=0).prod())
 
 
+def test_a_profile_is_a_line_for_each_straight_part_and_an_arc_for_each_round_one():
+    angle = np.linspace(0, np.pi / 2, 60)
+    along = np.linspace(0, 1, 60)
+    line = np.stack([np.full(60, 2.0), along - 1], axis=1)
+    arc = np.stack([1 + np.cos(angle), np.sin(angle)], axis=1)
+    disc = np.stack([1 - along, np.ones(60)], axis=1)
+    profile = np.concatenate([line, arc, disc])
+    curves = fit4cad.curves_of(profile, profile[::6], 0.004)
+    assert len(curves) == 3
+    for curve, part in zip(curves, (line, arc, disc), strict=True):
+        assert curve(part).max() < 0.004
+    assert curves[0](np.array([[2.0, -5.0]])) < 0.1  # a line goes on
+    assert len(fit4cad.curves_of(arc, arc[::6], 0.004)) == 1
+
+
 def test_a_cube_of_points_is_found(tmp_path):
     pytest.importorskip("scipy")
     points, sides = cube()
