@@ -179,6 +179,7 @@ def options_of(asked):
     names = ("detail", "adaptivity", "leave_out", "sharp_edges", "curved", "snap", "noise", "outside_only")
     given = {name: getattr(step, name) for name in names}
     given = {name: value for name, value in given.items() if isinstance(value, bool) or value >= 0}
+    given |= {"planar": True, "planar_most": preset.mesh.planar_most} if preset.mesh.planar else {}
     return given | ({"regularise": True} if preset.regularise else {})
 
 

@@ -1,6 +1,5 @@
 #include "sharp_edges.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,8 @@
 #include <span>
 #include <tuple>
 
+#include "complex/planes.h"
+#include "isimp/core/threads.h"
 #include "isimp/partition/noise.h"
 #include "parts.h"
 
@@ -30,7 +31,7 @@ constexpr double kSpareAngle = 20.0;      // degrees that the angles to both may
 constexpr double kOfNormal = 0.25;        // weight of the squared difference of normals; the distance in widths has 1
 constexpr double kOff = 0.5;              // share of the width: largest distance of a strip's faces from their planes
 constexpr double kMostOff = 0.9;          // share of the faces that are
-constexpr int kRounds = 3, kFits = 12;    // limit
+constexpr int kRounds = 3;                // limit
 constexpr std::size_t kBesideLooked = 3;  // limit
 // tuned houses
 constexpr int kFlatFaces = 100;  // least mean number of faces of a region where planes are sure
@@ -43,11 +44,6 @@ struct Region {
   Vec3 normal = Vec3::Zero();
   double area = 0, perimeter = 0, width = 0;
   std::map<std::int32_t, double> beside;  // length of the border to each neighbour
-};
-
-struct Plane {
-  Vec3 normal;
-  double offset;
 };
 
 class Sharpener {
@@ -128,7 +124,8 @@ class Sharpener {
     double beside = 0;
     std::vector<std::pair<double, std::int32_t>> wider;
     for (const auto& [other, length] : r.beside) {
-      if (!is_strip[other] && regions_[other].width <= kWider * r.width) continue;
+      if (!is_strip[other] && regions_[other].width <= kWider * r.width && regions_[other].width + r.width > width_)
+        continue;
       beside += length;
       if (!is_strip[other]) wider.emplace_back(-length, other);
     }
@@ -146,55 +143,8 @@ class Sharpener {
     return false;
   }
 
-  /// Fits a plane by reweighted least squares: faces beyond two deviations have a small weight.
-  [[nodiscard]] Plane robust_plane(std::span<const std::int32_t> faces, const Vec3& facing) const {
-    std::vector<double> area, weight;
-    for (const std::int32_t f : faces) area.push_back(vector_[f].norm());
-    weight = area;
-    Plane plane{facing, 0};
-    std::vector<std::pair<double, double>> off(faces.size());
-    for (int fit = 0; fit < kFits; ++fit) {
-      double all = 0;
-      Vec3 mean = Vec3::Zero();
-      for (std::size_t i = 0; i < faces.size(); ++i) {
-        mean += weight[i] * centre_[faces[i]];
-        all += weight[i];
-      }
-      if (!(all > 0)) break;
-      mean /= all;
-      Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-      for (std::size_t i = 0; i < faces.size(); ++i) {
-        const Vec3 d = centre_[faces[i]] - mean;
-        spread += weight[i] * d * d.transpose();
-      }
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-      solver.computeDirect(spread);
-      plane.normal = solver.eigenvectors().col(0);
-      if (plane.normal.dot(facing) < 0) plane.normal = -plane.normal;
-      plane.offset = plane.normal.dot(mean);
-      double whole = 0, half = 0;
-      for (std::size_t i = 0; i < faces.size(); ++i) {
-        off[i] = {std::abs(plane.normal.dot(centre_[faces[i]]) - plane.offset), area[i]};
-        whole += area[i];
-      }
-      std::vector<std::pair<double, double>> sorted = off;
-      std::sort(sorted.begin(), sorted.end());
-      double deviation = 0;
-      for (const auto& [distance, a] : sorted) {
-        deviation = 1.48 * distance;
-        if ((half += a) >= whole / 2) break;
-      }
-      if (!(deviation > 0)) break;
-      for (std::size_t i = 0; i < faces.size(); ++i) {
-        const double x = off[i].first / (2 * deviation);
-        weight[i] = area[i] / ((1 + x * x) * (1 + x * x));
-      }
-    }
-    return plane;
-  }
-
   [[nodiscard]] double off_plane(std::int32_t f, std::int32_t r) const {
-    return std::abs(planes_.at(r).normal.dot(centre_[f]) - planes_.at(r).offset);
+    return std::abs(planes_.at(r).normal.dot(centre_[f] - planes_.at(r).centre));
   }
 
   [[nodiscard]] double cost(std::int32_t f, std::int32_t r) const {
@@ -207,6 +157,8 @@ class Sharpener {
   void flood(std::span<const std::int32_t> strips) {
     std::vector<bool> free(regions_.size(), false);
     for (const std::int32_t r : strips) free[r] = true;
+    const std::vector<std::uint8_t> outlying =
+        meshing::outlying_faces(mesh_, label_, static_cast<std::int32_t>(regions_.size()), Threads(1), job_);
     std::map<std::int32_t, std::vector<std::int32_t>> round;
     for (const std::int32_t r : strips)
       for (const auto& [other, length] : regions_[r].beside)
@@ -220,7 +172,8 @@ class Sharpener {
     planes_.clear();
     for (const auto& [r, faces] : round) {
       job_.poll();
-      planes_[r] = robust_plane(faces, regions_[r].normal);
+      meshing::Plane& plane = planes_[r] = meshing::plane_of(mesh_, faces, outlying);
+      plane.normal = best_normal(plane);
     }
     using LabelPrice = std::tuple<double, std::int32_t, std::int32_t>;
     std::priority_queue<LabelPrice, std::vector<LabelPrice>, std::greater<>> queue;
@@ -309,7 +262,7 @@ class Sharpener {
   std::vector<std::int32_t> label_;
   std::vector<Vec3> centre_, vector_;
   std::vector<Region> regions_;
-  std::map<std::int32_t, Plane> planes_;
+  std::map<std::int32_t, meshing::Plane> planes_;
 };
 
 }  // namespace

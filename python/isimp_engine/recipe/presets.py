@@ -104,7 +104,7 @@ PRESETS = (
             sharp_edges=0.0,
             outside_only=True,
         ),
-        Mesh(),
+        Mesh(planar=True),
     ),
     Preset(
         "low_poly",

@@ -55,7 +55,7 @@ TEST_F(Charts, WhatIsKnownOfAUnionIsWhatItsFacesTell) {
   Transaction transaction(state_);
   state_.unite(0, 1, state_.loop_together(0, 1));
   state_.update({});
-  const Plane found = plane_of(mesh_, state_.labels.faces_of(0)), known = state_.planes[0];
+  const Plane found = plane_of(mesh_, state_.labels.faces_of(0), state_.labels.outlying), known = state_.planes[0];
   EXPECT_NEAR(known.area, found.area, 1e-12);
   EXPECT_NEAR(known.projected, found.projected, 1e-12);
   EXPECT_LE((known.normal - found.normal).norm(), 1e-12);

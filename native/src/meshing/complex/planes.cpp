@@ -2,6 +2,10 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "isimp/core/prefetch.h"
 
@@ -10,6 +14,10 @@ namespace {
 
 constexpr std::int32_t kAhead = 12;  ///< work: faces between the current one and the one whose corners are prefetched
 constexpr std::int32_t kStride = 1 << 14;  ///< work: faces from one poll to the next
+// tuned places
+constexpr double kOutlying = 6;  ///< medians of the distances from a region's plane, beyond which a face is an outlier
+constexpr double kOutlier = 1e-3;  ///< limit: weight of one, so that a chart of outliers alone has a plane
+constexpr int kTurns = 20;         ///< limit
 
 /// Integrals over a set of faces, about an origin that keeps the numbers small.
 struct Moments {
@@ -18,11 +26,11 @@ struct Moments {
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();  ///< its lower half
   std::int32_t face = kNone;
 
-  void add(const Mesh& mesh, std::int32_t f, const Vec3& origin) {
+  void add(const Mesh& mesh, std::int32_t f, const Vec3& origin, bool outlying) {
     const Triangle& t = mesh.triangles()[f];
     const Vec3 a = mesh.vertices()[t[0]] - origin, b = mesh.vertices()[t[1]] - origin,
                c = mesh.vertices()[t[2]] - origin;
-    const Vec3 n = (b - a).cross(c - a);
+    const Vec3 n = (outlying ? kOutlier : 1) * (b - a).cross(c - a);
     const double s = n.norm() / 2;
     const Vec3 sum = a + b + c;
     if (face == kNone) face = f;
@@ -57,6 +65,60 @@ Plane plane(const Mesh& mesh, const Moments& m, const Vec3& origin) {
 
 }  // namespace
 
+Vec3 best_normal(const Plane& plane) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(plane.spread);
+  const Vec3 n = solver.eigenvectors().col(0);
+  return n.dot(plane.normal) < 0 ? Vec3(-n) : n;
+}
+
+namespace {
+
+/// Half of the area is nearer than this.
+/// \param all  distance and area of each face; its order changes
+/// Cost: O(n) in the mean.
+double median_of(std::span<std::pair<double, double>> all) {
+  double half = 0;
+  for (const auto& [distance, area] : all) half += area / 2;
+  while (all.size() > 1) {
+    const auto middle = all.begin() + std::ssize(all) / 2;
+    std::nth_element(all.begin(), middle, all.end());
+    double nearer = 0;
+    for (auto at = all.begin(); at != middle; ++at) nearer += at->second;
+    const bool is_nearer = nearer >= half;
+    if (!is_nearer) half -= nearer;
+    all = is_nearer ? std::span(all.begin(), middle) : std::span(middle, all.end());
+  }
+  return all[0].first;
+}
+
+/// Marks the outlying ones of a region's faces.
+void mark_outlying(const Mesh& mesh, std::span<const std::int32_t> faces, std::vector<std::uint8_t>& outlying) {
+  std::vector<std::pair<double, double>> all(faces.size());
+  std::vector<double> away(faces.size());
+  bool changed = true;
+  for (int turn = 0; turn < kTurns && changed; ++turn) {
+    const Plane p = plane_of(mesh, faces, outlying);
+    const Vec3 n = best_normal(p);
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      const Triangle& t = mesh.triangles()[faces[i]];
+      const Vec3 &a = mesh.vertices()[t[0]], &b = mesh.vertices()[t[1]], &c = mesh.vertices()[t[2]];
+      const double x = n.dot(a - p.centre), y = n.dot(b - p.centre), z = n.dot(c - p.centre);
+      away[i] = std::sqrt((x * x + y * y + z * z + (x + y + z) * (x + y + z)) / 12);
+      all[i] = {away[i], (b - a).cross(c - a).norm()};
+    }
+    const double most = std::max(kOutlying * median_of(all), kThickness * mesh.diagonal());
+    changed = false;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      const std::uint8_t is_out = away[i] > most ? 1 : 0;
+      changed = changed || is_out != outlying[faces[i]];
+      outlying[faces[i]] = is_out;
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const Job& job) {
   const Mesh& mesh = labels.mesh;
   std::vector<Moments> moments(labels.charts.size());
@@ -71,12 +133,31 @@ std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const
       if (part == 0 && f % kStride == 0) job.poll();
       if (f + kAhead < mesh.face_count() && mine(f + kAhead))
         for (const std::int32_t v : mesh.triangles()[f + kAhead]) prefetch(&mesh.vertices()[v]);
-      if (mine(f)) moments[labels.label[f]].add(mesh, f, origin[labels.label[f]]);
+      if (mine(f)) moments[labels.label[f]].add(mesh, f, origin[labels.label[f]], labels.outlying[f] != 0);
     }
     for (std::int32_t l = begin; l < end; ++l) planes[l] = plane(mesh, moments[l], origin[l]);
   };
   threads.run(labels.chart_count(), threads.pieces(mesh.face_count()), measure);
   return planes;
+}
+
+std::vector<std::uint8_t> outlying_faces(const Mesh& mesh, std::span<const std::int32_t> face_region,
+                                         std::int32_t regions, const Threads& threads, const Job& job) {
+  std::vector<std::int32_t> start(static_cast<std::size_t>(regions) + 1, 0);
+  for (const std::int32_t r : face_region)
+    if (r != kNone) ++start[r + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<std::int32_t> faces(start.back()), end = start;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    if (const std::int32_t r = face_region[f]; r != kNone) faces[end[r]++] = f;
+  std::vector<std::uint8_t> outlying(mesh.face_count(), 0);
+  threads.blocks(regions, 4, [&](std::int32_t, std::int32_t begin, std::int32_t stop) {
+    job.poll();
+    for (std::int32_t r = begin; r < stop; ++r)
+      if (start[r] < start[r + 1])
+        mark_outlying(mesh, std::span(faces).subspan(start[r], start[r + 1] - start[r]), outlying);
+  });
+  return outlying;
 }
 
 Plane united(const Plane& a, const Plane& b) {
@@ -155,10 +236,10 @@ Scale scale_of(const Labels& labels, std::span<const Plane> planes) {
   return scale;
 }
 
-Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces) {
+Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const std::uint8_t> outlying) {
   Moments moments;
   const Vec3 origin = mesh.vertices()[mesh.triangles()[faces[0]][0]];
-  for (const std::int32_t f : faces) moments.add(mesh, f, origin);
+  for (const std::int32_t f : faces) moments.add(mesh, f, origin, !outlying.empty() && outlying[f] != 0);
   return plane(mesh, moments, origin);
 }
 

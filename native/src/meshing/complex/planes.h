@@ -10,7 +10,7 @@
 
 namespace isimp::meshing {
 
-/// The plane of a chart, with the moments of its surface.
+/// The plane of a chart, with the moments of its surface. Outlying faces count a thousandth.
 struct Plane {
   Vec3 normal = Vec3::UnitZ();  ///< unit; area-weighted mean of its faces'
   Vec3 centre = Vec3::Zero();
@@ -42,7 +42,19 @@ Scale scale_of(const Labels& labels, std::span<const Plane> planes);
 std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const Job& job);
 
 /// The plane of one chart from its faces.
-Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces);
+/// \param outlying  (F) or empty: none is
+Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const std::uint8_t> outlying = {});
+
+/// The direction in which the surface spreads least, on the side of the mean normal.
+Vec3 best_normal(const Plane& plane);
+
+/// Whether each face is an outlier of its region, as are those of rounded edges: more than six times as far from the
+/// plane of the others as half of the region's area is.
+/// \return (F) 0 or 1
+/// Cost: O(F) a turn, up to twenty turns where there are outliers.
+/// Source: least trimmed squares (Rousseeuw 1984), by the median of the distances in place of a share of the faces.
+std::vector<std::uint8_t> outlying_faces(const Mesh& mesh, std::span<const std::int32_t> face_region,
+                                         std::int32_t regions, const Threads& threads, const Job& job);
 
 /// Turns the plane of a chart into the one that the partition holds for its region, if it does.
 /// \param origin  of the mesh

@@ -75,6 +75,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
       options(o),
       threads(o.threads),
       regions(partition.region_count()) {
+  labels_.outlying = outlying_faces(m, partition.face_region, regions, threads, job);
   Bits boundary = label_charts(labels_, partition.face_region, threads, job);
   merged_without_area_ = merge_charts_without_area(labels_, 2 * kThickness * m.diagonal(), boundary);
   job.report(0.02);
@@ -265,7 +266,7 @@ void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const st
   const auto is_simple = [&](std::int32_t l) {  // neither held nor of a region that may change with its faces
     return labels.charts[l].cause == Cause::region && !planes[l].held && planes[l].projected > kFlat * planes[l].area;
   };
-  const Plane part = plane_of(mesh, faces);
+  const Plane part = plane_of(mesh, faces, labels.outlying);
   const bool simple = part.projected > kFlat * part.area && is_simple(giver) && is_simple(taker);
   for (const std::int32_t l : charts)
     if (simple || (l != giver && l != taker)) ++pending_.known[l].touches;
@@ -382,7 +383,7 @@ void State::derive_charts(std::span<const std::int32_t> touched, Pending& pendin
       loop = labels.loop_from(boundary_start(labels, faces));
     }
     charts[l].region = region_of(l, faces);
-    fitted[l] = plane_of(mesh, faces);
+    fitted[l] = plane_of(mesh, faces, labels.outlying);
     hold_by_hand(fitted[l], partition, charts[l].region, mesh.origin());
   };
   threads.blocks(static_cast<std::int32_t>(loops.size()), 4, [&](std::int32_t, std::int32_t begin, std::int32_t end) {

@@ -369,7 +369,7 @@ class Joiner {
 
   /// The increase of the energy by faces that are given: their area / size times the mean square distance from the plane.
   [[nodiscard]] double rise_by(const Gift& gift) const {
-    const Plane part = plane_of(s_.mesh, gift.faces);
+    const Plane part = plane_of(s_.mesh, gift.faces, s_.labels.outlying);
     const auto square = [&](std::int32_t chart) {
       const Plane& p = planes_[chart];
       const double off = p.normal.dot(part.centre - p.centre);
