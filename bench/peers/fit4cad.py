@@ -237,7 +237,7 @@ def curves_of(places, profile, most):
     along = (np.cumsum(length) - length)[nearest] + (share * length)[np.arange(len(places)), nearest]
     step = np.unique((STEPS * along / np.ptp(along).clip(1e-300)).astype(int), return_inverse=True)[1]
     count = step.max() + 1
-    best = [(0, 0.0, [])] + [None] * count  # of the steps before each one: curves, their misfit and themselves
+    best = [(0, 0.0, [])] + [None] * count  # by step, the curves before it: their number, misfit and functions
     for first in range(count):
         for end in range(first + 1, count + 1):
             some = places[(step >= first) & (step < end)]
@@ -316,7 +316,7 @@ def main():
     for cloud, truth in pairs:
         try:
             row = measured(cloud, truth, options.detail)
-        except ValueError as error:  # of the engine too; the cloud counts 0
+        except ValueError as error:  # also by the engine; the cloud counts 0
             row = {"cloud": cloud.stem, "points": 0, "primitives": 0, "found": 0, "meshed": 0.0, "dice": 0.0}
             row |= {"failed": str(error)}
         rows.append(row)

@@ -54,7 +54,7 @@ std::vector<Cluster> clusters_of(const Half& h, const Samples& s) {
   }
   const double radius = kCluster * (high - low).norm();
   std::vector<Cluster> all;
-  std::vector<Vec2> place;  // of each cluster
+  std::vector<Vec2> place;  // by cluster
   for (std::size_t i = 0; i < s.size(); ++i) {
     std::size_t best = place.size();
     double least = radius;

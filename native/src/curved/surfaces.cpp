@@ -58,7 +58,7 @@ Locator::Locator(const CurvedSurface& s) : surface_(&s) {
 Locator::OnProfile Locator::nearest(double x, double y) const {
   double least = kNever;
   std::size_t best = 0;
-  // An edge further than the nearest by rounding alone may still be the one: equal ones are told apart by their number.
+  // An edge further than the nearest by rounding alone may still be the one: of equal ones it has the lowest number.
   const double rounding = kRounding * (size_ + x * x + y * y);
   const auto search = [&](const Block& b) {
     std::array<double, kBlock> square;

@@ -82,7 +82,7 @@ class Locator {
   const CurvedSurface* surface_;
   // By edge of the profile: its first corner, its vector, 1 / its squared length, and the shares that are on it.
   std::vector<double> x_, y_, dx_, dy_, inverse_, from_, to_;
-  std::vector<double> length_;  // of the profile up to each edge
+  std::vector<double> length_;  // by edge: of the profile up to there
   std::vector<Block> block_;
   double size_ = 0;  // the largest squared length of a corner
 };

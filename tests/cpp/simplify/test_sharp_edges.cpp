@@ -21,7 +21,7 @@ constexpr int kAlong = 40;
 /// A bent sheet: `widths` of its bands of faces, and by how many degrees each is turned. A region a band.
 std::pair<Mesh, Partition> bent(const std::vector<double>& widths, const std::vector<double>& degrees) {
   std::vector<Vec3> profile{Vec3::Zero()};
-  std::vector<std::int32_t> band;  // of each step of the profile
+  std::vector<std::int32_t> band;  // by step of the profile
   for (std::size_t k = 0; k < widths.size(); ++k) {
     const double angle = degrees[k] * std::numbers::pi / 180;
     const int steps = std::max(1, static_cast<int>(std::lround(widths[k])));

@@ -71,7 +71,7 @@ def test_a_profile_is_a_line_for_each_straight_part_and_an_arc_for_each_round_on
     assert len(curves) == 3
     for curve, part in zip(curves, (line, arc, disc), strict=True):
         assert curve(part).max() < 0.004
-    assert curves[0](np.array([[2.0, -5.0]])) < 0.1  # a line goes on
+    assert curves[0](np.array([[2.0, -5.0]])) < 0.1  # a line with no end
     assert len(fit4cad.curves_of(arc, arc[::6], 0.004)) == 1
 
 

@@ -1,4 +1,4 @@
-"""`simplify`: what the command makes, from a scan in any form."""
+"""`simplify` makes the results of the command, from a scan in any form."""
 
 import json
 import pickle

@@ -48,7 +48,7 @@ Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<
 /// The direction in which the surface spreads least, on the side of the mean normal.
 Vec3 best_normal(const Plane& plane);
 
-/// Whether each face is an outlier of its region, as are those of rounded edges: more than six times as far from the
+/// Whether each face is an outlier of its region, such as a face of a rounded edge: more than six times as far from the
 /// plane of the others as half of the region's area is.
 /// \return (F) 0 or 1
 /// Cost: O(F) a turn, up to twenty turns where there are outliers.

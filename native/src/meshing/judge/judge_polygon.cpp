@@ -227,7 +227,7 @@ class Ears {
 
   const std::vector<Point>& p_;
   std::span<const std::int32_t> polygon_;
-  std::vector<std::size_t> left_, not_convex_;  // corners that are left; by x, those of them that were not convex
+  std::vector<std::size_t> left_, not_convex_;  // corners that are left; by x, the ones that were not convex
   std::size_t first_ = 0;    // no corner of `left_` before this one is an ear, where corners are many
   std::vector<Ear> is_ear_;  // by corner
 };
