@@ -75,7 +75,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
       options(o),
       threads(o.threads),
       regions(partition.region_count()) {
-  labels_.outlying = outlying_faces(m, partition.face_region, regions, threads, job);
+  if (options.planar) labels_.outlying = outlying_faces(m, partition.face_region, regions, threads, job);
   Bits boundary = label_charts(labels_, partition.face_region, threads, job);
   merged_without_area_ = merge_charts_without_area(labels_, 2 * kThickness * m.diagonal(), boundary);
   job.report(0.02);
