@@ -123,7 +123,8 @@ OnSurface Locator::at(const Vec3& x) const {
     const OnProfile on = nearest(p.rho, p.z);
     return {p, residual(p, on), length_to(on)};
   }
-  return {p, residual(x), s.kind == CurvedKind::sphere ? std::atan2(p.rho, -p.z) : p.z};
+  if (s.kind == CurvedKind::sphere) return {p, residual(x), std::atan2(p.rho, -p.z)};
+  return {p, residual(p), p.z};
 }
 
 Residual Locator::residual(const Vec3& x) const {
@@ -135,7 +136,11 @@ Residual Locator::residual(const Vec3& x) const {
     return {l - s.radius, s.side * v / l};
   }
   const Polar p = polar(s, x);
-  if (has_profile(s)) return residual(p, nearest(p.rho, p.z));
+  return has_profile(s) ? residual(p, nearest(p.rho, p.z)) : residual(p);
+}
+
+Residual Locator::residual(const Polar& p) const {
+  const CurvedSurface& s = *surface_;
   const double c = 1 / std::sqrt(1 + s.slope * s.slope);
   return {(p.rho - s.radius - s.slope * p.z) * c, s.side * c * (p.out - s.slope * s.axis)};
 }

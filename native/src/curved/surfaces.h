@@ -76,6 +76,7 @@ class Locator {
     std::size_t begin, end;
   };
   [[nodiscard]] OnProfile nearest(double x, double y) const;
+  [[nodiscard]] Residual residual(const Polar& p) const;  ///< of a cylinder or a cone
   [[nodiscard]] Residual residual(const Polar& p, const OnProfile& on) const;
   [[nodiscard]] double length_to(const OnProfile& on) const;
 
