@@ -13,8 +13,7 @@ namespace {
 // tuned regular
 constexpr int kFrames = 3;            ///< directions of walls, each with the directions square to it
 constexpr double kMostOfArea = 0.75;  ///< share of the area along or square to an upward direction of its own
-constexpr double kTimesOfUp =
-    2;  ///< least area along or square to a part's own upward direction, over that of the scene's
+constexpr double kTimesOfUp = 2;  ///< least area along or square to such a direction, over the area of the given one
 constexpr std::size_t kLargest = 12;  ///< regions among which an upward direction is searched
 
 /// The normal that some regions fit best together.

@@ -14,7 +14,7 @@ namespace {
 
 using Ring = std::pair<std::int32_t, std::int32_t>;  // round part, ring
 
-/// Finds the tips of all rings.
+/// The search for the tips of all rings.
 class Finder {
  public:
   Finder(const Labels& labels, const Complex& complex, const Partition& partition)
