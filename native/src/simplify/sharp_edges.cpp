@@ -11,7 +11,6 @@
 #include <tuple>
 
 #include "complex/planes.h"
-#include "isimp/core/threads.h"
 #include "isimp/partition/noise.h"
 #include "parts.h"
 
@@ -157,8 +156,6 @@ class Sharpener {
   void flood(std::span<const std::int32_t> strips) {
     std::vector<bool> free(regions_.size(), false);
     for (const std::int32_t r : strips) free[r] = true;
-    const std::vector<std::uint8_t> outlying =
-        meshing::outlying_faces(mesh_, label_, static_cast<std::int32_t>(regions_.size()), Threads(1), job_);
     std::map<std::int32_t, std::vector<std::int32_t>> round;
     for (const std::int32_t r : strips)
       for (const auto& [other, length] : regions_[r].beside)
@@ -170,8 +167,10 @@ class Sharpener {
       if (free[r]) label_[f] = kFree;
     }
     planes_.clear();
+    std::vector<std::uint8_t> outlying(label_.size(), 0);
     for (const auto& [r, faces] : round) {
       job_.poll();
+      meshing::mark_outlying(mesh_, faces, outlying);
       meshing::Plane& plane = planes_[r] = meshing::plane_of(mesh_, faces, outlying);
       plane.normal = best_normal(plane);
     }

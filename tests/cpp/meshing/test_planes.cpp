@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "complex/planes.h"
+#include "isimp/core/sorted.h"
 #include "shapes.h"
 
 namespace isimp::meshing {
@@ -21,12 +22,6 @@ Mesh with_raised_rows(int raised) {
   return shapes::mesh(a);
 }
 
-std::vector<std::int32_t> all_faces(const Mesh& mesh) {
-  std::vector<std::int32_t> faces(static_cast<std::size_t>(mesh.face_count()));
-  for (std::size_t f = 0; f < faces.size(); ++f) faces[f] = static_cast<std::int32_t>(f);
-  return faces;
-}
-
 std::vector<std::uint8_t> outlying_of(const Mesh& mesh) {
   const std::vector<std::int32_t> one(static_cast<std::size_t>(mesh.face_count()), 0);
   return outlying_faces(mesh, one, 1, Threads(1), Job{});
@@ -34,7 +29,7 @@ std::vector<std::uint8_t> outlying_of(const Mesh& mesh) {
 
 TEST(Planes, DoNotTurnWithTheFacesOfARoundedEdge) {
   const Mesh mesh = with_raised_rows(2);
-  const std::vector<std::int32_t> faces = all_faces(mesh);
+  const std::vector<std::int32_t> faces = numbers_below(mesh.face_count());
   const std::vector<std::uint8_t> outlying = outlying_of(mesh);
   const Vec3 with = best_normal(plane_of(mesh, faces)), without = best_normal(plane_of(mesh, faces, outlying));
   EXPECT_GT(std::acos(with.z()), 0.012);

@@ -26,11 +26,12 @@ struct Moments {
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();  ///< its lower half
   std::int32_t face = kNone;
 
-  void add(const Mesh& mesh, std::int32_t f, const Vec3& origin, bool outlying) {
+  void add(const Mesh& mesh, std::int32_t f, const Vec3& origin, std::span<const std::uint8_t> outlying) {
     const Triangle& t = mesh.triangles()[f];
     const Vec3 a = mesh.vertices()[t[0]] - origin, b = mesh.vertices()[t[1]] - origin,
                c = mesh.vertices()[t[2]] - origin;
-    const Vec3 n = (outlying ? kOutlier : 1) * (b - a).cross(c - a);
+    const double weight = outlying.empty() || outlying[f] == 0 ? 1 : kOutlier;
+    const Vec3 n = weight * (b - a).cross(c - a);
     const double s = n.norm() / 2;
     const Vec3 sum = a + b + c;
     if (face == kNone) face = f;
@@ -63,17 +64,6 @@ Plane plane(const Mesh& mesh, const Moments& m, const Vec3& origin) {
   return p;
 }
 
-}  // namespace
-
-Vec3 best_normal(const Plane& plane) {
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(plane.spread);
-  const Vec3 n = solver.eigenvectors().col(0);
-  return n.dot(plane.normal) < 0 ? Vec3(-n) : n;
-}
-
-namespace {
-
 /// Half of the area is nearer than this.
 /// \param all  distance and area of each face; its order changes
 /// Cost: O(n) in the mean.
@@ -92,8 +82,16 @@ double median_of(std::span<std::pair<double, double>> all) {
   return all[0].first;
 }
 
-/// Marks the outlying ones of a region's faces.
-void mark_outlying(const Mesh& mesh, std::span<const std::int32_t> faces, std::vector<std::uint8_t>& outlying) {
+}  // namespace
+
+Vec3 best_normal(const Plane& plane) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(plane.spread);
+  const Vec3 n = solver.eigenvectors().col(0);
+  return n.dot(plane.normal) < 0 ? Vec3(-n) : n;
+}
+
+void mark_outlying(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<std::uint8_t> outlying) {
   std::vector<std::pair<double, double>> all(faces.size());
   std::vector<double> away(faces.size());
   bool changed = true;
@@ -117,8 +115,6 @@ void mark_outlying(const Mesh& mesh, std::span<const std::int32_t> faces, std::v
   }
 }
 
-}  // namespace
-
 std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const Job& job) {
   const Mesh& mesh = labels.mesh;
   std::vector<Moments> moments(labels.charts.size());
@@ -133,7 +129,7 @@ std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const
       if (part == 0 && f % kStride == 0) job.poll();
       if (f + kAhead < mesh.face_count() && mine(f + kAhead))
         for (const std::int32_t v : mesh.triangles()[f + kAhead]) prefetch(&mesh.vertices()[v]);
-      if (mine(f)) moments[labels.label[f]].add(mesh, f, origin[labels.label[f]], labels.outlying[f] != 0);
+      if (mine(f)) moments[labels.label[f]].add(mesh, f, origin[labels.label[f]], labels.outlying);
     }
     for (std::int32_t l = begin; l < end; ++l) planes[l] = plane(mesh, moments[l], origin[l]);
   };
@@ -239,7 +235,7 @@ Scale scale_of(const Labels& labels, std::span<const Plane> planes) {
 Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const std::uint8_t> outlying) {
   Moments moments;
   const Vec3 origin = mesh.vertices()[mesh.triangles()[faces[0]][0]];
-  for (const std::int32_t f : faces) moments.add(mesh, f, origin, !outlying.empty() && outlying[f] != 0);
+  for (const std::int32_t f : faces) moments.add(mesh, f, origin, outlying);
   return plane(mesh, moments, origin);
 }
 

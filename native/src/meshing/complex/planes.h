@@ -48,11 +48,15 @@ Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<
 /// The direction in which the surface spreads least, on the side of the mean normal.
 Vec3 best_normal(const Plane& plane);
 
-/// Whether each face is an outlier of its region, such as a face of a rounded edge: more than six times as far from the
-/// plane of the others as half of the region's area is.
-/// \return (F) 0 or 1
-/// Cost: O(F) a turn, up to twenty turns where there are outliers.
+/// Marks the outliers among the faces of a region, such as those of a rounded edge: faces more than six times as far from
+/// the plane of the others as half of the region's area is.
+/// \param outlying  (F) 0 for these faces, then 1 for outliers
+/// Cost: O(faces) a turn, up to twenty turns where there are outliers.
 /// Source: least trimmed squares (Rousseeuw 1984), by the median of the distances in place of a share of the faces.
+void mark_outlying(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<std::uint8_t> outlying);
+
+/// Whether each face is an outlier of its region.
+/// \return (F) 0 or 1
 std::vector<std::uint8_t> outlying_faces(const Mesh& mesh, std::span<const std::int32_t> face_region,
                                          std::int32_t regions, const Threads& threads, const Job& job);
 

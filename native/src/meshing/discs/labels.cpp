@@ -61,7 +61,6 @@ std::int32_t Shape::longest_loop(const Mesh& mesh) const {
 Labels::Labels(const Mesh& m)
     : mesh(m),
       label(static_cast<std::size_t>(m.face_count()), kNone),
-      outlying(static_cast<std::size_t>(m.face_count()), 0),
       face_marks(m.face_count()),
       vertex_marks(m.vertex_count()),
       halfedge_marks(3 * static_cast<std::size_t>(m.face_count())) {}

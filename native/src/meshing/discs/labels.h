@@ -70,7 +70,7 @@ struct Labels {
   Logged<std::int32_t> label;                 ///< (F) kNone where a part was left out
   Logged<Chart> charts;                       ///< by label
   std::span<const std::int32_t> face_region;  ///< (F) the partition's
-  std::vector<std::uint8_t> outlying;         ///< (F) see outlying_faces(); all 0 without `planar`
+  std::vector<std::uint8_t> outlying;         ///< (F) see outlying_faces(); empty without `planar`
   std::vector<std::int32_t> touched;  ///< charts that were cut, or gained or lost faces, since `State` last updated
   mutable Marks face_marks, vertex_marks, halfedge_marks;  // scratch space of callers
   mutable std::atomic<std::int64_t> walked{0};             ///< number of faces visited by floods
