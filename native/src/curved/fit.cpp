@@ -1,18 +1,14 @@
 #include "fit.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <cmath>
 
-#include "isimp/core/balanced.h"
+#include "isimp/core/symmetric.h"
 #include "least.h"
 
 namespace isimp::curved {
 namespace {
 
 using Eigen::Matrix3d;
-using Solver3 = Eigen::SelfAdjointEigenSolver<Matrix3d>;
 
 // tuned round
 constexpr double kMostTilt = 0.2;  ///< radians, of one step
@@ -31,9 +27,9 @@ CurvedSurface plane(const Samples& s) {
     const Vec3 v = s.place[i] - out.point;
     spread += s.weight[i] * v * v.transpose();
   }
-  const Solver3 solver(spread);
-  const Vec3 least = solver.eigenvectors().col(0);
-  const bool is_clear = solver.eigenvalues()[0] < 0.02 * solver.eigenvalues()[1];
+  const auto [values, vectors] = spectrum_of(spread);
+  const Vec3 least = vectors.col(0);
+  const bool is_clear = values[0] < 0.02 * values[1];
   out.axis = is_clear ? Vec3(sign(least.dot(normal)) * least) : Vec3(normal / std::max(normal.norm(), kTiny));
   return out;
 }
@@ -53,7 +49,7 @@ Vec3 meeting(const Samples& s, const Vec3* axis) {
     a += s.weight[i] * p;
     b += s.weight[i] * p * x;
   }
-  return a.ldlt().solve(b);
+  return solve_definite(a, b);
 }
 
 CurvedSurface refined_sphere(CurvedSurface c, const Samples& s, int steps) {
@@ -70,7 +66,7 @@ CurvedSurface refined_sphere(CurvedSurface c, const Samples& s, int steps) {
       m += s.weight[i] * j * j.transpose();
       b -= s.weight[i] * (l - r) * j;
     }
-    c.point += m.ldlt().solve(b).head<3>();
+    c.point += solve_definite(m, b).head<3>();
   }
   c.radius = 0;
   for (std::size_t i = 0; i < s.size(); ++i) c.radius += s.weight[i] * (s.place[i] - c.point).norm();
@@ -79,8 +75,6 @@ CurvedSurface refined_sphere(CurvedSurface c, const Samples& s, int steps) {
 
 /// Gauss-Newton on tilt, place across the axis, radius and, of a cone, slope.
 CurvedSurface refined_axial(CurvedSurface c, const Samples& s, int steps) {
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
   Vec3 middle = Vec3::Zero();
   for (std::size_t i = 0; i < s.size(); ++i) middle += s.weight[i] * s.place[i];
   const bool is_cone = c.kind == CurvedKind::cone;
@@ -130,11 +124,11 @@ CurvedSurface sphere(const Samples& s) {
 std::optional<CurvedSurface> cylinder(const Samples& s) {
   Matrix3d sum = Matrix3d::Zero();
   for (std::size_t i = 0; i < s.size(); ++i) sum += s.weight[i] * s.normal[i] * s.normal[i].transpose();
-  const Solver3 solver(sum);
-  if (solver.eigenvalues()[1] < kFlat) return std::nullopt;
+  const auto [values, vectors] = spectrum_of(sum);
+  if (values[1] < kFlat) return std::nullopt;
   CurvedSurface c;
   c.kind = CurvedKind::cylinder;
-  c.axis = solver.eigenvectors().col(0);
+  c.axis = vectors.col(0);
   c.point = meeting(s, &c.axis);
   c.radius = 0;
   for (std::size_t i = 0; i < s.size(); ++i) c.radius += s.weight[i] * polar(c, s.place[i]).rho;
@@ -155,12 +149,12 @@ std::optional<CurvedSurface> cone(const Samples& s) {
     a += s.weight[i] * n * n.transpose();
     b += s.weight[i] * n.dot(s.place[i]) * n;
   }
-  const Solver3 solver(spread);
-  if (solver.eigenvalues()[1] < kFlat) return std::nullopt;
+  const auto [values, vectors] = spectrum_of(spread);
+  if (values[1] < kFlat) return std::nullopt;
   CurvedSurface c;
   c.kind = CurvedKind::cone;
-  c.axis = solver.eigenvectors().col(0);
-  c.point = a.ldlt().solve(b);
+  c.axis = vectors.col(0);
+  c.point = solve_definite(a, b);
   double up = 0, across = 0, height = 0;
   for (std::size_t i = 0; i < s.size(); ++i) up += s.weight[i] * (s.place[i] - c.point).dot(c.axis);
   c.axis *= sign(up);

@@ -1,8 +1,7 @@
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <cmath>
 
 #include "fit.h"
+#include "isimp/core/symmetric.h"
 #include "least.h"
 
 namespace isimp::curved {
@@ -25,7 +24,7 @@ CurvedSurface tilted(CurvedSurface c, const Samples& s) {
     b += s.weight[i] * r.distance * j;
   }
   m.diagonal().array() += kDamping * m.trace();
-  const Vec2 step = m.ldlt().solve(b);
+  const Vec2 step = solve_definite(m, b);
   if (!step.allFinite()) return c;
   c.axis = (c.axis + step.x() * c.across + step.y() * up).normalized();
   c.across = (c.across - c.across.dot(c.axis) * c.axis).normalized();
@@ -42,9 +41,9 @@ std::optional<CurvedSurface> fit_extrusion(const Samples& s) {
     normals += s.weight[i] * s.normal[i] * s.normal[i].transpose();
     c.point += s.weight[i] * s.place[i];
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(normals);
-  if (solver.eigenvalues()[1] < kFlat) return std::nullopt;
-  c.axis = solver.eigenvectors().col(0);
+  const auto [values, vectors] = spectrum_of(normals);
+  if (values[1] < kFlat) return std::nullopt;
+  c.axis = vectors.col(0);
   c.across = frame(c.axis)[0];
   for (int k = 0; k < kTilts; ++k) {
     auto now = with_profile(c, s);

@@ -1,4 +1,3 @@
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -7,6 +6,7 @@
 
 #include "fit.h"
 #include "grid.h"
+#include "isimp/core/symmetric.h"
 #include "isimp/core/to_integer.h"
 #include "least.h"
 
@@ -245,18 +245,16 @@ std::optional<CurvedSurface> fit_revolution(const Samples& s) {
     mm += s.weight[i] * m * m.transpose();
     nm += s.weight[i] * n * m.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> normals(nn);
+  const auto [spread, e] = spectrum_of(nn);
   Vec3 inverse = Vec3::Zero();
   for (int k = 0; k < 3; ++k)
-    if (normals.eigenvalues()[k] > kThin) inverse[k] = 1 / normals.eigenvalues()[k];
-  const Eigen::Matrix3d& e = normals.eigenvectors();
+    if (spread[k] > kThin) inverse[k] = 1 / spread[k];
   const Eigen::Matrix3d g = -(e * inverse.asDiagonal() * e.transpose()) * nm;
   Eigen::Matrix3d left = mm + nm.transpose() * g;
   left = (left + left.transpose()).eval() / 2;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(left);
   CurvedSurface c;
   c.kind = CurvedKind::revolution;
-  c.axis = axes.eigenvectors().col(0);
+  c.axis = spectrum_of(left).vectors.col(0);
   const Vec3 moment = g * c.axis;
   c.point = centre + size * c.axis.cross(moment - moment.dot(c.axis) * c.axis);
   return with_profile(std::move(c), s);

@@ -1,12 +1,12 @@
 #include "points.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
 
+#include "isimp/core/symmetric.h"
 #include "numbers.h"
 
 namespace isimp::curved {
@@ -71,7 +71,7 @@ class Splitter {
       const Vec3 v = f_.centre(i) - middle;
       spread += f_.area(i) * v * v.transpose();
     }
-    const Vec3 along = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(2);
+    const Vec3 along = spectrum_of(spread).vectors.col(2);
     Some first, second;
     for (const std::int32_t i : members_[p]) ((f_.centre(i) - middle).dot(along) < 0 ? first : second).push_back(i);
     if (first.empty() || second.empty()) return false;

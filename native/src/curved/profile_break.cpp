@@ -1,10 +1,10 @@
 // Where the profile of a revolution passes from one simple surface to another.
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "fit.h"
+#include "isimp/core/symmetric.h"
 
 namespace isimp::curved {
 namespace {
@@ -30,7 +30,7 @@ class Run {
       const Vec2 v = corner(s_, i) - middle;
       spread += v * v.transpose();
     }
-    return std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvalues()[0]);
+    return std::max(0.0, spectrum_of(spread).values[0]);
   }
 
   /// |p|^2 = 2 c z + k for the corners of a circle about (0, c), which is linear.

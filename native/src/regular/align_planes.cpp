@@ -1,6 +1,5 @@
 #include "isimp/regular/align_planes.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "isimp/core/errors.h"
 #include "isimp/core/options.h"
+#include "isimp/core/symmetric.h"
 #include "kept_planes.h"
 #include "region_planes.h"
 
@@ -65,7 +65,7 @@ Plane together(const std::vector<RegionPlane>& planes, const Chosen& of) {
     all.centre += share * between;
     all.area = area;
   }
-  const Vec3 n = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(all.spread).eigenvectors().col(0);
+  const Vec3 n = spectrum_of(all.spread).vectors.col(0);
   all.normal = n.dot(planes[of.regions[0]].normal) < 0 ? Vec3(-n) : n;
   return all;
 }

@@ -1,9 +1,10 @@
 #include "compass.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
+
+#include "isimp/core/symmetric.h"
 
 namespace isimp::regular {
 namespace {
@@ -76,8 +77,7 @@ double Compass::fitted(const std::vector<const RegionPlane*>& some, double first
     axes << std::cos(to) * x_ + std::sin(to) * y_, std::cos(to) * y_ - std::sin(to) * x_;
     sum += r->scan.area * axes.transpose() * r->scan.spread * axes;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(sum);
-  const Eigen::Vector2d n = solver.eigenvectors().col(0);
+  const Eigen::Vector2d n = spectrum_of(sum).vectors.col(0);
   return nearest(std::atan2(n.y(), n.x()), first);
 }
 

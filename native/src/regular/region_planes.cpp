@@ -1,6 +1,5 @@
 #include "region_planes.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <utility>
 
 #include "isimp/core/errors.h"
+#include "isimp/core/symmetric.h"
 
 namespace isimp::regular {
 namespace {
@@ -18,9 +18,9 @@ constexpr double kAgree = 0.8;  ///< cosine between that plane and the faces' me
 
 void fit(RegionPlane& r) {
   const Vec3& mean = r.scan.normal;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(r.scan.spread);
-  const Vec3 n = solver.eigenvectors().col(0);
-  const bool is_thin = !(solver.eigenvalues()[0] <= kThin * solver.eigenvalues()[1]);
+  const auto [values, vectors] = spectrum_of(r.scan.spread);
+  const Vec3 n = vectors.col(0);
+  const bool is_thin = !(values[0] <= kThin * values[1]);
   r.normal = is_thin || std::abs(n.dot(mean)) < kAgree ? mean : Vec3(n.dot(mean) < 0 ? -n : n);
   r.snapped = r.normal;
   r.offset = r.best_offset();

@@ -28,6 +28,16 @@ Eigen::Matrix3d crossing(const Vec3& v) {
   return m;
 }
 
+/// The least turn from one unit vector to another that is not its opposite.
+/// Source: Eigen's Quaternion::FromTwoVectors, less its case of opposites, which alone takes a minute to compile.
+Eigen::Matrix3d turn_between(const Vec3& from, const Vec3& to) {
+  const double s = std::sqrt((1 + to.dot(from)) * 2);
+  Eigen::Quaterniond q;
+  q.vec() = from.cross(to) * (1 / s);
+  q.w() = s * 0.5;
+  return q.toRotationMatrix();
+}
+
 Vec3 across(const Vec3& v, const Vec3& axis) { return v - v.dot(axis) * axis; }
 
 }  // namespace
@@ -123,7 +133,7 @@ void RoundAxes::turn(std::size_t group, const Vec3& axis) {
   Group& g = groups_[group];
   g.is_turned = true;
   g.axis.snapped = axis;
-  if (axis != g.axis.normal) g.turn = Eigen::Quaterniond::FromTwoVectors(g.axis.normal, axis).toRotationMatrix();
+  if (axis != g.axis.normal) g.turn = turn_between(g.axis.normal, axis);
   g.line = g.middle + g.turn * (g.parts[0].first.point - g.middle);
 }
 

@@ -1,11 +1,12 @@
 #include "snap_directions.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <span>
 #include <utility>
+
+#include "isimp/core/symmetric.h"
 
 namespace isimp::regular {
 namespace {
@@ -20,7 +21,7 @@ constexpr std::size_t kLargest = 12;  ///< regions among which an upward directi
 Vec3 fitted_normal(const std::vector<Region>& regions, const Some& some) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const std::int32_t r : some) sum += regions[r].scan.area * regions[r].scan.spread;
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum).eigenvectors().col(0);
+  return spectrum_of(sum).vectors.col(0);
 }
 
 /// The parts of `some` for which a test holds and does not hold, each in the order of `some`.

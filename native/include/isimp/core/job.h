@@ -7,8 +7,8 @@ namespace isimp {
 
 /// State shared by a long call and its caller: progress and stage for the caller, the wish to stop for the call.
 ///
-/// `progress`, `stage`, `cancelled` and `cancel` may be called from any thread at any time; the rest belongs to the
-/// thread that works. Precedence, when several things are true at once:
+/// `progress`, `stage`, `cancelled`, `cancel` and `poll` may be called from any thread at any time; the rest belongs to
+/// the thread that called. Precedence, when several things are true at once:
 ///  1. bad input is reported as InvalidInput even when the job was cancelled before the call;
 ///  2. a cancel that is seen at a poll throws Cancelled, independent of the result;
 ///  3. a cancel that comes after the last poll changes nothing: the result is returned.

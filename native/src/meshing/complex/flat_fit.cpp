@@ -1,7 +1,8 @@
 #include "complex/flat_fit.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "isimp/core/symmetric.h"
 
 namespace isimp::meshing {
 namespace {
@@ -55,10 +56,9 @@ bool Fit::find_normal(const Spread& k, const Vec3& of_chart) {
   if (!fixed || !refine(k)) {
     Eigen::Matrix3d full;
     full << k.xx, k.xy, k.xz, k.xy, k.yy, k.yz, k.xz, k.yz, k.zz;
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(full);
-    if (solver.eigenvalues()[1] < kLine * solver.eigenvalues()[2]) return false;
-    normal = solver.eigenvectors().col(0);
+    const auto [values, vectors] = direct_spectrum_of(full);
+    if (values[1] < kLine * values[2]) return false;
+    normal = vectors.col(0);
   }
   const double same = normal.dot(of_chart);
   if (same < 0) normal = -normal;

@@ -1,6 +1,5 @@
 #include "complex/planes.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <utility>
 
 #include "isimp/core/prefetch.h"
+#include "isimp/core/symmetric.h"
 
 namespace isimp::meshing {
 namespace {
@@ -85,9 +85,7 @@ double median_of(std::span<std::pair<double, double>> all) {
 }  // namespace
 
 Vec3 best_normal(const Plane& plane) {
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(plane.spread);
-  const Vec3 n = solver.eigenvectors().col(0);
+  const Vec3 n = direct_spectrum_of(plane.spread).vectors.col(0);
   return n.dot(plane.normal) < 0 ? Vec3(-n) : n;
 }
 
@@ -203,12 +201,12 @@ Vec3 step_onto(std::span<const Plane* const> planes, double fixed, const Vec3& f
     a += n * n.transpose();
     g += p->normal.dot(p->centre - from) * n;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(a);
+  const auto [values, vectors] = spectrum_of(a);
   Vec3 d = Vec3::Zero();
   for (int i = 0; i < 3; ++i) {
-    const Vec3 way = solver.eigenvectors().col(i);
-    if (!(solver.eigenvalues()[i] > fixed * solver.eigenvalues()[2])) continue;
-    d += way.dot(g) / solver.eigenvalues()[i] * way;
+    const Vec3 way = vectors.col(i);
+    if (!(values[i] > fixed * values[2])) continue;
+    d += way.dot(g) / values[i] * way;
     free -= way * way.transpose();
   }
   return d;

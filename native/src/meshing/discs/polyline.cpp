@@ -1,9 +1,10 @@
 #include "discs/polyline.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
+#include "isimp/core/symmetric.h"
 
 namespace isimp::meshing {
 namespace {
@@ -79,9 +80,7 @@ StraightLine along(std::span<const Vec3> line) {
     const Vec3 d = line[i + 1] - line[i], middle = (line[i] + line[i + 1]) / 2 - mean;
     spread += d.norm() * (middle * middle.transpose() + d * d.transpose() / 12);
   }
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(spread);
-  return {mean, solver.eigenvectors().col(2)};
+  return {mean, direct_spectrum_of(spread).vectors.col(2)};
 }
 
 /// The distance from the straight line along it within which most of a polyline's length is.

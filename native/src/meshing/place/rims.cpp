@@ -1,12 +1,12 @@
 #include "place/rims.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 
 #include "complex/raggedness.h"
+#include "isimp/core/symmetric.h"
 #include "place/moves.h"
 
 namespace isimp::meshing {
@@ -59,9 +59,7 @@ std::optional<Line> line_through(std::vector<Vec3> border, const Plane& plane, d
     Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
     for (std::size_t i = 0; i < points.size(); ++i)
       spread += weight[i] * (points[i] - mean) * (points[i] - mean).transpose();
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(spread);
-    line = {mean, solver.eigenvectors().col(2)};
+    line = {mean, direct_spectrum_of(spread).vectors.col(2)};
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3 d = points[i] - mean;
       const double off = (d - line.direction * line.direction.dot(d)).squaredNorm() / (reach * reach);

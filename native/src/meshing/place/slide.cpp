@@ -1,6 +1,5 @@
 #include "place/slide.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include "complex/angles.h"
 #include "discs/no_length.h"
+#include "isimp/core/symmetric.h"
 #include "place/moves.h"
 
 namespace isimp::meshing {
@@ -133,12 +133,11 @@ class Slider {
       const Vec3& n = s_.planes[s_.polygons.chart(q)].normal;
       a += n * n.transpose() / static_cast<double>(around.size());
     }
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(a);
+    const auto [values, vectors] = direct_spectrum_of(a);
     Freedom free;
     for (int k = 0; k < 2; ++k) {  // the third direction is normal to the planes
-      const double away = std::sqrt(std::max(0.0, solver.eigenvalues()[k])), reach = kFar * size_;
-      free.along[k] = solver.eigenvectors().col(k);
+      const double away = std::sqrt(std::max(0.0, values[k])), reach = kFar * size_;
+      free.along[k] = vectors.col(k);
       free.most[k] = away * reach > off_ ? off_ / away : reach;
     }
     return free;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "isimp/core/balanced.h"
+#include "isimp/core/symmetric.h"
 
 namespace isimp::meshing::planar {
 
@@ -105,7 +105,7 @@ void BlockSystem::factorise() {
       factor_row_[fill_[i]] = k;
       factor_[fill_[i]++] = l;
     }
-    inverse_[k] = solve_balanced(rest, Mat3(Mat3::Identity()));
+    inverse_[k] = balanced_inverse(rest);
   }
 }
 

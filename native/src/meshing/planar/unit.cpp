@@ -1,6 +1,5 @@
 #include "planar/unit.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "complex/outline.h"
 #include "isimp/core/sorted.h"
+#include "isimp/core/symmetric.h"
 
 namespace isimp::meshing::planar {
 namespace {
@@ -36,16 +36,16 @@ void find_plane(Unit& unit, std::span<const Vec3> at, double least_area) {
       scan.spread += (at[c] - middle) * (at[c] - middle).transpose() / static_cast<double>(unit.loop.size());
     if (length > 0) scan.normal = outline / length;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scan.spread);
-  unit.noise = std::sqrt(std::max(solver.eigenvalues()[0], 0.0));
+  const auto [values, vectors] = spectrum_of(scan.spread);
+  unit.noise = std::sqrt(std::max(values[0], 0.0));
   unit.held = scan.held;
   if (scan.held) {
     unit.normal = scan.normal;
     unit.offset = scan.normal.dot(scan.centre);
     return;
   }
-  Vec3 n = solver.eigenvectors().col(0);
-  const bool is_thin = !(solver.eigenvalues()[0] <= kThin * solver.eigenvalues()[1]);
+  Vec3 n = vectors.col(0);
+  const bool is_thin = !(values[0] <= kThin * values[1]);
   if (is_thin) n = length > 0 ? Vec3(outline / length) : scan.normal;
   if (n.dot(length > 0 ? outline : scan.normal) < 0) n = -n;
   unit.normal = n;

@@ -1,8 +1,9 @@
 #include "bound/min_width_slab.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "isimp/core/symmetric.h"
 
 namespace isimp::detail {
 namespace {
@@ -78,7 +79,7 @@ Slab narrowest(std::span<const Vec3> points, const Vec3& from, double enough) {
       rhs += weight[k] * from.dot(p) * row;
       total += weight[k];
     }
-    const Vec3 plane = normal_matrix.ldlt().solve(rhs);
+    const Vec3 plane = solve_definite(normal_matrix, rhs);
     if (!plane.allFinite()) break;
     const Vec3 normal = (from - plane.x() * right - plane.y() * up).normalized();
     if (normal.dot(from) < kLeastTurn) break;

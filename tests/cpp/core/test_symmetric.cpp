@@ -1,0 +1,38 @@
+#include <gtest/gtest.h>
+
+#include "isimp/core/symmetric.h"
+
+namespace isimp {
+namespace {
+
+const Eigen::Matrix3d kEven = (Eigen::Matrix3d() << 2, 1, 0, 1, 2, 0, 0, 0, 5).finished();  // 1, 3, 5
+
+TEST(Symmetric, EigenvaluesRiseWithTheirVectorsAsColumns) {
+  for (const Spectrum<3>& s : {spectrum_of(kEven), direct_spectrum_of(kEven)}) {
+    EXPECT_LT((s.values - Eigen::Vector3d(1, 3, 5)).norm(), 1e-12);
+    EXPECT_LT((kEven * s.vectors - s.vectors * s.values.asDiagonal()).norm(), 1e-12);
+    EXPECT_LT((s.vectors.transpose() * s.vectors - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+  }
+  const Spectrum<2> flat = spectrum_of(Eigen::Matrix2d(kEven.topLeftCorner<2, 2>()));
+  EXPECT_LT((flat.values - Eigen::Vector2d(1, 3)).norm(), 1e-12);
+}
+
+TEST(Symmetric, SystemsAreSolved) {
+  const Eigen::Vector3d x(3, -1, 2);
+  EXPECT_LT((solve_definite(kEven, kEven * x) - x).norm(), 1e-12);
+  EXPECT_LT((balanced_inverse(kEven) * kEven - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+}
+
+TEST(Symmetric, TheUnitOfLengthChangesNoBitOfABalancedSolution) {
+  Matrix6 m = Matrix6::Identity();
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) m(i, j) += 1.0 / (2 + i + j);
+  const Vector6 b = Vector6::LinSpaced(1, 2);
+  Vector6 unit;
+  unit << 1, 1, 1, 1024, 1024, 1024;  // three turns, three lengths
+  const Vector6 scaled = solve_balanced(unit.asDiagonal() * m * unit.asDiagonal(), unit.asDiagonal() * b);
+  EXPECT_EQ(unit.asDiagonal() * scaled, solve_balanced(m, b));
+}
+
+}  // namespace
+}  // namespace isimp
