@@ -139,47 +139,6 @@ TEST_P(Hubs, MergeAsInASearchOfAllPairs) {
   }
 }
 
-TEST_P(Hubs, OfAGroupMergeTheSame) {
-  const auto [planes, around, away, length] = GetParam();
-  Job job;
-  const std::vector<std::int32_t> need{1};
-  const Case c = houses(planes, around, away, length, 7);
-  const std::vector<std::uint8_t> none(c.sum.size(), 0);
-  const double no_limit = std::numeric_limits<double>::infinity();
-  const std::vector<MergeStep> steps = merge_inside(rows_of(c), c.sum, need, none, 30, no_limit, job);
-  ASSERT_EQ(steps.size(), c.sum.size() - 30);
-  std::vector<std::int32_t> into(c.sum.size());
-  for (std::size_t u = 0; u < into.size(); ++u) into[u] = static_cast<std::int32_t>(u);
-  std::vector<std::uint8_t> gone(c.sum.size(), 0);
-  for (const MergeStep& step : steps) {
-    EXPECT_FALSE(gone[step.into] || gone[step.from]);
-    gone[step.from] = 1;
-    for (std::int32_t& each : into)
-      if (each == step.from) each = step.into;
-  }
-  const std::vector<std::int32_t> slowly = merged_slowly(c, 30);
-  for (std::size_t u = 0; u < into.size(); ++u) EXPECT_EQ(slowly[u], slowly[into[u]]);
-}
-
-TEST_P(Hubs, NeverJoinNodesAtTheBorderOfAGroup) {
-  const auto [planes, around, away, length] = GetParam();
-  Job job;
-  const std::vector<std::int32_t> need{1};
-  const Case c = houses(planes, around, away, length, 9);
-  std::vector<std::uint8_t> border(c.sum.size(), 0);
-  border[0] = 1;
-  for (std::size_t u = 10; u < border.size(); u += 10) border[u] = 1;
-  const double no_limit = std::numeric_limits<double>::infinity();
-  std::vector<std::int32_t> of(c.sum.size());  // nodes at the border in each cluster
-  for (std::size_t u = 0; u < of.size(); ++u) of[u] = border[u];
-  const std::vector<MergeStep> steps = merge_inside(rows_of(c), c.sum, need, border, 1, no_limit, job);
-  for (const MergeStep& step : steps) {
-    EXPECT_LE(of[step.into] + of[step.from], 1);
-    of[step.into] += of[step.from];
-  }
-  EXPECT_GT(steps.size(), c.sum.size() / 2);
-}
-
 INSTANTIATE_TEST_SUITE_P(Greedy, Hubs,
                          testing::Values(Kind{1, 700, 0.0, 0.0}, Kind{1, 700, 0.0, 1e-4}, Kind{1, 500, 0.3, 1e-5},
                                          Kind{3, 350, 0.05, 0.0}, Kind{3, 350, 0.05, 1e-5}));

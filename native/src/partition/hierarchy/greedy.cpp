@@ -28,12 +28,9 @@ constexpr double kRounding = 4e-16;  // rounding: share of the lengths in a pric
 /// So each cluster at a hub has a watch: the angle at which its price could fall below the stored one. Prices at a hub
 /// are in the heap with a margin, so that they need not be right at once. A hub's own row names other hubs only; its
 /// other pairs are in the rows, and among the prices, of the clusters around it.
-/// \tparam kInside  whether nodes at the border of the graph count as parts of larger ones
-template <bool kInside>
 class Greedy {
  public:
-  Greedy(const MergeGraph& graph, std::span<const RegionSum> sums, std::span<const std::int32_t> need,
-         std::span<const std::uint8_t> border = {})
+  Greedy(const MergeGraph& graph, std::span<const RegionSum> sums, std::span<const std::int32_t> need)
       : need_(need),
         row_(graph.neighbour),
         border_(graph.border),
@@ -52,7 +49,6 @@ class Greedy {
       node.last = graph.first[u + 1];
       node.component = need.size() == 1 ? 0 : graph.component_of(u);
       node.live = sums[u].faces > 0;
-      node.goes_on = kInside && border[u] != 0;
       if (!node.live) continue;
       ++clusters_;
       ++left_[node.component];
@@ -65,9 +61,7 @@ class Greedy {
       if (node_[u].live && node_[u].around() > kManyAround) make_hub(u);
   }
 
-  /// \param limit  merging ends before a price above it
-  /// \param steps  if given, receives the merges
-  void run(std::int32_t target, double limit, std::vector<MergeStep>* steps, Job& job) {
+  void run(std::int32_t target, Job& job) {
     std::uint32_t polled = 0;
     while (clusters_ > target && !heap_.empty()) {
       if ((++polled & 0x3ff) == 0) job.poll();
@@ -76,13 +70,10 @@ class Greedy {
       heap_.pop_back();
       const Node& node = node_[u];
       if (!node.live || price != node.price) continue;  // merged, or another entry has taken its place
-      if (price > limit) break;
       if (left_[node.component] <= need_[node.component]) continue;
       std::int32_t into = u, from = node.partner;
       if (node_[from].live && node_[from].version == node.partner_version) {
-        if (kInside && node.goes_on && node_[from].goes_on) continue;  // waits for a cheaper one
         if (is_hub(from)) std::swap(into, from);
-        if (steps != nullptr) steps->push_back({into, from, price});
         merge(into, from);
       } else if (find_partner(u)) {
         push(u);
@@ -112,7 +103,6 @@ class Greedy {
     std::int32_t hub = kNone;  // in hubs_
     std::int32_t watched = 0;  // the number of its newest watches
     bool live = false;
-    bool goes_on = false;  // beyond the border of the graph
     [[nodiscard]] std::int32_t around() const { return last - first; }
     [[nodiscard]] Vec3 sum() const { return {x, y, z}; }
   };
@@ -131,17 +121,9 @@ class Greedy {
   [[nodiscard]] bool is_hub(std::int32_t u) const { return node_[u].hub != kNone; }
 
   [[nodiscard]] static double price_of(const Node& a, const Node& b) {
-    if constexpr (kInside)
-      if (a.goes_on != b.goes_on) return a.goes_on ? price_beside(a, b) : price_beside(b, a);
     const double lengths = a.length + b.length;
     // The second term makes small clusters merge first where all is flat.
     return lost_length(a, b, lengths) + 1e-12 * lengths;
-  }
-  /// As price_of, with a node of which only a part is known: the rest counts as infinite, and in the same plane.
-  [[nodiscard]] static double price_beside(const Node& known, const Node& b) {
-    if (!(known.length > 0)) return b.length;
-    return b.length - (known.x * b.x + known.y * b.y + known.z * b.z) / known.length +
-           1e-12 * (known.length + b.length);
   }
   std::int32_t find(std::int32_t u) {
     while (node_[u].parent != u) u = node_[u].parent = node_[node_[u].parent].parent;
@@ -199,7 +181,6 @@ class Greedy {
   [[nodiscard]] static double turn_for(const Node& hub, const Node& b, double slack) {
     slack -= kRounding * (hub.length + b.length);
     if (!(slack > 0) || b.length > hub.length / 2) return 0;
-    if (kInside && b.goes_on && !hub.goes_on) return 0;  // then it falls by up to |h| a
     const double across = hub.sum().cross(b.sum()).norm() / hub.length;
     const double sum = across + std::sqrt(across * across + b.length * slack);
     return sum > 0 ? slack / sum : std::numeric_limits<double>::infinity();
@@ -317,20 +298,18 @@ class Greedy {
   void merge(std::int32_t u, std::int32_t v) {
     Node &into = node_[u], &from = node_[v];
     const Vec3 before = into.sum();
-    const bool went_on = into.goes_on;
     into.x += from.x;
     into.y += from.y;
     into.z += from.z;
     into.length = std::sqrt(into.x * into.x + into.y * into.y + into.z * into.z);
     from.parent = u;
     from.live = false;
-    into.goes_on = into.goes_on || from.goes_on;
     ++into.version;
     --clusters_;
     --left_[into.component];
     if (row_.size() > room_) compact();
     if (is_hub(u)) {
-      merge_hub(u, v, before, went_on);
+      merge_hub(u, v, before);
       return;
     }
     ++stamp_;
@@ -361,8 +340,8 @@ class Greedy {
     if (into.around() > kManyAround) make_hub(u);
   }
   /// Updates the neighbours after a node was merged into a hub.
-  /// \param before, went_on  of the hub before that
-  void merge_hub(std::int32_t u, std::int32_t v, const Vec3& before, bool went_on) {
+  /// \param before  sum of the hub before that
+  void merge_hub(std::int32_t u, std::int32_t v, const Vec3& before) {
     tidy(v);
     std::vector<std::int32_t> near;  // nodes to check
     const std::vector<std::int32_t> row(row_.begin() + node_[v].first, row_.begin() + node_[v].last);
@@ -381,7 +360,7 @@ class Greedy {
     const Vec3 now = node_[u].sum();
     const double turn = std::atan2(before.cross(now).norm(), before.dot(now));
     hub.turned += turn;
-    const bool all = is_hub(v) || now.norm() < before.norm() || node_[u].goes_on != went_on;
+    const bool all = is_hub(v) || now.norm() < before.norm();
     while (!hub.watch.empty() && (all || hub.watch.front().turned <= hub.turned)) {
       std::pop_heap(hub.watch.begin(), hub.watch.end(), std::greater<>());
       if (counts(hub.watch.back())) near.push_back(hub.watch.back().node);
@@ -438,18 +417,9 @@ class Greedy {
 
 std::vector<std::int32_t> merge_greedily(const MergeGraph& graph, std::span<const RegionSum> sums,
                                          std::span<const std::int32_t> need, std::int32_t target, Job& job) {
-  Greedy<false> greedy(graph, sums, need);
-  greedy.run(target, std::numeric_limits<double>::infinity(), nullptr, job);
+  Greedy greedy(graph, sums, need);
+  greedy.run(target, job);
   return greedy.clusters();
-}
-
-std::vector<MergeStep> merge_inside(const MergeGraph& graph, std::span<const RegionSum> sums,
-                                    std::span<const std::int32_t> need, std::span<const std::uint8_t> border,
-                                    std::int32_t target, double limit, Job& job) {
-  Greedy<true> greedy(graph, sums, need, border);
-  std::vector<MergeStep> steps;
-  greedy.run(target, limit, &steps, job);
-  return steps;
 }
 
 }  // namespace isimp

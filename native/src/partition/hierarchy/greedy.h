@@ -20,21 +20,4 @@ namespace isimp {
 std::vector<std::int32_t> merge_greedily(const MergeGraph& graph, std::span<const RegionSum> sums,
                                          std::span<const std::int32_t> need, std::int32_t target, Job& job);
 
-/// A merge of cluster `from` into `into`, both named by one of their nodes. No later cluster is named by `from`.
-struct MergeStep {
-  std::int32_t into, from;
-  double price;
-};
-
-/// As merge_greedily, for a part of a larger graph: some nodes have neighbours elsewhere. These do not merge with each
-/// other, and the price of a merge with one of them is computed as if it were infinite: otherwise a small part of a
-/// large plane would be taken for a small plane.
-///
-/// \param border  (N) 1 for a node with neighbours elsewhere
-/// \param limit   merging ends before the first merge with a higher price
-/// \return the merges in order; prices may fall in between
-std::vector<MergeStep> merge_inside(const MergeGraph& graph, std::span<const RegionSum> sums,
-                                    std::span<const std::int32_t> need, std::span<const std::uint8_t> border,
-                                    std::int32_t target, double limit, Job& job);
-
 }  // namespace isimp
