@@ -171,57 +171,5 @@ TEST(BoundSearch, EndsWhereItIsNearEnough) {
   EXPECT_FALSE(once.next()) << "the partition can not be made again";
 }
 
-TEST(Within, PolygonsKeepOneAndAHalfTimesTheBound) {
-  Job job;
-  const Partitioner partitioner(ring().mesh);
-  for (const double bound : {0.03, 0.08}) {
-    const Within found = partition_within(partitioner, {.bound = bound}, {}, {}, job);
-    ASSERT_TRUE(found.distance && found.allowed);
-    EXPECT_EQ(*found.allowed, 1.5 * bound);
-    EXPECT_LE(*found.distance, *found.allowed);
-    const std::vector<double> away = scan_distances(ring().mesh, found.partition, found.polygons, {}, job);
-    EXPECT_GE(*found.distance, *std::ranges::max_element(away));
-  }
-}
-
-TEST(Within, RegionsAreMadeAgainOnlyIfItIsKnownHow) {
-  const double slack = 0.7;
-  const Partition& part = ring().part;
-  Job job, second;
-  const Within as_it_is = polygonize_within(ring().mesh, part, {}, nullptr, job, slack);
-  EXPECT_EQ(as_it_is.partition.face_region, part.face_region);
-  EXPECT_GT(*as_it_is.distance, *as_it_is.allowed);
-  EXPECT_EQ(as_it_is.tries, 3);
-  const Within anew = partition_within(Partitioner(ring().mesh), {.bound = 0.1}, {}, {}, second, slack);
-  EXPECT_LE(*anew.distance, *anew.allowed);
-  EXPECT_GT(anew.tries, 3);
-  EXPECT_GT(anew.partition.region_count(), part.region_count());
-}
-
-TEST(WithinThreads, TheResultDoesNotDependOnThem) {
-  const auto made = [](std::int32_t threads) {
-    Job job;
-    return partition_within(Partitioner(ring().mesh), {.bound = 0.05, .threads = threads}, {}, {.threads = threads},
-                            job);
-  };
-  const Within one = made(1);
-  for (const std::int32_t threads : {2, 3}) {
-    const Within more = made(threads);
-    EXPECT_EQ(more.partition.face_region, one.partition.face_region);
-    EXPECT_EQ(more.polygons.loops, one.polygons.loops);
-    EXPECT_EQ(more.distance, one.distance);
-    EXPECT_EQ(more.tries, one.tries);
-  }
-}
-
-TEST(Within, WithoutABoundNothingIsMeasured) {
-  Job job;
-  const Mesh mesh = shapes::mesh(shapes::cube(6));
-  const Within found = partition_within(Partitioner(mesh), {.proxies = 6}, {}, {}, job);
-  EXPECT_EQ(found.partition.region_count(), 6);
-  EXPECT_FALSE(found.distance || found.allowed);
-  EXPECT_EQ(found.tries, 1);
-}
-
 }  // namespace
 }  // namespace isimp

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -10,14 +9,9 @@
 #include "isimp/mesh/mesh.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/partition/partition.h"
-#include "isimp/simplify/partitioner.h"
 
 /// A bound that the polygons keep too: the distance of the scan from them, and the search for a smaller one.
 namespace isimp {
-
-// tuned bound
-/// The polygons may be this many times further from the scan than the planes of its regions.
-inline constexpr double kSlack = 1.5;
 
 /// The distance of a point from a triangle: from its plane if the foot lies inside, else from its sides.
 double distance_to_triangle(const Vec3& point, const std::array<Vec3, 3>& triangle);
@@ -77,31 +71,5 @@ class BoundSearch {
 /// The options with which polygons stay within half a bound of the planes of their regions; not looser than the given
 /// ones.
 MeshingOptions tightened(const Mesh& mesh, const Partition& partition, double bound, const MeshingOptions& given);
-
-/// A partition and its polygons; with a bound, the distance of the scan from them.
-struct Within {
-  Partition partition;
-  PolygonMesh polygons;
-  std::optional<double>
-      distance;  ///< largest distance of a vertex of the scan from the polygons, scene units; none: no bound
-  std::optional<double> allowed;  ///< its upper limit
-  std::int32_t tries = 1;
-};
-
-/// Makes the partition again with a share of its bound.
-using Again = std::function<Partition(double share, Job& job)>;
-
-/// The polygons of a partition. With a bound, the scan is within `slack` times it of the polygons, if possible. Without
-/// a bound it is `polygonize`.
-///
-/// \param again  makes the partition again with a lower bound; empty: the given partition stays
-/// \throws InvalidInput, Cancelled  as polygonize
-Within polygonize_within(const Mesh& mesh, Partition partition, const MeshingOptions& options, const Again& again,
-                         Job& job, double slack = kSlack);
-
-/// Regions and their polygons. With a bound, the scan is within `slack` times it of the polygons, if possible.
-/// \throws InvalidInput, Cancelled  as Partitioner::run and polygonize
-Within partition_within(const Partitioner& partitioner, const PartitionOptions& options, const Constraints& constraints,
-                        const MeshingOptions& meshing, Job& job, double slack = kSlack);
 
 }  // namespace isimp
