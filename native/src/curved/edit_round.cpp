@@ -135,6 +135,7 @@ Partition explode_round(const Mesh& mesh, const Partition& part, std::int32_t fa
     out.region_normal[r] = out.region_sum[r].normal();
   }
   out.curved.erase(out.curved.begin() + patch);
+  out.regularity.reset();
   place_free_planes(mesh, out);
   return out;
 }

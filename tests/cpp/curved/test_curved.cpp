@@ -351,6 +351,9 @@ TEST(Curved, ExplodedCellsKeepTheirLabels) {
   EXPECT_TRUE(loose.curved.empty());
   EXPECT_FALSE(loose.is_held(loose.face_region[face]));
   EXPECT_THROW(explode_round(mesh, loose, face, job), InvalidInput);
+  Partition regular = part;
+  regular.regularity.emplace();
+  EXPECT_FALSE(explode_round(mesh, regular, face, job).regularity);
 }
 
 TEST(Curved, LockedCellsAreNotCutAgain) {
