@@ -77,6 +77,8 @@ PolygonSoup read_soup(const py::object& vertices, const py::object& loops, const
       throw InvalidInput("corner " + std::to_string(i) + " uses vertex " + std::to_string(soup.loops[i]) +
                          ", but there are " + std::to_string(soup.vertices.size()) + " vertices");
   const auto corners = static_cast<std::int32_t>(soup.loops.size());
+  if (soup.loop_start.empty() && corners > 0)
+    throw InvalidInput("loop_start is empty, but there are " + std::to_string(corners) + " corners");
   std::int32_t before = 0;
   for (std::size_t q = 0; q < soup.loop_start.size(); ++q) {
     const std::int32_t start = soup.loop_start[q];

@@ -41,7 +41,7 @@ std::int32_t parts_after(Pieces pieces, const Piece& piece, std::int32_t plane, 
   while (!open.empty() && done + std::ssize(open) < most) {
     job.poll();
     const Piece next = take_worst(open);
-    const auto planes = pieces.fills_space(next) ? pieces.choices(next) : std::vector<std::int32_t>();
+    const auto planes = pieces.fills_space(next, job) ? pieces.choices(next, job) : std::vector<std::int32_t>();
     if (planes.empty())
       ++done;
     else
@@ -52,7 +52,7 @@ std::int32_t parts_after(Pieces pieces, const Piece& piece, std::int32_t plane, 
 
 /// The plane to cut a piece by. If it is small, the one after which it becomes the fewest parts.
 std::int32_t best_plane(const Pieces& pieces, const Piece& piece, Job& job) {
-  const std::vector<std::int32_t> planes = pieces.choices(piece);
+  const std::vector<std::int32_t> planes = pieces.choices(piece, job);
   if (planes.empty()) return kNone;
   if (piece.cells.size() > kSmall || planes.size() == 1) return planes[0];
   const auto [some, same] = pieces.alone(piece);
@@ -74,7 +74,7 @@ std::vector<Piece> cut_all(Pieces& pieces, std::int32_t most, Job& job) {
   while (!open.empty()) {
     job.report(std::min(finished / all, 1.0));
     Piece piece = take_worst(open);
-    const bool more = std::ssize(open) + std::ssize(done) + 1 < most && pieces.fills_space(piece);
+    const bool more = std::ssize(open) + std::ssize(done) + 1 < most && pieces.fills_space(piece, job);
     const std::int32_t plane = more ? best_plane(pieces, piece, job) : kNone;
     if (plane == kNone) {
       finished += piece.volume;
@@ -99,6 +99,7 @@ void merge_all(const Pieces& pieces, std::vector<Piece>& parts, std::int32_t mos
   std::vector<char> alive(parts.size(), 1);
   auto count = static_cast<std::int32_t>(parts.size());
   const auto propose = [&](std::int32_t a, std::int32_t b) {
+    job.poll();
     Piece both = pieces.joined(parts[a], parts[b]);
     const double added = both.missing() - parts[a].missing() - parts[b].missing();
     pairs.push_back({a, b, added, std::move(both)});
@@ -109,7 +110,7 @@ void merge_all(const Pieces& pieces, std::vector<Piece>& parts, std::int32_t mos
     Pair* best = nullptr;
     for (Pair& pair : pairs)
       if (!pair.refused && (best == nullptr || pair.added < best->added)) best = &pair;
-    if (best != nullptr && pieces.fills_space(best->both)) {
+    if (best != nullptr && pieces.fills_space(best->both, job)) {
       best->refused = true;
       continue;
     }
@@ -195,12 +196,13 @@ std::vector<ConvexPart> parts_of(detail::Solid& solid, const Vec3& origin, const
 std::vector<ConvexPart> convex_parts(const PolygonSoup& polygons, std::span<const std::int32_t> region,
                                      std::span<const Vec3> enclosed, const ConvexOptions& options, Job& job) {
   if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance))
-    throw InvalidInput("tolerance must be a length above 0, got " + std::to_string(options.tolerance));
-  if (options.parts < 0) throw InvalidInput("parts must be at least 1, got " + std::to_string(options.parts));
+    throw InvalidInput("tolerance must be a finite length of at least 0, got " + std::to_string(options.tolerance));
+  if (options.parts < 0)
+    throw InvalidInput("parts must be at least 0 (0: no limit), got " + std::to_string(options.parts));
   if (options.most_vertices < 8)
     throw InvalidInput("most_vertices must be at least 8, got " + std::to_string(options.most_vertices));
   if (!(options.thickness >= 0) || !std::isfinite(options.thickness))
-    throw InvalidInput("thickness must be a length above 0, got " + std::to_string(options.thickness));
+    throw InvalidInput("thickness must be a finite length of at least 0, got " + std::to_string(options.thickness));
   if (options.thickness > 0 && options.parts > 0)
     throw InvalidInput("parts can't be limited with a thickness: each polygon has a slab of its own");
   for (std::size_t i = 0; i < enclosed.size(); ++i)

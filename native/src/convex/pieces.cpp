@@ -263,9 +263,10 @@ std::pair<Pieces, Piece> Pieces::alone(const Piece& piece) const {
   return made;
 }
 
-std::vector<std::int32_t> Pieces::choices(const Piece& piece) const {
+std::vector<std::int32_t> Pieces::choices(const Piece& piece, Job& job) const {
   std::vector<std::pair<double, std::int32_t>> costs;
   for (const std::int32_t plane : chances(piece)) {
+    job.poll();
     const std::vector<Piece> parts = virtual_cut(piece, plane);
     if (parts.size() < 2) continue;
     // Cuts through a hollow solid save nothing before the last one. So finished parts count a little.
@@ -330,7 +331,7 @@ void Pieces::divide_cells(const Piece& piece, std::int32_t plane) {
   for (Contact& contact : made) add_contact(std::move(contact));
 }
 
-bool Pieces::fills_space(const Piece& piece) const {
+bool Pieces::fills_space(const Piece& piece, Job& job) const {
   if (piece.missing() <= kNothing * piece.volume) return false;
   const std::vector<Plane> lids = planes_of(piece.hull);
   Vec3 low = piece.hull.vertices[0], high = low;
@@ -342,6 +343,7 @@ bool Pieces::fills_space(const Piece& piece) const {
   std::vector<Plane> lid(1);
   for (const Cell& cell : *outside_) {
     if ((cell.low - high).maxCoeff() > -snap || (low - cell.high).maxCoeff() > -snap) continue;
+    job.poll();
     Cell rest = cell;
     for (std::size_t i = 0; i < lids.size() && !rest.faces.empty(); ++i) {
       const auto [lowest, highest] = rest.heights(lids[i]);

@@ -32,13 +32,13 @@ class Pieces {
   [[nodiscard]] std::vector<Piece> whole() const;
 
   /// The planes that could cut a piece, the one that leaves least missing first.
-  [[nodiscard]] std::vector<std::int32_t> choices(const Piece& piece) const;
+  [[nodiscard]] std::vector<std::int32_t> choices(const Piece& piece, Job& job) const;
 
   /// The connected parts of a piece on both sides of a plane.
   std::vector<Piece> cut(const Piece& piece, std::int32_t plane);
 
   /// Whether the hull of a piece has free space farther from the solid than the tolerance.
-  [[nodiscard]] bool fills_space(const Piece& piece) const;
+  [[nodiscard]] bool fills_space(const Piece& piece, Job& job) const;
 
   /// The corners of all cells of a piece.
   [[nodiscard]] std::vector<Vec3> corners(const Piece& piece) const;

@@ -33,6 +33,8 @@ void check(const PolygonSoup& polygons, std::span<const std::int32_t> region) {
     if (polygons.loops[i] < 0 || polygons.loops[i] >= std::ssize(polygons.vertices))
       throw InvalidInput("corner " + std::to_string(i) + ": vertex " + std::to_string(polygons.loops[i]) +
                          " does not exist, there are " + std::to_string(polygons.vertices.size()));
+  if (polygons.loop_start.empty() ? corners > 0 : polygons.loop_start[0] != 0)
+    throw InvalidInput("loop_start must begin with 0");
   std::int64_t before = 0;
   for (const std::int32_t start : polygons.loop_start) {
     if (start < before || start > corners) throw InvalidInput("loop_start must rise from 0 to the number of corners");
@@ -149,6 +151,7 @@ Solid solid_of(const PolygonSoup& polygons, std::span<const std::int32_t> region
   std::int32_t count = polygons.polygon_count();
   for (const std::int32_t r : region) {
     if (r < 0) throw InvalidInput("region has a number below 0");
+    if (r == std::numeric_limits<std::int32_t>::max()) throw InvalidInput("region has a number above 2^31 - 2");
     if (r >= count) count = r + 1;
   }
   std::vector<Group> groups(static_cast<std::size_t>(count));
