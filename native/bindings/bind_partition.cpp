@@ -280,7 +280,9 @@ Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
       "mesh"_a, "job"_a = py::none(), "Whether a mesh has the noise of a scan: see isimp/partition/noise.h.");
   m.def(
       "barrier_faces",
-      [](const KeptMesh& mesh, const Partition& part) { return owned(separated_faces(Surface(mesh, part.guided))); },
+      [](const KeptMesh& mesh, const Partition& part) {
+        return owned(call_here(nullptr, [&](Job&) { return separated_faces(Surface(mesh, part.guided)); }));
+      },
       "mesh"_a, "part"_a,
       R"((K, 2) int32: faces of the mesh whose common edge is a barrier of the partition.
 

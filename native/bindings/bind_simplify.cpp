@@ -45,7 +45,7 @@ void bind_edges(py::module_& m) {
   m.def(
       "_inner_edges",
       [](const KeptMesh& mesh, Job* job) {
-        InnerEdges found = call_here(job, [&](Job& j) { return inner_edges(mesh, j); });
+        InnerEdges found = call(job, [&](Job& j) { return inner_edges(mesh, j); });
         return py::make_tuple(owned(std::move(found.edges)), owned(std::move(found.face)),
                               owned(std::move(found.beside)));
       },
@@ -53,14 +53,14 @@ void bind_edges(py::module_& m) {
   m.def(
       "_sharp_edges",
       [](const KeptMesh& mesh, double angle, Job* job) {
-        return owned(call_here(job, [&](Job& j) { return sharp_edges(mesh, angle, j); }));
+        return owned(call(job, [&](Job& j) { return sharp_edges(mesh, angle, j); }));
       },
       "mesh"_a, "angle"_a, "job"_a = py::none(), "See guides.sharp_edges.");
   m.def(
       "_marked_edges",
       [](const KeptMesh& mesh, const py::object& edges, Job* job) {
         const std::vector<VertexPair> marked = read_pairs(edges, "edges");
-        return owned(call_here(job, [&](Job& j) { return marked_edges(mesh, marked, j); }));
+        return owned(call(job, [&](Job& j) { return marked_edges(mesh, marked, j); }));
       },
       "mesh"_a, "edges"_a, "job"_a = py::none(), "See guides.marked_edges.");
   m.def(
@@ -73,7 +73,7 @@ void bind_edges(py::module_& m) {
             if (v < 0) throw InvalidInput("face " + std::to_string(f) + " uses vertex " + std::to_string(v));
             count = std::max(count, static_cast<std::size_t>(v) + 1);
           }
-        SharedEdges found = call_here(job, [&](Job& j) { return shared_edges(count, triangles, j); });
+        SharedEdges found = call(job, [&](Job& j) { return shared_edges(count, triangles, j); });
         return py::make_tuple(owned(std::move(found.edges)), owned(std::move(found.face)),
                               owned(std::move(found.beside)));
       },
@@ -84,7 +84,7 @@ void bind_openings(py::module_& m) {
   m.def(
       "opening_length",
       [](const KeptMesh& mesh, std::int32_t regions, Job* job) {
-        return call_here(job, [&](Job& j) { return opening_length(mesh, regions, j); });
+        return call(job, [&](Job& j) { return opening_length(mesh, regions, j); });
       },
       "mesh"_a, "regions"_a, py::kw_only(), "job"_a = py::none(),
       R"(The length up to which the loops of holes and handles are errors of scanning, in scene units.
@@ -98,7 +98,7 @@ Raises InvalidInput (regions below 1) or Cancelled. Cost: O(V + F).)");
   m.def(
       "opening_lengths",
       [](const KeptMesh& mesh, std::int32_t regions, Job* job) {
-        const OpeningLengths lengths = call_here(job, [&](Job& j) { return opening_lengths(mesh, regions, j); });
+        const OpeningLengths lengths = call(job, [&](Job& j) { return opening_lengths(mesh, regions, j); });
         return std::pair{lengths.holes, lengths.handles};
       },
       "mesh"_a, "regions"_a, py::kw_only(), "job"_a = py::none(),
@@ -109,15 +109,14 @@ has the length of holes in walls too.)");
   m.def(
       "_all_opening_lengths",
       [](const KeptMesh& mesh, std::int32_t regions, const PartitionOptions& options, Job* job) {
-        const OpeningLengths lengths =
-            call_here(job, [&](Job& j) { return opening_lengths(mesh, regions, j, options); });
+        const OpeningLengths lengths = call(job, [&](Job& j) { return opening_lengths(mesh, regions, j, options); });
         return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles};
       },
       "mesh"_a, "regions"_a, "options"_a, "job"_a = py::none(), "See openings.lengths.");
   m.def(
       "_guess_opening_lengths",
       [](const KeptMesh& mesh, const PartitionOptions& options, Job* job) {
-        const GuessedLengths found = call_here(job, [&](Job& j) { return guess_opening_lengths(mesh, options, j); });
+        const GuessedLengths found = call(job, [&](Job& j) { return guess_opening_lengths(mesh, options, j); });
         const OpeningLengths& lengths = found.lengths;
         return std::tuple{lengths.holes, lengths.flat_holes, lengths.handles, found.most, found.likely};
       },
@@ -125,7 +124,7 @@ has the length of holes in walls too.)");
   m.def(
       "_left_out_count",
       [](const KeptMesh& mesh, const PartitionOptions& options, Job* job) {
-        return call_here(job, [&](Job& j) { return left_out_count(mesh, options, j); });
+        return call(job, [&](Job& j) { return left_out_count(mesh, options, j); });
       },
       "mesh"_a, "options"_a, "job"_a = py::none(), "See openings.Lengths.");
 }
@@ -194,7 +193,7 @@ void bind_within(py::module_& m) {
   m.def(
       "_tightened",
       [](const KeptMesh& mesh, const Partition& part, double bound, const MeshingOptions& given) {
-        return tightened(mesh, part, bound, given);
+        return call_here(nullptr, [&](Job&) { return tightened(mesh, part, bound, given); });
       },
       "mesh"_a, "partition"_a, "bound"_a, "given"_a, "See tightened in simplify/within.h.");
 }

@@ -31,7 +31,9 @@ std::vector<std::int32_t> border(const Mesh& mesh) {
 
 void bind_mesh_of_a_tile(py::module_& m) {
   m.def(
-      "_tile_border", [](const KeptMesh& mesh) { return owned(border(mesh)); }, "mesh"_a, "See isimp/tiles.");
+      "_tile_border",
+      [](const KeptMesh& mesh) { return owned(call_here(nullptr, [&](Job&) { return border(mesh); })); }, "mesh"_a,
+      "See isimp/tiles.");
   m.def(
       "_tile_thin",
       [](const KeptMesh& mesh, std::int64_t faces, Job* job) {
