@@ -17,10 +17,6 @@ constexpr float kOnEdge = 1e-3F;  // squared texels
 
 // Share of the way to the mean normal. 1 is nearest to the scan in close-ups, 0 in views of the whole.
 constexpr double kShare = 0.9;
-constexpr double kSteps = 16;  // slopes are rounded to multiples of 1 / kSteps
-
-/// Rounds, so that a polygon whose neighbours have hardly moved is drawn as before.
-float rounded(double slope) { return static_cast<float>(std::round(slope * kSteps) / kSteps); }
 
 using Corner = std::array<double, 4>;  // a polygon's angle at a vertex, and its normal
 
@@ -36,7 +32,6 @@ std::vector<Slope> corner_slopes(const PolygonMesh& polygons, const Atlas& atlas
   for (std::int32_t q = 0; q < count; ++q) {
     const Vec3& n = atlas.frame[q].n;
     const std::int32_t begin = polygons.loop_start[q];
-    // The corners of the charts, which stay where a polygon has hardly moved.
     const auto outline = outline_of(polygons, atlas, q);
     for (std::size_t i = 0; i < outline.size(); ++i) {
       const auto &here = outline[i], &after = outline[(i + 1) % outline.size()];
@@ -62,7 +57,7 @@ std::vector<Slope> corner_slopes(const PolygonMesh& polygons, const Atlas& atlas
       }
       const double right = mean.dot(u), up = mean.dot(v), out = mean.dot(frame.n);
       const double scale = out > 0 ? kShare / out : 0;
-      slopes[i] = {rounded(scale * right), rounded(scale * up)};
+      slopes[i] = {static_cast<float>(scale * right), static_cast<float>(scale * up)};
     }
   }
   return slopes;

@@ -15,7 +15,6 @@ namespace isimp {
 /// u and v are as long as a texel, at right angles, and u x v points where n does. n is a unit vector.
 struct ChartFrame {
   Vec3 origin, u, v, n;
-  bool operator==(const ChartFrame&) const = default;
 };
 
 /// Polygons laid out in images of texels, the UDIM tiles. x points right, y up. (0, 0) is the lower left corner of the
