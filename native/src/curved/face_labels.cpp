@@ -11,15 +11,15 @@ namespace isimp::curved {
 namespace {
 
 // tuned round
-constexpr int kSweeps = 12;           ///< moves of the faces at borders
-constexpr int kFilters = 3;           ///< averages of the normals
-constexpr double kFilters53 = 0.6;    ///< cosine: neighbours further apart are not averaged
-constexpr double kNoSurface = 1.2;    ///< cost of a face on none
-constexpr double kVote = 0.25;        ///< reduction of the cost by each neighbour of the same label
-constexpr double kSmallPart = 0.004;  ///< share of the whole area: a smaller part on no surface may fit less well
-constexpr double kSmallHole = 0.05;   ///< share of the whole area: such a part within one surface may fit less well
-constexpr double kFitsWell = 1.6;     ///< misfit of a part on no surface that joins one
-constexpr double kFitsAtAll = 4;      ///< misfit of a small part, or one within a surface, that joins it
+constexpr int kSweeps = 12;            ///< moves of the faces at borders
+constexpr int kFilters = 3;            ///< averages of the normals
+constexpr double kAlikeNormals = 0.6;  ///< cosine: neighbours further apart are not averaged
+constexpr double kNoSurface = 1.2;     ///< cost of a face on none
+constexpr double kVote = 0.25;         ///< reduction of the cost by each neighbour of the same label
+constexpr double kSmallPart = 0.004;   ///< share of the whole area: a smaller part on no surface may fit less well
+constexpr double kSmallHole = 0.05;    ///< share of the whole area: such a part within one surface may fit less well
+constexpr double kFitsWell = 1.6;      ///< misfit of a part on no surface that joins one
+constexpr double kFitsAtAll = 4;       ///< misfit of a small part, or one within a surface, that joins it
 
 /// Normals of faces after kFilters averages with neighbours. Only requested ones are computed, since labels
 /// change at borders alone.
@@ -42,7 +42,7 @@ class FilteredNormals {
       if (j == f_.size()) continue;
       const Vec3 other = sum(averages - 1, j);
       const double dot = mine.dot(other);
-      if (dot > 0 && dot * dot > kFilters53 * kFilters53 * mine.squaredNorm() * other.squaredNorm()) now += other;
+      if (dot > 0 && dot * dot > kAlikeNormals * kAlikeNormals * mine.squaredNorm() * other.squaredNorm()) now += other;
     }
     known_[i] = static_cast<std::uint8_t>(averages);
     return now;

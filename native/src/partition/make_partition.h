@@ -23,7 +23,7 @@ double region_error(const Partition& part, std::int32_t region);
 /// Sets the error to that of the regions, where a bound was set after they were summed up.
 void restate_error(const FaceGraph& graph, Partition& part);
 
-/// Copies the values that determined the number of regions: bound, tolerance, noise.
+/// Copies the values that determined the number of regions, and how they were found.
 void take_how_found(Partition& part, const Partition& before);
 
 }  // namespace isimp

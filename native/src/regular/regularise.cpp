@@ -53,7 +53,6 @@ std::vector<Region> regions_of(const Partition& partition, const std::vector<Reg
 Limits limits_of(const std::vector<RegionPlane>& planes, const RegulariseOptions& options, double diagonal) {
   Limits limits;
   limits.angle = limits.usual = options.angle * std::numbers::pi / 180;
-  limits.one = kSame * diagonal;
   const double noise = median_distance(planes);
   limits.length = options.length.value_or(std::max(kOfMedian * noise, kLeastLength * diagonal));
   if (options.length) {

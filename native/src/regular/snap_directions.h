@@ -38,7 +38,6 @@ struct Limits {
   double length = 0;  ///< largest increase of the root mean square distance of a region, scene units
   double hardly = 0;  ///< increase that is none, by any angle up to kWider times `angle`, scene units
   double unsure = 0;  ///< uncertainty of the plane of a region by noise, times sqrt(faces / 3)
-  double one = 0;     ///< largest difference of two offsets that are one, scene units
 
   /// The increase that noise explains: the fewer faces, the larger.
   [[nodiscard]] double by_noise(const RegionPlane& region) const;

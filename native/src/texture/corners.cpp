@@ -11,7 +11,7 @@
 namespace isimp {
 namespace {
 
-constexpr double kNear = 1e-9;  // rounding: share of the diagonal: rounding
+constexpr double kNear = 1e-9;  // rounding: share of the diagonal
 // tuned texture
 constexpr double kReach = 0.02;          // share of the diagonal by which a repair may have moved a corner
 constexpr std::int32_t kPoll = 1 << 16;  // work

@@ -144,6 +144,8 @@ Array<std::uint8_t> occlusion(const Mesh& mesh, const Partition& partition, cons
   std::vector<std::size_t> texels;
   for (std::size_t i = 0; i < pixels; ++i)
     if (map.polygon[i] != kNone) texels.push_back(i);
+  if (texels.size() > std::numeric_limits<std::int32_t>::max())
+    throw InvalidInput("occlusion has at most 2^31 - 1 texels, this atlas has " + std::to_string(texels.size()));
   const auto count = static_cast<std::int32_t>(texels.size());
   Array<float> open(pixels);
   std::atomic<std::int32_t> done{0};

@@ -54,7 +54,7 @@ class Flooding {
   std::vector<std::int32_t> stack_;
   const FaceGraph* graph_ = nullptr;
   const NormalMetric::Proxy* proxies_ = nullptr;
-  std::int32_t* label_ = nullptr;  // region, kFree, or the code of the region that waits for the face
+  std::int32_t* label_ = nullptr;  // region, kNone, or the code of the region that waits for the face
   float level_ = -1.0F;
 };
 

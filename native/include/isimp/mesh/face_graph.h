@@ -27,7 +27,7 @@ struct FaceRecord {
 struct FaceGraph {
   Array<FaceRecord> faces;                        ///< (n + 1), the last one all zero
   Array<std::array<std::int32_t, 3>> neighbours;  ///< (n + 1), across corner k -> k + 1; n where none
-  Array<std::int32_t> mesh_face;                  ///< (n + 1), across corner k -> k + 1; n without a neighbour
+  Array<std::int32_t> mesh_face;                  ///< (n) graph index -> face of the mesh
   Array<std::int32_t> graph_face;                 ///< (n) face of the mesh -> graph index
   double area = 0.0;                              ///< area of the whole surface, scene units squared
 

@@ -57,6 +57,8 @@ struct GuessedLengths {
 /// `opening_length` by kind. Holes of up to 8 mean edges, such as a missing vertex makes, are filled up to sqrt(area /
 /// regions): filling changes less than cutting. Holes in walls are filled up to twice that, a square half as wide, and at
 /// most 20 mean edges: as a modeller draws the wall behind a shelf.
+/// \throws InvalidInput (regions below 1), Cancelled
+/// Cost: O(V + F).
 OpeningLengths opening_lengths(const Mesh& mesh, std::int32_t regions, Job& job,
                                const std::optional<PartitionOptions>& options = {});
 

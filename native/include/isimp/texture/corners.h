@@ -18,7 +18,7 @@ struct SourceCorners {
   std::vector<std::int32_t> face;            ///< (F) one of the caller's triangles; kNone for a cover of a hole
   std::vector<std::array<float, 6>> weight;  ///< (F) of its corners 1 and 2, for each corner of the mesh's face
   std::int64_t turned = 0;                   ///< faces whose edges `clean` flipped, halved or moved
-  std::int64_t lost = 0;                     ///< corners that lie on no triangle: their face is kNone
+  std::int64_t lost = 0;                     ///< faces whose corners lie on no triangle: their face is kNone
 };
 
 /// A face with the corners of its source, in any order, takes them as they are. Other faces result from edge flips,

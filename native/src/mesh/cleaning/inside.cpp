@@ -11,7 +11,7 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kProbes = 8;               ///< limit: vertices of a component that must all be inside
+constexpr int kProbes = 8;               ///< limit: at least this many vertices of a component are probed
 constexpr std::size_t kContainers = 64;  ///< limit: the largest components are those that may contain others
 
 /// A connected component.

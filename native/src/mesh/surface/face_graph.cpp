@@ -63,18 +63,14 @@ class Curve {
   double scale_;
 };
 
-/// Counting sort by some bits; equal ones keep their order. \return the first key of each digit, and the end
-/// \return where each digit's keys begin, and the end
+/// Counting sort by some bits; equal ones keep their order.
 template <int kBits>
-std::array<std::uint32_t, (1 << kBits) + 1> sort_by_bits(std::span<const std::uint64_t> keys, std::uint64_t* sorted,
-                                                         int shift, Job& job) {
+void sort_by_bits(std::span<const std::uint64_t> keys, std::uint64_t* sorted, int shift, Job& job) {
   constexpr std::uint64_t kMask = (1 << kBits) - 1;  // unit
   std::array<std::uint32_t, (1 << kBits) + 1> begin{};
   for_each_index(keys.size(), job, [&](std::size_t i) { ++begin[(keys[i] >> shift & kMask) + 1]; });
   for (std::size_t d = 1; d < begin.size(); ++d) begin[d] += begin[d - 1];
-  std::array<std::uint32_t, (1 << kBits) + 1> next = begin;
-  for_each_index(keys.size(), job, [&](std::size_t i) { sorted[next[keys[i] >> shift & kMask]++] = keys[i]; });
-  return begin;
+  for_each_index(keys.size(), job, [&](std::size_t i) { sorted[begin[keys[i] >> shift & kMask]++] = keys[i]; });
 }
 
 /// Sorts keys by the first digit, in pieces, one a thread.

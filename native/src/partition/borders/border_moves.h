@@ -21,16 +21,6 @@ struct GraphLabels {
   void prefetch(std::int32_t i) const { isimp::prefetch(&label[i]); }
 };
 
-/// Labels by graph index that lie in an array of n in the order of the mesh.
-struct MeshLabels {
-  std::int32_t* region;
-  const FaceGraph* graph;
-  [[nodiscard]] std::int32_t get(std::int32_t i) const {
-    return i == graph->size() ? kNone : region[graph->mesh_face[i]];
-  }
-  void set(std::int32_t i, std::int32_t r) const { region[graph->mesh_face[i]] = r; }
-};
-
 /// The view of a region for a face that might join or leave it.
 struct BorderProxy {
   float x = 0, y = 0, z = 0;  ///< unit normal
