@@ -47,8 +47,7 @@ class Split:
         guides, mesh = self.guides(repaired, job), repaired.mesh
         if not self.more:
             return guides
-        places = tuple((*np.subtract(part[:3], mesh.origin).tolist(), part[3]) for part in self.more)
-        weights = weights_of(np.asarray(mesh.vertices), np.asarray(mesh.triangles), places)
+        weights = weights_of(np.asarray(mesh.vertices), np.asarray(mesh.triangles), self.more)
         return replace(guides, weights=weights if guides.weights is None else weights * guides.weights)
 
     def closes(self, source: Source) -> bool:

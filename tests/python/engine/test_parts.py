@@ -50,16 +50,18 @@ def test_a_part_reaches_over_the_gap_between_two_pieces():
     assert np.isfinite(found.away).all()
 
 
-def test_a_recipe_with_a_part_makes_more_regions_there_of_the_same_number():
+@pytest.mark.parametrize("away", [0.0, 5e5])
+def test_a_recipe_with_a_part_makes_more_regions_there_of_the_same_number(away):
     vertices, triangles = snowman()
+    vertices = vertices + away
     counts = []
-    for more in ((), ((0.0, 0.0, 1.9, 1.0),)):
+    for more in ((), ((away, away, away + 1.9, 1.0),)):
         recipe = rcp.Recipe((rcp.Partition(proxies=60, more=more), rcp.Mesh()))
         assert rcp.Recipe.from_json(recipe.to_json()) == recipe
         made = engine.simplify((vertices, triangles), recipe=recipe)
         part, points = made.partition, np.asarray(made.mesh.vertices)
         seeds = points[np.asarray(made.mesh.triangles)[np.asarray(part.region_seed)]].mean(axis=1)
-        counts.append((part.region_count, int((seeds[:, 2] > 1.05).sum())))
+        counts.append((part.region_count, int((seeds[:, 2] > away + 1.05).sum())))
     assert counts[0][0] == counts[1][0] == 60
     assert 1.3 < counts[1][1] / counts[0][1] <= 4
 
