@@ -45,7 +45,9 @@ class Source:
         if soup is not None:
             soup = copy(soup)
             object.__setattr__(soup, "vertices", np.asarray(soup.vertices, np.float64) * factor)
-        return replace(self, vertices=np.asarray(self.vertices, np.float64) * factor, soup=soup, digest="")
+        return replace(
+            self, vertices=np.asarray(self.vertices, np.float64) * factor, soup=soup, digest=f"{self.digest}*{factor!r}"
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Its file and numbers, for reports."""

@@ -176,6 +176,20 @@ def test_a_scale_changes_lengths_of_options_too():
         engine.simplify(made.mesh, scale=f"{name}=40")
 
 
+def test_info_knows_the_result_of_a_scaled_scan(tmp_path):
+    vertices, triangles = bracket()
+    name = lengths(engine.simplify((vertices, triangles)).report["sizes"])[40]["name"]
+    scan, report = tmp_path / "bracket.ply", tmp_path / "report.json"
+    meshfiles.ply_binary(scan, vertices / 25.4, triangles.tolist())
+    options = "--scale", f"{name}=40", "--bound", "0.02"
+    expected = json.loads(isimp("info", scan, "--json", *options).stdout)["result"]
+    isimp("simplify", scan, tmp_path / "out.obj", "--report", report, *options)
+    made = json.loads(report.read_text())
+    assert expected["regions"] == made["regions"]
+    assert expected["polygons"] == made["output"]["polygons"]
+    assert expected["partition"]["tolerance"] == made["partition"]["tolerance"]
+
+
 @pytest.mark.parametrize(
     ("planes", "parts", "message"),
     [
