@@ -1,6 +1,7 @@
 """The results of a run: writes the polygons and the labels to their final places."""
 
 import shutil
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,42 +19,57 @@ from .store import load, of_tile, values_of
 def write_labels(plan: Plan, folder: Path) -> int:
     """Write the labels of each file's faces; returns the number of files."""
     region = load(of_tile(plan.work, "mesh", 0), "region")
-    parts, at = [], 0
+    tiles: dict[int, _Tile] = {}
+    at = 0
     for thin in sorted((plan.work / "thin").iterdir()):
         if count := values_of(thin)["thinned_faces"]:
-            parts.append((int(thin.name), _labels(thin, region[at : at + count])))
+            tiles[int(thin.name)] = _Tile(thin, region[at : at + count])
             at += count
     if plan.is_single:
-        whole = np.full(values_of(of_tile(plan.work, "split", 0))["faces"], -1, np.int32)
-        for _, (face, label) in parts:
-            whole[face] = label
-        _save_label(folder, plan.inputs[0][0], whole, plan)
+        count = values_of(of_tile(plan.work, "split", 0))["faces"]
+        _save_label(folder, plan.inputs[0][0], _labels(list(tiles.values()), count), plan)
         return 1
-    of = dict(parts)
     for tile, (name, _) in enumerate(plan.inputs):
-        label = np.full(values_of(of_tile(plan.work, "prepare", tile))["file_faces"], -1, np.int32)
-        if tile in of:
-            label[of[tile][0]] = of[tile][1]
-        _save_label(folder, name, label, plan)
+        count = values_of(of_tile(plan.work, "prepare", tile))["file_faces"]
+        _save_label(folder, name, _labels([tiles[tile]] if tile in tiles else [], count), plan)
     return len(plan.inputs)
 
 
-def _labels(thin: Path, region: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Return the faces of a tile's file that are left, rising, and for each the region with most of its area.
+@dataclass(frozen=True)
+class _Tile:
+    """A tile with faces: its folder, and the region of each thinned face."""
 
-    region: the region of each thinned face of the tile.
+    thin: Path
+    region: NDArray[np.int32]
+
+    def faces(self) -> tuple[NDArray[np.bool_], NDArray[np.int32], NDArray[np.int32]]:
+        """Whether each triangle has a region; for those with one: the face of the file, and the region."""
+        region = self.region[load(self.thin, "to")]
+        kept = region >= 0
+        return kept, load(self.thin, "polygon")[kept], region[kept]
+
+
+def _labels(tiles: list[_Tile], count: int) -> NDArray[np.int32]:
+    """Return for each of `count` faces of a file the region with most of its area; -1: no region has any.
+
+    A face may have triangles in several tiles, so these are loaded one at a time, as often as needed.
     """
-    of, polygon, area = region[load(thin, "to")], load(thin, "polygon"), load(thin, "area")
-    kept = of >= 0
-    faces, at = np.unique(polygon, return_inverse=True)
-    result = np.full(len(faces), -1, np.int32)
-    result[at[kept]] = of[kept]
-    shared = np.bincount(at[kept][result[at[kept]] != of[kept]], minlength=len(faces)) > 0
-    several = kept & shared[at]
-    if several.any():
-        place, largest = largest_shares(at[several].astype(np.int32), of[several], area[several])
-        result[place] = largest
-    return faces, result
+    label, divided = np.full(count, -1, np.int32), np.zeros(count, bool)
+    for tile in tiles:
+        _, face, region = tile.faces()
+        label[face] = region
+    for tile in tiles:
+        _, face, region = tile.faces()
+        divided[face[label[face] != region]] = True
+    if divided.any():
+        shares = []
+        for tile in tiles:
+            kept, face, region = tile.faces()
+            shared = divided[face]
+            shares.append((face[shared], region[shared], load(tile.thin, "area")[kept][shared]))
+        place, largest = largest_shares(*map(np.concatenate, zip(*shares, strict=True)))
+        label[place] = largest
+    return label
 
 
 def _save_label(folder: Path, name: str, label: Any, plan: Plan) -> None:

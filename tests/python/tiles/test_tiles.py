@@ -17,6 +17,8 @@ import tilesets
 from batches import ENVIRONMENT, isimp, wait_for
 from isimp_engine import batch, tiles
 from isimp_engine.guides import shared_edges
+from isimp_engine.tiles import results, store
+from isimp_engine.tiles.plan import Plan
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="tiles need fork")
 
@@ -294,6 +296,25 @@ def test_a_single_scan_is_cut_into_tiles(tmp_path, whole, suffix):
     label = np.load(tmp_path / "labels" / "scan.npy")
     assert sorted(set(label.tolist())) == list(range(P))
     assert tilesets.regions_are_connected(whole[1], label)
+
+
+def test_a_polygon_in_several_tiles_has_the_region_with_most_of_its_area(tmp_path):
+    rows = {  # tile: polygon, region of the triangle, its area
+        0: [(0, 4, 3.0), (1, 5, 1.0), (2, 5, 1.0), (3, -1, 1.0)],
+        1: [(0, -1, 4.0), (1, 6, 2.0), (2, 6, 1.5), (2, 5, 1.0), (4, 7, 1.0)],
+    }
+    for tile, found in rows.items():
+        polygon, _, area = zip(*found, strict=True)
+        thin = store.of_tile(tmp_path, "thin", tile)
+        store.save(thin, polygon=np.int32(polygon), area=np.float32(area), to=np.arange(len(found), dtype=np.int32))
+        store.save_values(thin, {"thinned_faces": len(found)})
+    region = [region for found in rows.values() for _, region, _ in found]
+    store.save(store.of_tile(tmp_path, "mesh", 0), region=np.int32(region))
+    split = store.of_tile(tmp_path, "split", 0)
+    split.mkdir(parents=True)
+    store.save_values(split, {"faces": 6})
+    results.write_labels(Plan([("scan.ply", Path("scan.ply"))], True, tmp_path / "a.obj", tmp_path, {}), tmp_path)
+    assert np.load(tmp_path / "scan.npy").tolist() == [4, 6, 5, -1, 7, -1]
 
 
 def test_a_closed_component_over_several_tiles_gets_its_four_regions(tmp_path):
