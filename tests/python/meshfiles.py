@@ -1,5 +1,6 @@
 """Mesh files of every kind the engine reads, written the plain way. `polygons` is a list of lists of vertices."""
 
+import json
 import struct
 
 import numpy as np
@@ -73,6 +74,26 @@ def obj(path, vertices, polygons):
     lines = ["# a test", "o thing", *("v " + " ".join(repr(float(x)) for x in v) for v in vertices)]
     lines += ["f " + " ".join(f"{v + 1}//{v + 1}" for v in p) for p in polygons]
     path.write_text("\n".join(lines) + "\n")
+
+
+def gltf(path, vertices, triangles):
+    """A .gltf file with its numbers in a .bin file of the same name."""
+    points, corners = np.asarray(vertices, "<f4"), np.asarray(triangles, "<u4")
+    path.with_suffix(".bin").write_bytes(points.tobytes() + corners.tobytes())
+    document = {
+        "asset": {"version": "2.0"},
+        "buffers": [{"uri": path.with_suffix(".bin").name, "byteLength": points.nbytes + corners.nbytes}],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": points.nbytes},
+            {"buffer": 0, "byteOffset": points.nbytes, "byteLength": corners.nbytes},
+        ],
+        "accessors": [
+            {"bufferView": 0, "type": "VEC3", "count": len(points), "componentType": 5126},
+            {"bufferView": 1, "type": "SCALAR", "count": corners.size, "componentType": 5125},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+    }
+    path.write_text(json.dumps(document))
 
 
 def off(path, vertices, polygons):

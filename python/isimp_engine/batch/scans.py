@@ -6,7 +6,7 @@ import json
 import os
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -14,12 +14,16 @@ from typing import Any
 from .. import __version__
 from ..children.errors import BatchError
 from ..reading import KINDS, head_of, inner, is_compressed, kind_of
+from ..texturing.linked import buffers, looks
 
 _MB = 1 << 20
 _BASE_MB = 60.0  # memory of an interpreter with numpy and the engine
 _MB_PER_FACE = 260e-6  # measured peak of a run that finds the number of regions, with a margin
 _RATIO = 6  # usual upper bound of the unpacked size over the compressed size
 _BYTES_PER_FACE = {".ply": 15, ".obj": 30, ".stl": 50, ".off": 24}  # lower bounds
+
+
+State = tuple[str, int, int]  # of a file: its path, its bytes and the time of its last change, ns
 
 
 @dataclass(frozen=True)
@@ -31,10 +35,12 @@ class Scan:
     size: int  #: bytes
     changed: int  #: time of the last change, ns
     output: str = ""  #: the path of the result below the output folder, with /
+    linked: tuple[State, ...] = ()  #: the buffers, materials and images that the file names
 
     def key(self, recipe: dict[str, Any]) -> str:
-        """Return an identifier of the work, from the state of the file, the recipe and the version of the engine."""
+        """Return an identifier of the work, from the state of the files, the recipe and the version of the engine."""
         values = [self.name, self.size, self.changed, self.output, recipe, __version__]
+        values += [self.linked] if self.linked else []
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:32]
 
 
@@ -65,8 +71,22 @@ def find_scans(inputs: Any, suffix: str = ".obj", besides: Path | None = None) -
         except OSError:  # its row gets the error: a missing scan must not stop the others
             scans.append(Scan(path, name, 0, 0))
             continue
-        scans.append(Scan(path, name, state.st_size, state.st_mtime_ns))
+        files = states(path, [*buffers(path), *looks(path)])
+        scans.append(Scan(path, name, state.st_size, state.st_mtime_ns, linked=files))
     return _with_outputs(scans, suffix)
+
+
+def states(path: Path, linked: Iterable[Path]) -> tuple[State, ...]:
+    """Return the states of files that a scan names, with their paths from its folder; 0 for one that is missing."""
+    found = set()
+    for file in linked:
+        name = os.path.relpath(file, path.parent)
+        try:
+            state = file.stat()
+            found.add((name, state.st_size, state.st_mtime_ns))
+        except (OSError, ValueError):  # ValueError: no system has such a name
+            found.add((name, 0, 0))
+    return tuple(sorted(found))
 
 
 def _without_repeats(pairs: Sequence[tuple[str, Path]]) -> dict[str, Path]:

@@ -54,6 +54,16 @@ def read_look(path: Path, stands: Path, job: Job | None, fault: Fault) -> Look:
     return found
 
 
+def linked(path: Path, lines: list[bytes]) -> list[Path]:
+    """The material files that some lines of a scan name, and the files of their images, as far as they exist."""
+    fault: Fault = lambda text: None  # noqa: E731
+    words = [line.split(None, 1) for line in lines]
+    names = [_text(rest[0]) for word, *rest in filter(None, words) if word == b"mtllib" and rest]
+    libraries = _library_files(path, names, fault)
+    materials = [m for file in libraries for m in read_mtl(file, named.root_of(path), fault).values()]
+    return [*libraries, *(file for m in materials for file in m.files())]
+
+
 def _read(
     path: Path, job: Job | None, threads: int, fault: Fault, stands: Path | None = None
 ) -> tuple[Look, dict[str, "_Material"], list[Path]]:

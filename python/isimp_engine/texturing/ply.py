@@ -1,5 +1,6 @@
 """Texture coordinates and colours of PLY files."""
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +47,15 @@ def read_look(path: Path, stands: Path, job: Job | None, fault: Fault) -> Look:
     if found.uv is not None:
         found.materials.extend(Material(file.stem, maps={COLOR: (file, str(stands))}) for file in files)
     return found
+
+
+def linked(path: Path, lines: list[bytes]) -> list[Path]:
+    """The images that some lines of a scan name."""
+    words = [line.split(None, 2) for line in lines]
+    names = [
+        os.fsdecode(word[2].strip()) for word in words if len(word) == 3 and word[:2] == [b"comment", b"TextureFile"]
+    ]
+    return [named.image(name, path.parent, named.root_of(path), str(path)) for name in names]
 
 
 def _read(

@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from .. import FileError, InvalidInput, PartitionOptions, __version__, exporting
-from ..batch.scans import find_scans
+from ..batch.scans import find_scans, states
 from ..children.errors import BatchError
 from ..cli.errors import flag
 from ..cli.files import is_same
 from ..reading import KINDS, kind_of
 from ..settings import OptionError, check_ranges
+from ..texturing.linked import buffers
 from .errors import TileFailed, TilesError
 from .tileset import Leaf, leaves, tileset_of
 
@@ -36,9 +37,16 @@ class Plan:
 
     def key(self) -> str:
         files = [(name, str(p), p.stat().st_size, p.stat().st_mtime_ns) for name, p in self.inputs]
-        said = json.dumps(
-            [files, self.is_single, self.output.name, self.options, __version__, [leaf[1:] for leaf in self.leaves]]
-        )
+        values = [
+            files,
+            self.is_single,
+            self.output.name,
+            self.options,
+            __version__,
+            [leaf[1:] for leaf in self.leaves],
+        ]
+        linked = {name: found for name, path in self.inputs if (found := states(path, buffers(path)))}
+        said = json.dumps(values + ([linked] if linked else []))
         return hashlib.sha256(said.encode()).hexdigest()
 
 

@@ -1,11 +1,13 @@
 """`isimp batch` and isimp_engine.batch: each scan has a row, also if its process fails."""
 
 import errno
+import hashlib
 import json
 import os
 import signal
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -110,6 +112,41 @@ def test_a_second_run_does_only_missing_scans(scans, tmp_path, log):
     assert rows_by_name(out)["a.ply"]["regions"] == 7
     assert run(options={"proxies": 7}, format="ply") == 3
     assert run(options={"proxies": 7}, format="ply") == 0
+
+
+def test_a_scan_is_done_again_after_a_change_of_a_file_that_it_names(tmp_path, log):
+    folder, out = tmp_path / "in", tmp_path / "out"
+    folder.mkdir()
+    scan(folder / "alone.ply")
+    meshfiles.gltf(folder / "g.gltf", *shapes.cube(3))
+    meshfiles.obj(folder / "o.obj", *shapes.cube(3))
+    text = (folder / "o.obj").read_text()
+    (folder / "o.obj").write_text(f"mtllib wood.mtl\n{text.replace('f ', 'usemtl wood' + chr(10) + 'f ', 1)}")
+    (folder / "wood.mtl").write_text("newmtl wood\nmap_Kd wood.png\n")
+
+    def begun():
+        before = log()
+        assert not batch.run(folder, out, work=ODD).failed
+        return sorted((Counter(log()) - Counter(before)).elements())
+
+    assert begun() == ["alone", "g", "o"]
+    assert begun() == []
+    vertices, triangles = shapes.cube(3)
+    meshfiles.gltf(tmp_path / "g.gltf", 2 * vertices, triangles)
+    (tmp_path / "g.bin").replace(folder / "g.bin")
+    assert begun() == ["g"]
+    (folder / "wood.png").write_bytes(b"x")
+    assert begun() == ["o"]
+    with (folder / "wood.mtl").open("a") as file:
+        file.write("Kd 1 0 0\n")
+    assert begun() == ["o"]
+    assert begun() == []
+
+
+def test_a_scan_that_names_no_file_has_the_key_of_batches_before(scans):
+    found = batch.scans.find_scans(scans / "a.ply")[0]
+    values = [found.name, found.size, found.changed, found.output, {"a": 1}, engine.__version__]
+    assert found.key({"a": 1}) == hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:32]
 
 
 def test_more_scans_are_added_to_earlier_ones(scans, tmp_path, log):

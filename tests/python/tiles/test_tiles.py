@@ -234,6 +234,20 @@ def test_other_options_or_other_tiles_begin_anew(tmp_path, whole):
     assert max(states) == 2 + 1 + 2 + 1, "prepare, mend, thin and mesh"
 
 
+def test_another_buffer_of_a_tile_begins_anew(tmp_path):
+    vertices, triangles = shapes.cube(2)
+    (tmp_path / "in").mkdir()
+    meshfiles.gltf(tmp_path / "in" / "a.gltf", vertices, triangles)
+    meshfiles.gltf(tmp_path / "a.gltf", 2 * vertices, triangles)
+    states = []
+    for _ in range(2):
+        tiles.run(tmp_path / "in", tmp_path / "a.obj", proxies=6, work=tmp_path / "work", watch=states.append)
+    assert states[-1].before == 1 + 1 + 1 + 1, "prepare, mend, thin and mesh"
+    (tmp_path / "a.bin").replace(tmp_path / "in" / "a.bin")
+    tiles.run(tmp_path / "in", tmp_path / "a.obj", proxies=6, work=tmp_path / "work", watch=states.append)
+    assert states[-1].before == 0
+
+
 def test_a_work_folder_with_other_files_is_left_alone(tmp_path, whole):
     folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 2))
     (tmp_path / "work").mkdir()
