@@ -72,7 +72,7 @@ class Plan:
     def key(self, scan: Scan) -> str:
         """Return an identifier of the work on a scan. Any change that affects the result changes it.
 
-        Of the files that a scan names, those count that `linked` finds.
+        Files that a scan names count if `linked` finds them.
         """
         options = {name: value for name, value in self.options.items() if name not in _SAME_RESULT}
         return scan.key({"options": options, "recipe": self.recipe, "labels": self.labels, "reports": self.reports})

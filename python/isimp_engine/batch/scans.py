@@ -23,7 +23,7 @@ _RATIO = 6  # usual upper bound of the unpacked size over the compressed size
 _BYTES_PER_FACE = {".ply": 15, ".obj": 30, ".stl": 50, ".off": 24}  # lower bounds
 
 
-State = tuple[str, int, int]  # of a file: its path, its bytes and the time of its last change, ns
+State = tuple[str, int, int]  # a file's path, its bytes and the time of its last change, ns
 
 
 @dataclass(frozen=True)

@@ -7,32 +7,23 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .. import PolygonMesh, __version__, exporting, machine, merge_flat
+from .. import CleanOptions, PolygonMesh, __version__, exporting, machine, merge_flat
 from ..drafts import save_array
 from ..repairs import Meshes, Repair
+from ..settings import KEEP_CLUTTER, names
 from ..source import Source, facts, labels, load
 from . import simplify, words
-from .errors import UsageError
+from .errors import UsageError, flag
 from .files import STDOUT, Outputs, show
 from .progress import Steps, wanted
 from .task import Simplification
 
 ANGLE = 0.01  #: degrees; the engine's default
 
-#: options that choose regions or change polygons, which --flat does not do: the name of the argument and its flag
-_OTHERS = {
-    "texture": "--texture",
-    "lods": "--lods",
-    "recipe": "--recipe",
-    "regularise": "--regularise",
-    "scale": "--scale",
-    "snap_sizes": "--snap-sizes",
-    "planar": "--planar",
-    "proxies": "--proxies",
-    "detail": "--detail",
-    "tolerance": "--tolerance",
-    "bound": "--bound",
-}
+#: the arguments that --flat uses: repairs and files; of the others it would do nothing. Openings stay by themselves.
+_USED = {*names(CleanOptions), "keep_openings", "keep_opening", "backend", "crs", "unit", "labels", "report", "quiet"}
+_OWN = {"input", "output", "flat", "run"}
+_DEFAULTS = {"clutter": KEEP_CLUTTER, "strict": False}  # None for all others
 
 
 def add_option(command: argparse.ArgumentParser) -> None:
@@ -48,10 +39,11 @@ def add_option(command: argparse.ArgumentParser) -> None:
 
 def check(arguments: argparse.Namespace) -> None:
     """Refuse options that --flat has no use for, before the work."""
-    for name, flag in _OTHERS.items():
-        if getattr(arguments, name) is not None and getattr(arguments, name) is not False:  # 0 is a value
+    for name, value in vars(arguments).items():
+        if name not in _USED | _OWN and value != _DEFAULTS.get(name):
+            other = flag(f"no_{name}" if value is False else name)
             raise UsageError(
-                f"--flat and {flag} exclude each other: --flat merges coplanar faces and does nothing else"
+                f"--flat and {other} exclude each other: --flat merges coplanar faces and does nothing else"
             )
     if not 0 <= arguments.flat <= 90:
         raise UsageError(f"--flat must be in [0, 90] degrees, got {arguments.flat:g}")
@@ -72,7 +64,7 @@ def _merge(task: Simplification, angle: float) -> None:
     settings, steps = task.settings, Steps(wanted(task.quiet))
     with steps("read") as job:
         source = load(task.input, job, settings.partition.threads)
-    repaired = Meshes().repaired(source, Repair.by(settings.clean), steps)
+    repaired = Meshes().repaired(source, Repair.by(settings.clean, settings.kept_places), steps)
     mesh = repaired.mesh
     with steps("mesh") as job:
         poly, region = merge_flat(mesh, angle, job=job)
@@ -106,7 +98,7 @@ def _summary(source: Source, poly: PolygonMesh, report: dict[str, Any]) -> Itera
     yield f"{source.path}: {words.count(source.faces, 'face')}, {words.shape(report['mesh'])}"
     for line in words.repairs(report["repair"], report["repaired_at"]):
         yield f"  repaired: {line}"
-    flat = words.count(report["regions"], "flat part")
+    parts = words.count(report["regions"], "flat part")
     if report["step"] is not None:
         yield f"  {words.step(report['step'])}"
-    yield f"  {flat} -> {words.count(len(poly.loop_start), 'polygon')}, {len(poly.vertices):,} vertices"
+    yield f"  {parts} -> {words.count(len(poly.loop_start), 'polygon')}, {len(poly.vertices):,} vertices"

@@ -16,7 +16,7 @@ _JSON = 1 << 28  # most bytes of a JSON that is read
 
 
 def buffers(path: Path) -> list[Path]:
-    """The buffers of a glTF file, also those that do not exist. A file that can't be read names none."""
+    """The buffers of a glTF file, missing ones too. A file that can't be read names none."""
     return _of_gltf(path, "buffers", named.folder_of(path)) if _names_files(path, GLTF) else []
 
 
@@ -33,7 +33,7 @@ def looks(path: Path) -> list[Path]:
 
 
 def _names_files(path: Path, kinds: tuple[str, ...]) -> bool:
-    """Whether a file can name others: files beside a compressed one are not read, and a pipe can be read only once."""
+    """Whether a file can name others: a compressed one is read without others, and a pipe can be read only once."""
     return kind_of(path) in kinds and not is_compressed(path) and path.is_file()
 
 

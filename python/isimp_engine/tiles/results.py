@@ -43,7 +43,7 @@ class _Tile:
     region: NDArray[np.int32]
 
     def faces(self) -> tuple[NDArray[np.bool_], NDArray[np.int32], NDArray[np.int32]]:
-        """Whether each triangle has a region; for those with one: the face of the file, and the region."""
+        """Whether each triangle has a region; where it has one, the face of the file and the region."""
         region = self.region[load(self.thin, "to")]
         kept = region >= 0
         return kept, load(self.thin, "polygon")[kept], region[kept]

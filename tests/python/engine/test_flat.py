@@ -8,6 +8,9 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
+from isimp_engine.cli import flat, guiding
+from isimp_engine.cli.command import parser
+from isimp_engine.cli.errors import UsageError
 from test_cli import check_line, isimp
 
 
@@ -64,6 +67,19 @@ def test_the_command_merges_and_reports(tmp_path):
     assert {tuple(v) for v in vertices.tolist()} == {(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)}
 
 
+def test_options_of_the_repair_and_of_files_are_used(tmp_path):
+    source, out, report = (tmp_path / name for name in ("in.ply", "out.obj", "r.json"))
+    vertices, triangles = shapes.cube(4)
+    meshfiles.ply_binary(source, vertices, triangles[1:].tolist())
+    place = ",".join(map(str, vertices[triangles[0]].mean(axis=0)))
+    used = "--fill-holes 2 --weld 0 --grid off --stitch 0 --threads 1 --backend auto --unit mm --keep-openings --quiet"
+    for more, filled in ((), 1), (("--keep-opening", place), 0):
+        given = [*used.split(), "--crs", "25832", "--report", report, "--labels", tmp_path / "l.npy", *more]
+        done = isimp("simplify", source, out, "--flat", *given)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert json.loads(report.read_text())["repair"]["filled_holes"] == filled
+
+
 def test_an_angle_can_be_given(tmp_path):
     source = tmp_path / "in.ply"
     meshfiles.ply_binary(source, *(part.tolist() if k else part for k, part in enumerate(shapes.bumpy(20))))
@@ -91,3 +107,25 @@ def test_what_flat_does_not_do_is_refused(tmp_path, more, said):
     check_line(isimp("simplify", source, tmp_path / "out.obj", "--flat", *more), 2, said)
     check_line(isimp("simplify", source, tmp_path / "out.obj", "--flat", "100"), 2, "[0, 90]")
     assert not (tmp_path / "out.obj").exists()
+
+
+@pytest.mark.parametrize(
+    "option",
+    [
+        "--triangles 500",
+        "--curved",
+        "--preset cad",
+        "--clutter box",
+        "--angle 0",
+        "--no-snap",
+        "--sharp-edges",
+        "--straight-rims 0",
+        "--snap-sizes 1",
+        "--strict",
+        *(f"--{name} x.npy" for name in guiding.FILES),
+    ],
+)
+def test_no_option_without_effect_is_taken(option):
+    arguments = parser().parse_args(["simplify", "in.ply", "out.obj", "--flat", *option.split()])
+    with pytest.raises(UsageError, match=f"^--flat and {option.split()[0]} exclude each other"):
+        flat.check(arguments)
