@@ -110,6 +110,9 @@ def _plan_of_tileset(tileset: Path, place: Path, folder: Path, options: dict[str
 
 
 def _check(options: dict[str, Any]) -> None:
+    known = {*PARTITION, "planar", "weld"}
+    if unknown := sorted(options.keys() - known):
+        raise TilesError(f"there is no option '{unknown[0]}'; there are {', '.join(sorted(known))}")
     try:
         check_ranges(PartitionOptions(**{name: options[name] for name in PARTITION if name in options}))
     except OptionError as error:

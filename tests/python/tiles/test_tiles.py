@@ -422,6 +422,22 @@ def test_what_is_wrong_is_said_in_one_line(tmp_path, whole, arguments, status, s
     assert not (tmp_path / "a.obj").exists()
 
 
+@pytest.mark.parametrize("name", ["proxy", "curved", "tile_faces", "threads"])
+def test_an_option_that_tiles_do_not_have_is_refused(tmp_path, whole, name):
+    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 2))
+    with pytest.raises(tiles.TilesError, match=rf"no option '{name}'; there are detail, .*planar, proxies"):
+        tiles.run(folder, tmp_path / "a.obj", options={name: 1})
+
+
+def test_every_option_that_is_listed_is_taken(tmp_path):
+    listed = {"tolerance": 0.1, "noise": 0.0, "snap": False, "metric": "normals", "smooth": 0.4}
+    more = {"leave_out": 0.0, "seed": 1, "planar": True}
+    (tmp_path / "in").mkdir()
+    meshfiles.ply_binary(tmp_path / "in" / "a.ply", *(part.tolist() for part in shapes.cube(2)))
+    report = tiles.run(tmp_path / "in", tmp_path / "a.obj", options=listed | more).report
+    assert report["options"] == listed | more | {"weld": 0.0}
+
+
 def test_a_result_that_leads_to_a_tile_is_refused(tmp_path, whole):
     folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 2), meshfiles.ply_binary, ".ply")
     first = sorted(folder.iterdir())[0]
