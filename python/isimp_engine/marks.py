@@ -10,7 +10,7 @@ from . import guides
 from ._core import Job, partition_from
 from .guided import Guides
 from .repairs import Repaired
-from .settings import OptionError
+from .settings import OptionError, literal
 from .source import Source
 
 
@@ -52,7 +52,7 @@ def _check(name: str, values: NDArray[Any], shape: tuple[int | None, ...]) -> No
     if not fits or not whole or values.dtype.kind not in "iufb":
         wanted = ", ".join("K" if n is None else str(n) for n in shape)
         kind = "numbers" if name in ("weights", "borders") else "integers"
-        raise OptionError(f"{{}}: must be ({wanted}) {kind}, is {values.shape} {values.dtype}", name)
+        raise OptionError(literal(f": must be ({wanted}) {kind}, is {values.shape} {values.dtype}"), name)
 
 
 def guides_of(marks: Marks, angle: float | None, repaired: Repaired, job: Job) -> Guides:

@@ -30,7 +30,7 @@ from .marks import Marks
 from .regions import is_drawn, why_not_round
 from .repairs import Meshes, Repair, Repaired
 from .replaying import Replay
-from .settings import BOX_CLUTTER, KEEP_CLUTTER, OptionError, Settings, Texturing, scaled
+from .settings import BOX_CLUTTER, KEEP_CLUTTER, OptionError, Settings, Texturing, literal, scaled
 from .sizes import size_rows
 from .snapping import snap_sizes
 from .source import Source, facts, labels
@@ -142,6 +142,8 @@ def make_regions(
     meshes: of other runs on this scan; a mesh keeps data of a partition for the next one.
     """
     if settings.scale is not None:
+        if source.mesh is not None:
+            raise OptionError("{} needs arrays or a file: a Mesh keeps its scale", "scale")
         known = scale_of(
             make_regions(source, replace(settings, scale=None, snap_sizes=None), steps, marks=marks), settings
         )
@@ -171,8 +173,6 @@ def scale_of(regions: Regions, settings: Settings) -> dict[str, Any]:
     """The factor by which a size of the regions has its true length."""
     assert settings.scale is not None
     name, length = settings.scale
-    if regions.source.mesh is not None:
-        raise OptionError("{} needs arrays or a file: a Mesh keeps its scale", "scale")
     lengths = {
         row["name"]: row["value"] for row in size_rows(regions.mesh, regions.partition) if row["kind"] != "angle"
     }
@@ -180,7 +180,8 @@ def scale_of(regions: Regions, settings: Settings) -> dict[str, Any]:
     name = name if name in lengths else f"{other}-{one}"  # in any order
     if not lengths.get(name):
         known = ", ".join(f"{other} ({value:.5g})" for other, value in list(lengths.items())[:_MOST_NAMES])
-        raise OptionError(f"{{}}: there is no length '{settings.scale[0]}'; there are {known or 'none'}", "scale")
+        message = f": there is no length '{settings.scale[0]}'; there are {known or 'none'}"
+        raise OptionError(literal(message), "scale")
     return {"factor": length / lengths[name], "name": name, "measured": lengths[name], "length": length}
 
 

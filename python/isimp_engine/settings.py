@@ -135,7 +135,7 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
             raise OptionError(f"{{}} needs {{}}: {reason}", name, needed)
     for name, choices in CHOICES.items():
         if name in given and given[name] not in choices:
-            raise OptionError(_literal(f" must be one of {', '.join(choices)}, got {given[name]!r}"), name)
+            raise OptionError(literal(f" must be one of {', '.join(choices)}, got {given[name]!r}"), name)
     if len(counts := [name for name in COUNTS if name in given]) > 1:
         marks = " and ".join(["{}"] * len(counts))
         raise OptionError(f"{marks} each set the number of regions: give one of them", *counts)
@@ -181,7 +181,7 @@ def _scale_of(options: Mapping[str, Any], recipe: Recipe | None) -> tuple[str, f
         raise OptionError("{} and {} exclude each other: steps have places in the scan", "scale", "recipe")
     name, _, length = str(given).rpartition("=")
     if not name:
-        raise OptionError(f"{{}} must be the name of a size and its length, as 3-7=40mm, got '{given}'", "scale")
+        raise OptionError(literal(f" must be the name of a size and its length, as 3-7=40mm, got '{given}'"), "scale")
     return name.strip(), _length(length, "scale", options)
 
 
@@ -192,8 +192,8 @@ def _length(given: Any, name: str, options: Mapping[str, Any]) -> float:
         return length_of(given, unit)
     except ValueError as error:
         if unit is None and str(error).endswith("needs the unit of the scene"):
-            raise OptionError(_literal(str(error)) + ": give {}", name, "unit") from None
-        raise OptionError(_literal(str(error)), name) from None
+            raise OptionError(literal(str(error)) + ": give {}", name, "unit") from None
+        raise OptionError(literal(str(error)), name) from None
 
 
 def scaled(settings: Settings, factor: float) -> Settings:
@@ -231,12 +231,12 @@ def options_of(options: Mapping[str, Any], kind: Kind) -> Any:
         try:
             setattr(made, name, value)
         except InvalidInput as error:
-            raise OptionError(_literal(str(error).removeprefix(f"{kind.__name__}.{name}")), called[name]) from None
+            raise OptionError(literal(str(error).removeprefix(f"{kind.__name__}.{name}")), called[name]) from None
     check_ranges(made)
     return made
 
 
-def _literal(text: str) -> str:
+def literal(text: str) -> str:
     """A text after the name of an option, for OptionError."""
     return "{}" + text.replace("{", "{{").replace("}", "}}")
 

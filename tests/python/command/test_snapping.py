@@ -9,8 +9,8 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 from bench.generators import round_shapes
+from isimp_engine import pipeline, reports
 from isimp_engine import recipe as rcp
-from isimp_engine import reports
 from isimp_engine.lengths import length_of
 from isimp_engine.snapping import snap_sizes
 from test_cli import check_line, isimp
@@ -172,8 +172,21 @@ def test_a_scale_changes_lengths_of_options_too():
     made = engine.simplify((vertices / 25.4, triangles), scale=f"{name}=40", **with_tolerance)
     assert made.report["options"]["tolerance"] == pytest.approx(25.4 * 0.02, rel=1e-3)
     assert made.partition.region_count == before.partition.region_count
+
+
+def test_a_scale_of_a_mesh_is_refused_before_the_work(monkeypatch):
+    mesh = engine.clean(*bracket())
+    monkeypatch.setattr(pipeline, "Replay", None)
     with pytest.raises(engine.InvalidInput, match="a Mesh keeps its scale"):
-        engine.simplify(made.mesh, scale=f"{name}=40")
+        engine.simplify(mesh, scale="3-7=40")
+
+
+@pytest.mark.parametrize("given", ["{a}", "{", "{a}=40", "{0}=40", "}=40"])
+def test_a_wrong_scale_is_shown_as_it_was_given(given):
+    with pytest.raises(engine.InvalidInput) as error:
+        engine.simplify(bracket(), scale=given)
+    assert f"'{given.partition('=')[0]}'" in str(error.value)
+    assert str(error.value).startswith("scale")
 
 
 def test_info_knows_the_result_of_a_scaled_scan(tmp_path):
