@@ -14,6 +14,8 @@ from ._core import FileError
 from .file_faces import joined
 
 _DEEP = 64  # components inside components; more are a cycle
+_PLACED = 4  # the parts at their places may have this multiple of the bytes that the file may become
+_LEAST = 4096  # bytes that an object counts at each of its places
 _MODEL = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 _PATH = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}path"
 
@@ -33,8 +35,9 @@ class _Object:
 class _Package:
     """The models of a file, each read once."""
 
-    def __init__(self, path: Path, file: zipfile.ZipFile) -> None:
-        self.path, self.file = path, file
+    def __init__(self, path: Path, file: zipfile.ZipFile, most: int) -> None:
+        """most: bytes of all parts at their places."""
+        self.path, self.file, self._most, self._made = path, file, most, 0
         self.models: dict[str, tuple[dict[str, _Object], list[tuple[str, str, NDArray[np.float64]]]]] = {}
 
     def root(self) -> str:
@@ -95,6 +98,11 @@ class _Package:
         if number not in objects:
             raise FileError(f"{self.path}: there is no object {number!r} in {name}")
         found, made = objects[number], list[Part]()
+        self._made += max(_LEAST, found.vertices.nbytes + found.triangles.nbytes)
+        if self._made > self._most:
+            raise FileError(
+                f"{self.path}: its parts become more than {self._most:,} bytes, as no scan of its size does"
+            )
         if found.is_support:
             return made
         if len(found.triangles):
@@ -110,12 +118,12 @@ class _Package:
 def read(path: Path, most: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Vertices (V, 3) and triangles (F, 3) of all that a file builds, in its own unit; supports are left out.
 
-    most: bytes that the file may become.
+    most: bytes that the file may become; its parts may be at several places.
     """
     with zipfile.ZipFile(path) as file:
         if sum(info.file_size for info in file.infolist()) > most:
             raise FileError(f"{path}: becomes more than {most:,} bytes, as no scan of its size does")
-        package = _Package(path, file)
+        package = _Package(path, file, _PLACED * most)
         name = package.root()
         _, items = package.model(name)
         parts = [part for item in items for part in package.parts(*item)]

@@ -16,6 +16,7 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 from bench.generators import houses
+from isimp_engine import reading
 from isimp_engine.cli import main
 from isimp_engine.cli.lods import named
 from isimp_engine.exporting import formats, require, surfaces_of, validity
@@ -451,6 +452,20 @@ def test_3mf_of_components_in_other_files_is_read_at_its_places(tmp_path: Path) 
 def test_3mf_that_contradicts_itself_is_refused(tmp_path: Path, resources: str, build: str, text: str) -> None:
     with pytest.raises(engine.FileError, match=text):
         engine.read(packed(tmp_path / "a.3mf", a=MODEL.format(resources, build)))
+
+
+@pytest.mark.parametrize("leaf", [TRIANGLE.format(2), '<object id="1"/>'])
+def test_3mf_of_parts_without_number_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, leaf: str) -> None:
+    monkeypatch.setattr(reading, "_ANY", 1 << 20)
+    twice = [
+        f'<object id="{n}"><components>{2 * f"""<component objectid="{n - 1}"/>"""}</components></object>'
+        for n in range(2, 42)
+    ]
+    a = MODEL.format(leaf + "".join(twice), '<item objectid="41"/>')
+    with pytest.raises(engine.FileError, match=r"a\.3mf: its parts become more than 4,194,304 bytes"):
+        engine.read(packed(tmp_path / "a.3mf", a=a))
+    few = MODEL.format(leaf + "".join(twice[:8]), '<item objectid="9"/>')
+    assert len(engine.read(packed(tmp_path / "a.3mf", a=few))[1]) == 256 * leaf.count("<triangle ")
 
 
 def test_points_are_no_scan(tmp_path: Path, capsys) -> None:
