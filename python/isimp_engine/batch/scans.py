@@ -220,7 +220,7 @@ def estimated_faces(path: Path) -> int:
     if is_compressed(path):
         size *= _RATIO
     if kind == ".gltf":  # other files may have its numbers
-        size += sum(other.stat().st_size for other in path.parent.glob("*.bin"))
+        size += sum(more for _, more, _ in states(path, buffers(path)))
     most = size // _BYTES_PER_FACE.get(kind, 15)
     said = None
     if kind == ".ply" and (match := re.search(rb"element\s+face\s+(\d+)", head)):

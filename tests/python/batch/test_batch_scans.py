@@ -144,9 +144,9 @@ def test_faces_are_estimated_by_header_and_size(tmp_path):
     for kind, write in meshfiles.TRIANGLES.items():
         write(tmp_path / kind, vertices, triangles.tolist())
         assert 0.3 * len(triangles) <= batch.scans.estimated_faces(tmp_path / kind) <= 4 * len(triangles), kind
-    (tmp_path / "a.gltf").write_text("{}")
-    (tmp_path / "a.bin").write_bytes(bytes(24 * len(triangles)))
-    assert len(triangles) <= batch.scans.estimated_faces(tmp_path / "a.gltf") <= 4 * len(triangles)
+    for name in ("a.gltf", "b.gltf", "c.gltf", "d.gltf", "e.gltf"):
+        meshfiles.gltf(tmp_path / name, vertices, triangles)
+    assert len(triangles) <= batch.scans.estimated_faces(tmp_path / "a.gltf") <= 4 * len(triangles), "its own alone"
     lie = tmp_path / "lie.ply"
     lie.write_bytes(b"ply\nformat binary_little_endian 1.0\nelement face 4000000000\nend_header\n")
     assert batch.scans.estimated_faces(lie) < 10
