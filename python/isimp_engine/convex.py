@@ -93,7 +93,9 @@ def _content(polygons: Any, job: Job | None) -> tuple[_Arrays, NDArray[Any]]:
         return (vertices, polygons.loops, polygons.loop_start, polygons.polygon_region), vertices
     source = polygons if isinstance(polygons, Source) else source_of(polygons, job)
     start = np.arange(0, source.triangles.size, 3, dtype=np.int32)
-    return (source.vertices, source.triangles.ravel(), start, source.polygon), used_vertices(source)
+    face = source.surface.face
+    region = np.where(face >= 0, face, source.faces + np.arange(len(face), dtype=np.int32))  # patches
+    return (source.vertices, source.triangles.ravel(), start, region), used_vertices(source)
 
 
 def used_vertices(source: Source) -> NDArray[Any]:

@@ -62,6 +62,16 @@ def test_forms_of_a_solid_give_the_same_parts():
     assert repr(parts[0]).startswith("<Convex: 8 vertices")
 
 
+def test_a_repaired_mesh_is_a_solid():
+    vertices, triangles = shapes.cube(2)
+    twice = np.concatenate([triangles[:3], triangles[:-1]])  # and a hole
+    mesh = engine.clean(vertices, twice, engine.CleanOptions(fill_holes=3))
+    assert mesh.source_face.min() == -1
+    assert len(mesh.triangles) == len(triangles) == len(twice) - 2
+    (part,) = engine.convex_parts(mesh)
+    assert part.volume == pytest.approx(1)
+
+
 def test_limits():
     vertices, faces = hollow_solids.surface(hollow_solids.stairs())
     assert len(engine.convex_parts((vertices, faces), parts=3)) == 3
