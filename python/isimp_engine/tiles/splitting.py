@@ -148,21 +148,19 @@ def _split(source: Source, folder: Path, tile_faces: int) -> dict[str, int]:
     boxes = Boxes(middles_of(source, source.triangles(sample)), leaves) if count else None
     rows = np.dtype([("v", "<i4", 3), ("polygon", "<i4")])
     parts = [folder / f"{tile_name(tile)}.part" for tile in range(boxes.leaves if boxes else 0)]
-    files = [part.open("wb") for part in parts]
-    try:
-        for triangles, polygon in source.chunks():
-            assert boxes is not None
-            box = boxes.find(middles_of(source, triangles))
-            order = np.argsort(box, kind="stable")
-            ends = np.searchsorted(box[order], np.arange(len(files) + 1))
-            for k, file in enumerate(files):
-                chosen = order[ends[k] : ends[k + 1]]
-                row = np.empty(len(chosen), rows)
-                row["v"], row["polygon"] = triangles[chosen], polygon[chosen]
+    for part in parts:
+        part.write_bytes(b"")
+    for triangles, polygon in source.chunks():
+        assert boxes is not None
+        box = boxes.find(middles_of(source, triangles))
+        order = np.argsort(box, kind="stable")
+        ends = np.searchsorted(box[order], np.arange(len(parts) + 1))
+        for k in np.flatnonzero(np.diff(ends)):
+            chosen = order[ends[k] : ends[k + 1]]
+            row = np.empty(len(chosen), rows)
+            row["v"], row["polygon"] = triangles[chosen], polygon[chosen]
+            with parts[k].open("ab") as file:  # one at a time: there may be more tiles than a process may open files
                 file.write(row.tobytes())
-    finally:
-        for file in files:
-            file.close()
     for tile, part in enumerate(parts):
         row = np.fromfile(part, rows)
         used, local = np.unique(row["v"], return_inverse=True)

@@ -17,7 +17,7 @@ import tilesets
 from batches import ENVIRONMENT, isimp, wait_for
 from isimp_engine import batch, tiles
 from isimp_engine.guides import shared_edges
-from isimp_engine.tiles import results, store
+from isimp_engine.tiles import results, splitting, store
 from isimp_engine.tiles.plan import Plan
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="tiles need fork")
@@ -310,6 +310,22 @@ def test_a_single_scan_is_cut_into_tiles(tmp_path, whole, suffix):
     label = np.load(tmp_path / "labels" / "scan.npy")
     assert sorted(set(label.tolist())) == list(range(P))
     assert tilesets.regions_are_connected(whole[1], label)
+
+
+def test_there_may_be_more_tiles_than_open_files(tmp_path, whole, monkeypatch):
+    resource = pytest.importorskip("resource")
+    meshfiles.ply_binary(tmp_path / "scan.ply", whole[0], whole[1].tolist())
+    monkeypatch.setattr(splitting, "_CHUNK", 500)
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (len(os.listdir("/dev/fd")) + 20, limits[1]))
+    try:
+        found = splitting.split_scan(tmp_path / "scan.ply", tmp_path / "tiles", 50)
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+    assert found["tiles"] > 80
+    polygons = [store.load(tmp_path / "tiles" / store.tile_name(tile), "polygon") for tile in range(found["tiles"])]
+    assert sorted(np.concatenate(polygons).tolist()) == list(range(len(whole[1])))
+    assert all((np.diff(polygon) > 0).all() for polygon in polygons)
 
 
 def test_a_polygon_in_several_tiles_has_the_region_with_most_of_its_area(tmp_path):
