@@ -24,7 +24,7 @@ def _obj(draft: Path, name: str, parts: Named) -> None:
 def _glb(draft: Path, name: str, parts: Named) -> None:
     from ..texturing.glb import nodes  # reads the table of formats itself
 
-    draft.write_bytes(nodes([(title, part.vertices, part.triangles) for title, part in parts]))
+    draft.write_bytes(nodes(draft, [(title, part.vertices, part.triangles) for title, part in parts]))
 
 
 def _mjcf(draft: Path, name: str, parts: Named) -> None:

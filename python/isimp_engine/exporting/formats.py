@@ -86,7 +86,7 @@ def _3mf(draft: Path, of: Content) -> dict[str, Any]:
 def _glb(draft: Path, of: Content) -> dict[str, Any]:
     from ..texturing.glb import plain  # reads the table of formats itself
 
-    draft.write_bytes(plain(of.name, of.polygons, of.job).glb())
+    draft.write_bytes(plain(of.name, of.polygons, of.job).glb(draft))
     return {}
 
 

@@ -23,6 +23,7 @@ from .layers import to_srgb
 from .soup import TexturedSoup
 
 _FLOAT, _UNSIGNED, _ARRAY_BUFFER, _ELEMENT_BUFFER = 5126, 5125, 34962, 34963
+_LARGEST = 0xFFFFFFFF  # bytes of a binary file, which has its size in 32 bits
 _FAR = 1e3  # coordinates this many times the size are given by the node, which has double precision
 
 
@@ -212,13 +213,15 @@ class Contents:
     writer: _Writer
     pictures: list[tuple[str, bytes]]  # PNG files and their names without .png
 
-    def glb(self) -> bytes:
-        """A binary file."""
+    def glb(self, path: Path) -> bytes:
+        """A binary file. path: its name, for the error."""
         writer = self.writer
         images = [{"bufferView": writer.view(data), "mimeType": "image/png", "name": n} for n, data in self.pictures]
         writer.data += bytes(-len(writer.data) % 4)
         text = self._text(images, {})
         text += b" " * (-len(text) % 4)
+        if 28 + len(text) + len(writer.data) > _LARGEST:
+            raise FileError(f"{path}: is larger than 4 GiB, which GLB can't be; choose .gltf or smaller images")
         chunks = struct.pack("<II", len(text), JSON) + text + struct.pack("<II", len(writer.data), BINARY) + writer.data
         return MAGIC + struct.pack("<II", 2, 12 + len(chunks)) + chunks
 
@@ -303,8 +306,8 @@ def contents(
     return Contents(document, writer, pictures)
 
 
-def nodes(solids: Sequence[tuple[str, NDArray[np.float64], NDArray[np.int32]]]) -> bytes:
-    """A file with a node for each of some named triangle meshes."""
+def nodes(path: Path, solids: Sequence[tuple[str, NDArray[np.float64], NDArray[np.int32]]]) -> bytes:
+    """A file with a node for each of some named triangle meshes. path: its name, for errors."""
     writer = _Writer()
     points = np.concatenate([vertices for _, vertices, _ in solids])
     shift = _shift(points)
@@ -321,7 +324,7 @@ def nodes(solids: Sequence[tuple[str, NDArray[np.float64], NDArray[np.int32]]]) 
         "nodes": [{"mesh": i, "name": mesh["name"]} | place for i, mesh in enumerate(meshes)],
         "meshes": meshes,
     }
-    return Contents(document, writer, []).glb()
+    return Contents(document, writer, []).glb(path)
 
 
 def _shift(points: NDArray[np.float64]) -> NDArray[np.float64]:

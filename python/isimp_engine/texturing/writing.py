@@ -120,7 +120,7 @@ def files_of(path: Path, poly: PolygonMesh, made: Texture, job: Job | None = Non
     files = {}
     if kind != ".obj":
         made_of = _gltf(path, poly, made, tiles, job)
-        files[path] = made_of.glb() if kind == ".glb" else made_of.gltf()
+        files[path] = made_of.glb(path) if kind == ".glb" else made_of.gltf()
         if kind == ".gltf":
             files |= {path.with_name(name + ".png"): data for name, data in made_of.pictures}
         return files

@@ -9,6 +9,7 @@ from PIL import Image
 import isimp_engine as engine
 import meshfiles
 import shapes
+from isimp_engine.texturing import glb
 from test_cli import isimp
 
 SIX = np.array([[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 0], [0, 255, 255], [255, 0, 255]], np.uint8)
@@ -327,6 +328,22 @@ def test_obj_glb_and_gltf_are_read_back_the_same(made_plane):
         back = np.concatenate([soup.vertices[soup.triangles], soup.uv], axis=2).reshape(-1, 5)
         distance = np.abs(back[:, None] - corners[None]).max(axis=2).min(axis=1)
         assert distance.max() < 1e-6
+
+
+def test_a_glb_file_that_is_too_large_is_refused_in_words(made_plane, monkeypatch):
+    folder, poly, made = made_plane
+    writers = (lambda path: engine.write_textured(path, poly, made), lambda path: engine.write(path, poly))
+    for name, write in zip(("one.glb", "two.glb"), writers, strict=True):
+        monkeypatch.undo()
+        write(folder / name)
+        size = (folder / name).stat().st_size
+        monkeypatch.setattr(glb, "_LARGEST", size)
+        write(folder / name)
+        (folder / name).unlink()
+        monkeypatch.setattr(glb, "_LARGEST", size - 1)
+        with pytest.raises(engine.FileError, match=rf"/{name}: is larger than 4 GiB, .* choose \.gltf"):
+            write(folder / name)
+        assert not (folder / name).exists()
 
 
 def test_gltf_that_can_not_be_written_leaves_nothing(made_plane, monkeypatch):
