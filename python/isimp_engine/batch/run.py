@@ -22,6 +22,7 @@ from ..cli.options import settings_of
 from ..cli.simplify import output_kinds
 from ..folders import WORK, discard
 from ..settings import Settings, option_names, without_gone
+from ..texturing.writing import companions
 from . import page
 from .scans import Scan, estimated_faces, find_scans, fixed_part, needed_mb
 from .table import MADE, PICTURE, Lock, Row, Table, sync_folder
@@ -68,6 +69,7 @@ class Plan:
     labels: bool
     reports: bool
     pictures: bool
+    textured: bool
 
     def key(self, scan: Scan) -> str:
         """Return an identifier of the work on a scan. Any change that affects the result changes it.
@@ -139,7 +141,7 @@ def run(
     given = dict(options or {})
     settings = _checked_options(given, recipe)
     steps = None if settings.recipe is None else settings.recipe.to_values()
-    plan = Plan(place, _suffix(format, settings), given, steps, labels, reports, pictures)
+    plan = Plan(place, _suffix(format, settings), given, steps, labels, reports, pictures, settings.texture is not None)
     _check_place(inputs, place)
     scans = find_scans(inputs, plan.suffix, besides=place)
     _check_outputs(scans, plan)
@@ -328,9 +330,18 @@ def _check_place(inputs: Any, output: Path) -> None:
 
 
 def _check_outputs(scans: list[Scan], plan: Plan) -> None:
-    """Raise BatchError if a result would replace a scan."""
-    inputs = {os.path.realpath(scan.path): scan.path for scan in scans}
+    """Raise BatchError if a result would replace a scan, a file that a scan names, or another result."""
+    inputs = {os.path.realpath(scan.path.parent / name): scan for scan in scans for name, _, _ in scan.linked}
+    inputs |= {os.path.realpath(scan.path): scan for scan in scans}
+    made: dict[str, Scan] = {}
     for scan in scans:
-        other = inputs.get(os.path.realpath(plan.output / scan.output))
-        if other is not None:
-            raise BatchError(f"the result of {scan.path} would replace the scan {other}: give another output folder")
+        place = plan.output / scan.output
+        for file in [place, *companions(place)] if plan.textured else [place]:
+            own = os.path.realpath(file)
+            if other := inputs.get(own):
+                of = "the scan" if own == os.path.realpath(other.path) else f"{file.name} of the scan"
+                raise BatchError(
+                    f"the result of {scan.path} would replace {of} {other.path}: give another output folder"
+                )
+            if (other := made.setdefault(own.casefold(), scan)) is not scan:
+                raise BatchError(f"{other.path} and {scan.path} would both be written to {file}: rename one")

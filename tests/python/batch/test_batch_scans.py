@@ -52,6 +52,29 @@ def test_same_names_stay_apart(scans):
         found(scans, suffix=".ply")
 
 
+def test_files_beside_results_stay_apart_too(tmp_path):
+    for name in ("a", "a_normal"):
+        scan(tmp_path / "in" / f"{name}.ply")
+    with pytest.raises(batch.BatchError, match=r"a\.ply and .*a_normal\.ply would both be written to .*a_normal\.png"):
+        batch.run(tmp_path / "in", tmp_path / "out", options={"texture": 64})
+    assert not (tmp_path / "out").exists()
+    outcome = batch.run(tmp_path / "in", tmp_path / "out", options={"proxies": 6})
+    assert not outcome.failed, "without a texture there are no such files"
+
+
+def test_a_picture_of_a_scan_is_not_replaced(tmp_path):
+    scans, textures = tmp_path / "in", tmp_path / "textures"
+    scans.mkdir()
+    textures.mkdir()
+    meshfiles.obj(scans / "wall.obj", *shapes.cube(1))
+    (scans / "wall.obj").write_text("mtllib wall.mtl\n" + (scans / "wall.obj").read_text())
+    (scans / "wall.mtl").write_text("newmtl wall\nmap_Kd ../textures/wall.png\n")
+    (textures / "wall.png").write_bytes(b"precious")
+    with pytest.raises(batch.BatchError, match=r"would replace wall\.png of the scan .*wall\.obj: give another"):
+        batch.run(scans, textures, options={"texture": 64})
+    assert [path.name for path in textures.iterdir()] == ["wall.png"]
+
+
 def test_scans_of_patterns_lists_and_several_places(scans, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert found("in/*.ply") == {"a.ply": "a.obj", "b.ply": "b.obj"}
