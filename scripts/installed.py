@@ -52,10 +52,21 @@ def package() -> None:
 
 
 def next_version(archive: Path, folder: Path) -> Path:
-    """The same zip, with its wheel, as the version after it."""
+    """The same zip, with its wheel, as the version after it. The version is in the name of the zip."""
+    version = re.match(r"isimp-(\d+\.\d+)(\.\d+)", archive.name)
+    if version is None:
+        raise SystemExit(f"{archive.name}: its name has no version")
+    after = f"{version[1]}.999"
 
     def renamed(text: str) -> str:
-        return re.sub(r"0\.1\.0((\.|-)dev\.?\d+)?", "0.1.999", text)
+        return re.sub(rf"(?<![\d.]){re.escape(version[1] + version[2])}((\.|-)dev\.?\d+)?(?!\d)", after, text)
+
+    def stated(name: str, data: bytes) -> bytes:
+        """A file that states the version."""
+        text = re.sub(r'(?<="version": \()\d+, \d+, \d+(?=\))', after.replace(".", ", "), renamed(data.decode()))
+        if after not in text.replace(", ", "."):
+            raise SystemExit(f"{archive.name}: {name} doesn't state the version of the zip")
+        return text.encode()
 
     def rewritten(source: Path, target: Path) -> Path:
         with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as new:
@@ -67,13 +78,11 @@ def next_version(archive: Path, folder: Path) -> Path:
                         wheel = Path(scratch, Path(name).name)
                         wheel.write_bytes(data)
                         data = rewritten(wheel, Path(scratch, "next.whl")).read_bytes()
-                elif name.endswith(("METADATA", "blender_manifest.toml", "RECORD")):
-                    data = renamed(data.decode()).encode()
-                    if name.endswith("RECORD"):  # without sums, which changed
-                        data = b"".join(line.split(b",")[0] + b",,\n" for line in data.splitlines())
-                        data += f"{MARK},,\n".encode()
-                elif name.endswith("isimp/__init__.py") or name == "__init__.py":
-                    data = data.replace(b'"version": (0, 1, 0)', b'"version": (0, 1, 999)')
+                elif name.endswith("RECORD"):  # without sums, which change
+                    files = [line.split(",")[0] for line in renamed(data.decode()).splitlines()]
+                    data = "".join(f"{file},,\n" for file in [*files, MARK]).encode()
+                elif name.endswith(("METADATA", "blender_manifest.toml", "isimp/__init__.py")) or name == "__init__.py":
+                    data = stated(name, data)
                 if "isimp_engine/__init__.py" in name:
                     inner = name.removesuffix("isimp_engine/__init__.py")
                     new.writestr(zipfile.ZipInfo(inner + MARK, EARLIEST), b"next")

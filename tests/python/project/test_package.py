@@ -432,24 +432,38 @@ def test_a_repository_of_extensions_lists_the_zips_of_each_platform(tmp_path, mo
         assert theirs == index
 
 
-def test_the_next_version_of_a_zip_has_its_own_version_everywhere(tmp_path):
+@pytest.mark.parametrize("version", ["0.1.0", "0.2.0", "1.10.3.dev4"])
+def test_the_next_version_of_a_zip_has_its_own_version_everywhere(tmp_path, monkeypatch, version):
     installed, build = script("installed"), script("build_addon")
-    wheel = wheels.fatten([made_wheel(tmp_path, 311)], tmp_path / "fat")
+    monkeypatch.setattr(build, "version", lambda: version)
+    wheel = wheels.fatten([made_wheel(tmp_path, 311, version=version)], tmp_path / "fat")
     build.main(["--wheel", str(wheel), "--out", str(tmp_path)])
     zips = {kind: next(tmp_path.glob(f"isimp-*-{kind}-*.zip")) for kind in ("extension", "legacy")}
+    later = "1.10.999" if version.startswith("1.") else version[:4] + "999"
     for kind, archive in zips.items():
         after = installed.next_version(archive, tmp_path / "next")
-        assert after.name == archive.name.replace(build.version(), "0.1.999")
+        assert after.name == archive.name.replace(version, later) != archive.name
         names = contents(after)
         if kind == "extension":
-            assert b'version = "0.1.999"' in names["isimp/blender_manifest.toml"]
+            assert f'version = "{later}"'.encode() in names["isimp/blender_manifest.toml"]
             (inner,) = [name for name in names if name.endswith(".whl")]
-            assert inner in f"isimp/wheels/{wheel.name}".replace("0.1.0", "0.1.999")
+            assert inner in f"isimp/wheels/{wheel.name}".replace(version, later)
             (tmp_path / "inner.whl").write_bytes(names[inner])
-            assert installed.MARK in contents(tmp_path / "inner.whl")
+            files = contents(tmp_path / "inner.whl")
+            assert installed.MARK in files
+            assert files[f"isimp-{later}.dist-info/METADATA"] == f"Name: isimp\nVersion: {later}\n".encode()
         else:
             assert f"isimp/{installed.MARK}" in names
-            assert b'"version": (0, 1, 999)' in names["isimp/__init__.py"]
+            assert f'"version": ({later.replace(".", ", ")})'.encode() in names["isimp/__init__.py"]
+
+
+def test_a_zip_of_another_version_than_its_name_is_not_upgraded(tmp_path, monkeypatch):
+    installed, build = script("installed"), script("build_addon")
+    monkeypatch.setattr(build, "version", lambda: "0.2.0")
+    wheel = wheels.fatten([made_wheel(tmp_path, 311, version="0.1.0")], tmp_path / "fat")
+    build.main(["--wheel", str(wheel), "--out", str(tmp_path)])
+    with pytest.raises(SystemExit, match="METADATA doesn't state the version of the zip"):
+        installed.next_version(next(tmp_path.glob("isimp-*-extension-*.zip")), tmp_path / "next")
 
 
 def test_a_module_with_its_own_library_shows_one_name():
