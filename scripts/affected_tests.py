@@ -2,10 +2,7 @@
 
 native/src/MODULE, and files with its headers       tests/cpp/MODULE, tests/python/engine/test_{MODULE,FILE}.py
 native/include, native/bindings                     tests/python/engine and project
-python/isimp_engine/children                        tests/python/batch and tiles
-python/isimp_engine/{batch,tiles}                   tests/python of that name
-python/isimp_engine/{cli,exporting}, recipes.py     tests/python/command
-python/isimp_engine/{recipe,replay}                 tests/python/addon and command
+python/isimp_engine/NAME                            tests/python/FOLDER for each folder of NAME in ROOMS
 python/isimp_engine, other files                    tests/python/engine and command
 addon/isimp, outside blender                        tests/python/addon
 bench, tests/shared                                 the tests that import the file

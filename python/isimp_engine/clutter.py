@@ -23,7 +23,10 @@ class Clutter:
 
 
 def clutter(polygons: PolygonMesh) -> list[Clutter]:
-    """The regions of a PolygonMesh with more than MOST polygons, the worst first. Cost: O(corners)."""
+    """The regions of a PolygonMesh with more than MOST polygons, the worst first.
+
+    Cost: O(corners) for each region found.
+    """
     of = np.asarray(polygons.polygon_region)
     counts = np.bincount(of) if len(of) else of
     ends = np.append(polygons.loop_start, len(polygons.loops))

@@ -1,4 +1,7 @@
-"""Exports to other programs, in double precision: CityJSON, DXF and IFC for buildings, and STEP for CAD."""
+"""Exports to other programs, in double precision except binary STL, GLB and glTF.
+
+CityJSON, DXF, IFC and energy models of buildings, STEP for CAD, STL and 3MF for printers, colliders for games.
+"""
 
 from .formats import BUILDING_KINDS, KINDS, LODS, PLAIN, STEP_KINDS, TEXTURED, TILES, kind_of, missing, require
 from .surfaces import PLANAR, Surfaces, surfaces_of, validity

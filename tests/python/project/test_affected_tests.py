@@ -27,6 +27,8 @@ def affected(monkeypatch):
         ("python/isimp_engine/batch/run.py", ["batch"]),
         ("python/isimp_engine/exporting/dxf.py", ["command"]),
         ("python/isimp_engine/recipes.py", ["command"]),
+        ("python/isimp_engine/replay/faces.py", ["addon", "command", "engine"]),
+        ("python/isimp_engine/reports/page.py", ["command"]),
         ("python/isimp_engine/texturing/baking.py", ["command", "engine"]),
         ("addon/isimp/pick.py", ["addon"]),
         ("addon/isimp/blender/work/scene_outcome.py", []),

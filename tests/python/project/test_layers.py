@@ -111,6 +111,12 @@ def test_a_file_includes_only_files_of_its_folder_and_of_folders_before(module):
                 assert rooms.index(room) <= level, f"{path} includes {include}"
 
 
+def test_the_folders_of_meshing_are_in_the_documentation():
+    text = (ROOT / "docs" / "architecture.md").read_text().partition("The sources of `meshing` are in ")[2]
+    assert text.startswith("seven folders")
+    assert re.findall(r"^\| `(\w+)/` \|", text.partition("\n\nOnly")[0], re.MULTILINE) == ROOMS["meshing"][:-1]
+
+
 @pytest.mark.parametrize("library", sorted(PRIVATE))
 def test_a_foreign_library_stays_private_to_the_sources_of_its_modules(library):
     for path in sorted(NATIVE.rglob("*")):
