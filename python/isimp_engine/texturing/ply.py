@@ -77,9 +77,10 @@ def _read(
     material = np.full(len(loop_start), 0 if pictures else -1, dtype=np.int32)
     if pictures and "texnumber" in face:
         material = face["texnumber"].astype(np.int32)
-        if len(material) and (material.min() < -1 or material.max() >= pictures):
-            fault(f"{path}: a face has texnumber {int(material.max())}, but it names {pictures} texture files")
-            material = np.where((material < -1) | (material >= pictures), -1, material).astype(np.int32)
+        wrong = (material < -1) | (material >= pictures)
+        if wrong.any():
+            fault(f"{path}: a face has texnumber {int(material[wrong].max())}, but it names {pictures} texture files")
+            material = np.where(wrong, -1, material).astype(np.int32)
     colors = _colors(vertex)
     of_faces = colors is None and (colors := _colors(face)) is not None
     look = Look(vertices, loops, loop_start, uv, material, colors, colors_of_faces=of_faces, skipped=skipped)

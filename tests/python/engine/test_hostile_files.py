@@ -381,6 +381,7 @@ def test_wrong_transforms_are_named_with_the_tileset(tmp_path, value):
         ("element face 2", "element face 3", "it ends within face 2 (the first is 0) of 3; it is cut short or damaged"),
         ("texnumber\n", "count\n", None),
         ("0.5 7\n3 1", "0.5 1\n3 1", "a face has texnumber 9, but it names 1 texture files"),
+        ("0.5 7\n3 1 3 2 0 9", "0.5 -5\n3 1 3 2 0 0", "a face has texnumber -5, but it names 1 texture files"),
     ],
 )
 def test_wrong_columns_of_ply_files_are_named(tmp_path, old, new, said):
