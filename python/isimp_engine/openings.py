@@ -34,11 +34,11 @@ class Lengths:
         """Whether they are right for this number of regions."""
         return self.most is None or regions <= self.most
 
-    def closed(self, mesh: Mesh, job: Job | None = None, threads: int = 0) -> Mesh:
+    def closed(self, mesh: Mesh) -> Mesh:
         """The repaired scan without these openings; the mesh itself if the lengths are 0. See `close_openings`."""
         if not self:
             return mesh
-        return close_openings(mesh, CleanOptions(**self.options(), threads=threads), job=job, left_out=self.left_out)
+        return close_openings(mesh, CleanOptions(**self.options()), left_out=self.left_out)
 
     def options(self) -> dict[str, Any]:
         """Return the lengths as keywords of CleanOptions."""
@@ -61,12 +61,12 @@ def lengths(mesh: Mesh, regions: int, job: Job | None = None, options: Partition
     return Lengths(holes, flat, handles, None, _left_out_count(mesh, options, job))
 
 
-def closed_for(mesh: Mesh, regions: int, job: Job | None = None, threads: int = 0) -> Mesh:
+def closed_for(mesh: Mesh, regions: int) -> Mesh:
     """The repaired scan without the openings that this number of regions can't show; the mesh itself if it has none.
 
-    Raises InvalidInput (regions below 1) or Cancelled. Cost: see `close_openings`.
+    Raises InvalidInput (regions below 1). Cost: see `close_openings`.
     """
-    return lengths(mesh, regions, job).closed(mesh, job, threads)
+    return lengths(mesh, regions).closed(mesh)
 
 
 def lengths_for(

@@ -126,15 +126,9 @@ class TriangleSearch:
         return None if limits[0] > limits[1] else min(max(wanted, limits[0]), limits[1])
 
 
-def scan_distances(
-    mesh: Mesh, part: Partition, polygons: PolygonMesh, enough: float = 0.0, job: Job | None = None
-) -> Points:
-    """The distance of each vertex of the scan from the polygons; NaN if it is in no region.
-
-    The polygons of the vertex's own regions come first; if these are farther than `enough`, all polygons are searched.
-    So a distance of at most `enough` may be less in truth.
-    """
-    return _scan_distances(mesh, part, polygons, enough, 0, _CHUNK, job)
+def scan_distances(mesh: Mesh, part: Partition, polygons: PolygonMesh, job: Job | None = None) -> Points:
+    """The distance of each vertex of the scan from the polygons; NaN if it is in no region."""
+    return _scan_distances(mesh, part, polygons, 0.0, 0, _CHUNK, job)
 
 
 def polygonize_within(
@@ -168,6 +162,7 @@ def polygonize_within(
                 continue
             tight = _tightened(mesh, part, step.share * (part.bound or bound), meshing)
             polygons = polygonize(mesh, part, tight, job=own)
+            # Exact above `allowed`: below, a polygon of another region may be nearer.
             away = _scan_distances(mesh, part, polygons, allowed, meshing.threads, _CHUNK, own)
             distance = float(np.nanmax(away))
         if search.take(distance):

@@ -88,15 +88,15 @@ def part_of(
     return np.asarray(poly.vertices, dtype=np.float64)[used], np.split(local.ravel(), ends)
 
 
-def validity(poly: PolygonMesh, limit: float = PLANAR, surfaces: Surfaces | None = None) -> dict[str, Any]:
-    """The first checks of validators of city models: polygons planar within `limit` (scene units), a closed shell.
+def validity(poly: PolygonMesh, surfaces: Surfaces | None = None) -> dict[str, Any]:
+    """The first checks of validators of city models: polygons planar within PLANAR, a closed shell.
 
     surfaces: the result of `surfaces_of` for these polygons, if it is known already.
     """
     found = surfaces or surfaces_of(poly)
-    bent = np.asarray(poly.planarity) > limit
+    bent = np.asarray(poly.planarity) > PLANAR
     return {
-        "planarity_limit": limit,
+        "planarity_limit": PLANAR,
         "planarity_max": float(np.max(poly.planarity, initial=0.0)),
         "non_planar": int(bent.sum()),
         "closed": bool(poly.report["closed"]),

@@ -19,7 +19,7 @@ from bench.generators import houses
 from isimp_engine import reading
 from isimp_engine.cli import main
 from isimp_engine.cli.lods import named
-from isimp_engine.exporting import formats, require, surfaces_of, validity
+from isimp_engine.exporting import formats, require, surfaces, surfaces_of, validity
 
 UTM = (450000.25, 5500000.5, 112.0)
 
@@ -63,12 +63,13 @@ def test_walls_roofs_and_ground_are_distinguished() -> None:
     assert lying.kind == ["GroundSurface", "RoofSurface"] + ["WallSurface"] * 4
 
 
-def test_validity_distinguishes_open_from_closed_and_bent_from_planar() -> None:
+def test_validity_distinguishes_open_from_closed_and_bent_from_planar(monkeypatch: pytest.MonkeyPatch) -> None:
     closed, opened = validity(box()), validity(box(top=False))
     assert (closed["closed"], closed["solid"], closed["components"], closed["non_planar"]) == (True, True, 1, 0)
     assert (opened["closed"], opened["solid"]) == (False, False)
     assert opened["surfaces"] == {"WallSurface": 4, "RoofSurface": 0, "GroundSurface": 1, "OuterCeilingSurface": 0}
-    assert validity(made(), limit=-1.0)["non_planar"] == len(made().loop_start)
+    monkeypatch.setattr(surfaces, "PLANAR", -1.0)
+    assert validity(made())["non_planar"] == len(made().loop_start)
 
 
 def cityjson_rings(city: dict) -> list[np.ndarray]:
