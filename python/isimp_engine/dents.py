@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import CurvedProxy, Mesh, Partition
+from .surfaces import pieces
 
 NOISES = 3  # a vertex that is further away by noise alone is rare
 LEAST_SHARE = 0.001  # share of the area of a part
@@ -79,13 +80,5 @@ def _connected(triangles: NDArray[np.int32], chosen: NDArray[np.bool_]) -> list[
     owner = np.repeat(np.arange(len(some)), 3)
     order = np.lexsort(ends.T)
     same = (ends[order[1:]] == ends[order[:-1]]).all(axis=1)
-    a, b = owner[order[1:][same]], owner[order[:-1][same]]
-    group = np.arange(len(some))
-    while True:  # each triangle takes the least number among its neighbours
-        before = group.copy()
-        np.minimum.at(group, a, before[b])
-        np.minimum.at(group, b, before[a])
-        group = group[group]
-        if (group == before).all():
-            break
+    group = pieces(len(some), np.stack([owner[order[1:][same]], owner[order[:-1][same]]], axis=1))
     return [some[group == number] for number in np.unique(group)]

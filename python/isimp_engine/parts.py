@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .surfaces import areas, pieces
+
 WEIGHT = 4.0  #: the weight of the faces of a part: regions become denser like its root
 _CELLS = 96  # in the scan's diagonal; distances are along cells, so that a million faces take a third of a second
 _BINS, _SMOOTH = 120, 5  # bins of the distance, and the bins whose mean is the length of a contour
@@ -21,8 +23,7 @@ class Distances:
         """vertices (V, 3), triangles (T, 3), T at least 1. place: any point, in the space of the vertices."""
         cell, centers = _cells(vertices, triangles)
         of = cell[triangles[:, 0]]
-        sides = vertices[triangles[:, 1:]].astype(np.float64) - vertices[triangles[:, :1]]
-        area = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+        area = areas(vertices, triangles)
         start = int(np.argmin(np.linalg.norm(centers - np.asarray(place, np.float64), axis=1)))
         away = _along(_pairs(cell, triangles, centers), centers, start)
         self.away = away[of]  #: (T,) the distance of each triangle
@@ -64,7 +65,7 @@ def _pairs(cell: NDArray[Any], triangles: NDArray[Any], centers: NDArray[Any]) -
     count = len(centers)
     keys = np.unique(ends[:, 0] * count + ends[:, 1])
     pairs = np.stack([keys // count, keys % count], axis=1)
-    piece = _pieces(pairs, count)
+    piece = pieces(count, pairs)
     sizes = np.bincount(piece, minlength=count)
     main, bridges = int(np.argmax(sizes)), []
     inside = np.flatnonzero(piece == main)
@@ -78,19 +79,6 @@ def _pairs(cell: NDArray[Any], triangles: NDArray[Any], centers: NDArray[Any]) -
         if len(bridges) >= 64:  # a scan of many crumbs
             break
     return np.concatenate([pairs, np.array(bridges, np.int64).reshape(-1, 2)])
-
-
-def _pieces(pairs: NDArray[Any], count: int) -> NDArray[Any]:
-    """(cells,) the least cell of each connected piece."""
-    piece = np.arange(count)
-    while True:
-        least = piece.copy()
-        np.minimum.at(least, pairs[:, 0], piece[pairs[:, 1]])
-        np.minimum.at(least, pairs[:, 1], piece[pairs[:, 0]])
-        least = least[least]
-        if np.array_equal(least, piece):
-            return piece
-        piece = least
 
 
 def _along(pairs: NDArray[Any], centers: NDArray[Any], start: int) -> NDArray[Any]:

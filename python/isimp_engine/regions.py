@@ -21,6 +21,7 @@ from ._core import (
     triangulate,
 )
 from .sizes import borders
+from .surfaces import areas
 
 __all__ = [
     "all_statistics",
@@ -66,9 +67,7 @@ def why_not_round(mesh: Mesh, part: Partition) -> str:
     around = np.bincount(pairs.ravel(), np.repeat(length, 2), regions)
     pairs, normal = np.unique(pairs, axis=0), np.asarray(part.region_normal, np.float64)
     angle = np.arccos(np.clip((normal[pairs[:, 0]] * normal[pairs[:, 1]]).sum(axis=1), -1, 1))
-    corners = at[triangles[label >= 0]]
-    size = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
-    area = np.bincount(label[label >= 0], size, regions)
+    area = np.bincount(label[label >= 0], areas(at, triangles[label >= 0]), regions)
     for most in _BENDS:
         some = (angle > _LEAST_BEND) & (angle < most)
         times = np.bincount(pairs[some].ravel(), minlength=regions)

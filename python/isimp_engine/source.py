@@ -17,6 +17,7 @@ from .guides import shared_edges
 from .reading import GLTF, TO_A_MESH, check_kind, read_polygons
 from .replay import Surface, face_edges
 from .replay.faces import Edges
+from .surfaces import areas
 from .texturing import TexturedSoup, read_textured
 
 
@@ -135,12 +136,7 @@ def labels(source: Source, mesh: Mesh, regions: NDArray[np.int32]) -> NDArray[np
     divided[face[result[face] != region]] = True
     shared = divided[face]
     if shared.any():
-        areas = face_areas(mesh, kept[shared])
-        place, largest = largest_shares(face[shared], region[shared], areas)
+        area = areas(mesh.vertices, mesh.triangles[kept[shared]])
+        place, largest = largest_shares(face[shared], region[shared], area)
         result[place] = largest
     return result
-
-
-def face_areas(mesh: Mesh, faces: NDArray[np.intp] | slice) -> NDArray[np.float64]:
-    a, b, c = (mesh.vertices[mesh.triangles[faces, k]] for k in range(3))
-    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)

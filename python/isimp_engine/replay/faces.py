@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import Mesh, Partition
+from ..surfaces import areas
 
 Indices = NDArray[np.integer[Any]]
 Edges = tuple[Indices, Indices]
@@ -64,9 +65,7 @@ class Faces:
     @cached_property
     def areas(self) -> NDArray[np.float64]:
         """(K,) areas of `shared`; 0 for covers, which must not determine the region of a face."""
-        triangles = np.asarray(self.mesh.triangles)[self.shared]
-        a, b, c = (np.asarray(self.mesh.vertices)[triangles[:, k]] for k in range(3))
-        found = np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
+        found = areas(np.asarray(self.mesh.vertices), np.asarray(self.mesh.triangles)[self.shared])
         found[np.isin(self.shared, self._covers)] = 0
         return found
 

@@ -21,6 +21,7 @@ from .._core import (
     _unwrap,
     _uv,
 )
+from ..surfaces import areas
 from .layers import NEUTRAL, NORMAL, NUMBERS, TextureLayer, constant
 from .soup import TexturedSoup
 
@@ -138,7 +139,7 @@ def _groups(
     mesh: Mesh, part: Partition, poly: PolygonMesh, source: TexturedSoup, face: NDArray[np.int32]
 ) -> tuple[NDArray[np.int32], list[int]]:
     """(Q,) the material of each polygon, by most of its region's area, as an index into the returned list."""
-    area = _areas(mesh)
+    area = areas(mesh.vertices, mesh.triangles)
     counts = (face >= 0) & (part.face_region >= 0)
     given = np.append(np.asarray(source.given, dtype=np.int64), -1)  # the last one: no material
     count = int(given.max()) + 2
@@ -212,26 +213,14 @@ _CORNERS = np.array([[0, 0], [1, 0], [0, 1]], dtype=np.float32)
 _FACES = 1 << 14  # at once, so that intermediate values stay in a cache
 
 
-def _areas(mesh: Mesh) -> NDArray[np.float64]:
-    """(F,) of the faces."""
-    vertices, triangles = mesh.vertices, mesh.triangles
-    areas = np.empty(len(triangles))
-    for begin in range(0, len(triangles), _FACES):
-        corners = np.ascontiguousarray(vertices[triangles[begin : begin + _FACES]].reshape(-1, 9).T)
-        (ux, uy, uz), (vx, vy, vz) = corners[3:6] - corners[:3], corners[6:] - corners[:3]
-        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-        areas[begin : begin + _FACES] = np.sqrt(x * x + y * y + z * z) / 2
-    return areas
-
-
 def _uv_areas(uv: NDArray[np.float32]) -> NDArray[np.float64]:
     """(F,) of the triangles in the UV map."""
-    areas = np.empty(len(uv))
+    found = np.empty(len(uv))
     for begin in range(0, len(uv), _FACES):
         part = uv[begin : begin + _FACES].reshape(-1, 6).T
         u0, v0, u1, v1, u2, v2 = np.ascontiguousarray(part, dtype=np.float64)
-        areas[begin : begin + _FACES] = np.abs((u1 - u0) * (v2 - v0) - (v1 - v0) * (u2 - u0)) / 2
-    return areas
+        found[begin : begin + _FACES] = np.abs((u1 - u0) * (v2 - v0) - (v1 - v0) * (u2 - u0)) / 2
+    return found
 
 
 def _distinct(images: Sequence[Any]) -> tuple[Any, ...]:
@@ -257,7 +246,7 @@ def _look(source: TexturedSoup, face: NDArray[np.int32], weight: NDArray[np.floa
 
 def _density(mesh: Mesh, look: _Look) -> float:
     """Pixels of the scan's images per scene unit; a pixel for each vertex where it has colours only."""
-    area = _areas(mesh)
+    area = areas(mesh.vertices, mesh.triangles)
     pixels, shown = 0.0, 0.0
     if look.pictures:
         size = np.array([p.shape[1::-1] for p in look.pictures], dtype=np.float64)

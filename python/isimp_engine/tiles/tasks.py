@@ -23,7 +23,7 @@ from .. import (
 )
 from ..file_faces import cut
 from ..reading import read_polygons
-from ..source import face_areas
+from ..surfaces import areas
 from . import borders, tileset
 from .splitting import split_scan
 from .store import MADE, load, of_tile, save, save_values, tile_name
@@ -179,8 +179,8 @@ def _thin(task: Task, work: Path, made: Path) -> dict[str, Any]:
     if mesh is None or not mesh.report["area"] > 0:
         return {"faces": 0, "thinned_faces": 0}
     faces = len(mesh.triangles)
-    areas = face_areas(mesh, slice(None)).astype(np.float32)
-    save(made, edge_keys=borders.place_keys(mesh.vertices)[_border_of(mesh)[2]], area=areas, polygon=polygon)
+    area = areas(mesh.vertices, mesh.triangles).astype(np.float32)
+    save(made, edge_keys=borders.place_keys(mesh.vertices)[_border_of(mesh)[2]], area=area, polygon=polygon)
     vertices, triangles, to = _core._tile_thin(mesh, math.ceil(task["share"] * faces))
     save(made, vertices=vertices, triangles=triangles, to=to)
     return {"faces": faces, "thinned_faces": len(triangles)}
