@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
-from .errors import BatchError
+from .errors import BatchError, line_of
 
 JOBS = {  # kinds with jobs as workers: module and class of dask-jobqueue
     "slurm": ("dask_jobqueue", "SLURMCluster"),
@@ -89,7 +89,7 @@ def _jobs(cluster: Cluster) -> Any:
         found = make(**options)
         found.scale(jobs=cluster.workers)
     except (TypeError, ValueError, OSError, RuntimeError) as error:
-        raise BatchError(f"--cluster {kind} can't be started: {_line(error)}") from None
+        raise BatchError(f"--cluster {kind} can't be started: {line_of(error)}") from None
     return found
 
 
@@ -107,7 +107,7 @@ def _ssh(cluster: Cluster) -> Any:
     try:
         return make(hosts, worker_options=worker | options.pop("worker_options", {}), **options)
     except (TypeError, ValueError, OSError, RuntimeError) as error:
-        raise BatchError(f"--cluster ssh can't be started: {_line(error)}") from None
+        raise BatchError(f"--cluster ssh can't be started: {line_of(error)}") from None
 
 
 def megabytes(text: str | float) -> float:
@@ -121,7 +121,3 @@ def megabytes(text: str | float) -> float:
         except (KeyError, ValueError):
             raise BatchError(f"memory must be a number of bytes like 60GB, got {text!r}") from None
     return float(text) / 2**20
-
-
-def _line(error: object) -> str:
-    return " ".join(f"{type(error).__name__}: {error}".split())[:300]

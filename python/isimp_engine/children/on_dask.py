@@ -10,7 +10,7 @@ from typing import Any
 
 from .. import __version__
 from .clusters import Cluster, started
-from .errors import BatchError
+from .errors import BatchError, line_of
 from .process import Limits, run_in_folder
 from .workers import Workers
 
@@ -45,7 +45,7 @@ class OnDask(Workers):
         try:
             self._client: Any = distributed.Client(address, timeout=_CONNECT)
         except (OSError, ValueError) as error:
-            raise BatchError(f"--dask {address}: there is no scheduler of Dask ({_line(error)})") from None
+            raise BatchError(f"--dask {address}: there is no scheduler of Dask ({line_of(error)})") from None
         try:
             self._check(address, patience)
             self._mb, self._resource = self._memory()
@@ -78,7 +78,7 @@ class OnDask(Workers):
         error = future.exception() if future.status == "error" else None
         if isinstance(error, BatchError):
             raise error
-        return "Dask cancelled it" if error is None else f"Dask could not run it: {_line(error)}"
+        return "Dask cancelled it" if error is None else f"Dask could not run it: {line_of(error)}"
 
     def _close(self) -> None:
         self._client.cancel(list(self._futures.values()))
@@ -92,7 +92,7 @@ class OnDask(Workers):
             raise BatchError(f"--dask {address}: the scheduler has no worker") from None
         for worker, found in self._client.run(version, on_error="return").items():
             if found != __version__:
-                what = f"isimp {found}" if isinstance(found, str) else _line(found)
+                what = f"isimp {found}" if isinstance(found, str) else line_of(found)
                 raise BatchError(f"--dask: the worker {worker} must have isimp {__version__}, it has: {what}")
 
     def _memory(self) -> tuple[float | None, bool]:
@@ -103,7 +103,3 @@ class OnDask(Workers):
             return max(said), True
         limits = [worker["memory_limit"] / worker["nthreads"] / 2**20 for worker in workers if worker["memory_limit"]]
         return max(limits, default=None), False
-
-
-def _line(error: object) -> str:
-    return " ".join(f"{type(error).__name__}: {error}".split())[:300]

@@ -52,7 +52,7 @@ def round_of(patch: Any, points: Array, shift: Array, open_ends: list[float]) ->
     torus = _torus(start, points)
     if torus is not None and torus.small < 0.95 * torus.large:
         spun = None if _is_ring(profile) else _spun(start, points, profile, open_ends)
-        if spun is None or _rms(torus, points) <= 1.15 * _rms(spun, points):
+        if spun is None or rms(torus, points) <= 1.15 * rms(spun, points):
             return torus
         return spun
     if _is_ring(profile):
@@ -62,7 +62,9 @@ def round_of(patch: Any, points: Array, shift: Array, open_ends: list[float]) ->
 
 def rms(surface: Any, points: Array) -> float:
     """Return the deviation of points from a surface, without the furthest twentieth."""
-    return _rms(surface, points)
+    far = np.sort(np.abs(surface.distance(points)))
+    far = far[: max(1, int(0.95 * len(far)))]
+    return float(np.sqrt((far**2).mean()))
 
 
 def joined(
@@ -82,8 +84,8 @@ def joined(
         best: Turned = _spun(a, every, _profile_of_both(a, b, points_a, points_b), ends)
     else:
         best = _refined(a if len(points_a) >= len(points_b) else b, every)
-    own = max(_rms(a, points_a), _rms(b, points_b))
-    far = max(_rms(best, points_a), _rms(best, points_b))
+    own = max(rms(a, points_a), rms(b, points_b))
+    far = max(rms(best, points_a), rms(best, points_b))
     size = float(np.linalg.norm(np.ptp(every, axis=0)))
     return (best, ends) if far <= max(1.2 * own, _ONE * size) else None
 
@@ -113,12 +115,6 @@ def _profile_of_both(a: Spun, b: Spun, points_a: Array, points_b: Array) -> Arra
     beyond = (two - one[-1]) @ (one[-1] - one[-2]) > 0  # the first profile is used where both overlap
     first = int(beyond.argmax()) if beyond.any() else 0
     return np.concatenate([one, two[first:]])
-
-
-def _rms(surface: Any, points: Array) -> float:
-    far = np.sort(np.abs(surface.distance(points)))
-    far = far[: max(1, int(0.95 * len(far)))]
-    return float(np.sqrt((far**2).mean()))
 
 
 def _is_ring(profile: Array) -> bool:
