@@ -331,7 +331,9 @@ def _check_place(inputs: Any, output: Path) -> None:
 
 def _check_outputs(scans: list[Scan], plan: Plan) -> None:
     """Raise BatchError if a result would replace a scan, a file that a scan names, or another result."""
-    inputs = {os.path.realpath(scan.path.parent / name): scan for scan in scans for name, _, _ in scan.linked}
+    inputs = {
+        os.path.realpath(scan.path.parent / name): scan for scan in scans for name, size, _ in scan.linked if size
+    }
     inputs |= {os.path.realpath(scan.path): scan for scan in scans}
     made: dict[str, Scan] = {}
     for scan in scans:
@@ -343,5 +345,5 @@ def _check_outputs(scans: list[Scan], plan: Plan) -> None:
                 raise BatchError(
                     f"the result of {scan.path} would replace {of} {other.path}: give another output folder"
                 )
-            if (other := made.setdefault(own.casefold(), scan)) is not scan:
+            if (other := made.setdefault(str(file).casefold(), scan)) is not scan:
                 raise BatchError(f"{other.path} and {scan.path} would both be written to {file}: rename one")

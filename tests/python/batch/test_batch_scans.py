@@ -1,5 +1,6 @@
 """The scans of a batch, the refused ones, and the number that has room at once."""
 
+import json
 import os
 from concurrent.futures import Future
 from pathlib import Path
@@ -73,6 +74,26 @@ def test_a_picture_of_a_scan_is_not_replaced(tmp_path):
     with pytest.raises(batch.BatchError, match=r"would replace wall\.png of the scan .*wall\.obj: give another"):
         batch.run(scans, textures, options={"texture": 64})
     assert [path.name for path in textures.iterdir()] == ["wall.png"]
+
+
+def test_wrong_names_in_a_scan_are_a_matter_of_its_row(tmp_path):
+    scan(tmp_path / "in" / "a.ply")
+    for k, uri in enumerate(["gone.bin", "../up.bin", "a\0b", "\ud800", "x" * 5000, "http://host/a.bin", 7]):
+        (tmp_path / "in" / f"{k}.gltf").write_text(json.dumps({"buffers": [{"uri": uri}]}))
+    for k, text in enumerate(["[]", "{", "[" * 100_000, '{"buffers": 3}']):
+        (tmp_path / "in" / f"odd{k}.gltf").write_text(text)
+    (tmp_path / "in" / "cut.glb").write_bytes(b"glTF\2\0\0\0")
+    (tmp_path / "in" / "o.obj").write_bytes(b"mtllib\nmtllib \0.mtl ../../a.mtl /dev/zero\nmtllib m.mtl\n")
+    (tmp_path / "in" / "m.mtl").write_bytes(
+        b'newmtl a\nmap_Kd "x\nmap_Kd /dev/zero\nmap_Kd \0<UDIM>.png\nnorm ../../../a.png'
+    )
+    (tmp_path / "in" / "p.ply").write_bytes(b"ply\ncomment TextureFile\ncomment TextureFile \0 \xff.png\nend_header\n")
+    outcome = batch.run(tmp_path / "in", tmp_path / "out", options={"texture": 64}, pictures=False)
+    assert len(outcome.rows) == 15
+    assert len(whys(outcome)) == 15, "a.ply has no texture"
+    linked = {each.name: each.linked for each in batch.scans.find_scans(tmp_path / "in")}
+    assert linked["0.gltf"] == (("gone.bin", 0, 0),)
+    assert [name for name, _, _ in linked["o.obj"]] == ["m.mtl"]
 
 
 def test_scans_of_patterns_lists_and_several_places(scans, tmp_path, monkeypatch):
