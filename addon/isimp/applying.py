@@ -214,7 +214,7 @@ def apply_mesh(step: rcp.Mesh, repaired, before, watch, begin, end, threads: int
     regions = before
     if found.partition is not before.partition:
         regions = with_regions(repaired, found.partition, carried_colors(before, found.partition), {})
-    args = (repaired.mesh, regions.partition, found.polygons, 0.0)
+    args = (repaired.mesh, regions.partition, found.polygons)
     away = engine_call(watch, end - 0.1 * (end - begin), end, "measuring", engine.within.scan_distances, *args)
     numbers = _mesh_numbers(found, regions, away, repaired.mesh.report["diagonal"])
     numbers |= {"regions_before": before.numbers["regions"]}
