@@ -307,6 +307,18 @@ def test_levels_of_detail_are_written_each_to_its_file(file, tmp_path, kind):
         assert counts == [len(kept.data.polygons), len(result.data.polygons)]
 
 
+def test_an_object_of_the_user_is_no_level(file, tmp_path):
+    scan = meshed(file)
+    OPS.keep_lod()
+    scans.cube(f"{scan.name}_LOD1", cells=1)
+    scans.activate(scan)
+    OPS.export_lods(filepath=str(tmp_path / "tower.obj"))
+    assert [path.name for path in tmp_path.glob("*.obj")] == ["tower_LOD0.obj"]
+    OPS.mesh()
+    OPS.keep_lod()
+    assert [obj.name for _, obj in targets.levels(scan)] == [f"{scan.name}_LOD0", f"{scan.name}_LOD2"]
+
+
 def test_the_export_menu_has_all_three():
     drawn = []
     layout = type("Layout", (), {"operator": lambda _, name, **__: drawn.append(name)})()

@@ -7,7 +7,7 @@ import scans
 
 from isimp import recipe as rcp
 from isimp.blender.controls import settings
-from isimp.blender.scene import store, targets
+from isimp.blender.scene import runtime, store, targets
 from isimp.blender.texturing import texture
 from test_texture import textured_cube
 
@@ -68,6 +68,91 @@ def test_all_levels_of_detail_are_made_at_once():
     assert sorted(obj.name for obj in bpy.data.objects if "LOD" in obj.name) == ["Scan_LOD0", "Scan_LOD1"]
     with pytest.raises(RuntimeError, match="at least one number"):
         OPS.make_lods(counts=(0, 0, 0))
+
+
+def levels_of(scan):
+    return {obj.name: len(obj.data.polygons) for _, obj in targets.levels(scan)}
+
+
+def test_the_levels_of_the_last_press_stay_until_new_ones_are_made(monkeypatch):
+    scan = parted(60)
+    OPS.make_lods(counts=(60, 20, 6))
+    before, shown = levels_of(scan), targets.result_of(bpy.context.scene, scan)
+    with monkeypatch.context() as patch:
+        patch.setattr(runtime.get().session, "replay", fails_after(0))
+        with pytest.raises(RuntimeError, match="Stop here"):
+            OPS.make_lods(counts=(40, 10, 4))
+    assert levels_of(scan) == before
+    assert (bpy.context.object, shown.visible_get()) == (shown, True)
+    assert [part.name for part in shown.children] == ["UCX_Scan_LOD0_00"]
+    with monkeypatch.context() as patch:
+        patch.setattr(runtime.get().session, "replay", fails_after(1))
+        with pytest.raises(RuntimeError, match="Stop here"):
+            OPS.make_lods(counts=(40, 10, 7))
+    assert levels_of(scan) == before | {"Scan_LOD2": 7}, "the level that was made replaces the former one"
+    assert targets.result_of(bpy.context.scene, scan) == shown
+    OPS.make_lods(counts=(40, 10, 0))
+    assert list(levels_of(scan)) == ["Scan_LOD0", "Scan_LOD1"]
+    assert [mesh.name for mesh in bpy.data.meshes if "LOD" in mesh.name and "UCX" not in mesh.name] == [
+        "Scan_LOD0",
+        "Scan_LOD1",
+    ]
+
+
+def fails_after(count):
+    """A `replay` that works `count` times, then fails."""
+    replay, left = runtime.get().session.replay, [None] * count
+
+    def replayed(*args):
+        if not left:
+            raise ValueError("Stop here")
+        left.pop()
+        return replay(*args)
+
+    return replayed
+
+
+def test_objects_of_the_user_stay_when_levels_are_replaced():
+    scan = parted(60)
+    scan.location = 1, 2, 3
+    OPS.make_lods(counts=(20, 6, 0))
+    level = bpy.data.objects["Scan_LOD0"]
+    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+    bpy.context.scene.collection.objects.link(lamp)
+    lamp.parent, lamp.location = level, (0, 0, 5)
+    own = scans.add("Scan_LOD7", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    scans.activate(level)
+    for _ in range(2):
+        OPS.make_lods(counts=(30, 6, 0))
+        assert (lamp.parent, tuple(lamp.matrix_world.translation)) == (None, (1, 2, 8))
+        assert [place.name for place in bpy.data.collections if "colliders" in place.name] == ["Scan_LOD0 colliders"]
+        assert [part.name for part in bpy.data.objects["Scan_LOD0"].children] == ["UCX_Scan_LOD0_00"]
+    assert own.name == "Scan_LOD7"
+
+
+def test_a_level_edited_by_hand_gets_another_name(capfd):
+    scan = parted(60)
+    OPS.make_lods(counts=(20, 6, 0), colliders=False)
+    edited = bpy.data.objects["Scan_LOD0"]
+    edited.data.vertices[0].co.x += 1
+    OPS.make_lods(counts=(20, 6, 0), colliders=False)
+    assert "'Scan_LOD0.old'" in capfd.readouterr().out
+    assert (edited.name, edited.hide_get()) == ("Scan_LOD0.old", True)
+    assert targets.result_of(bpy.context.scene, scan).name == "Scan_LOD0"
+
+
+def test_levels_of_a_scan_with_a_long_name_are_found_and_replaced():
+    scan = parted(60)
+    scan.name = "ä" * 30
+    OPS.make_lods(counts=(30, 20, 6))
+    levels = [obj for _, obj in targets.levels(scan)]
+    assert [obj.name for obj in levels] == [f"{'ä' * 22}_LOD{number}" for number in range(3)]
+    (part,) = levels[0].children
+    assert part.name == f"UCX_{levels[0].name}_00"
+    OPS.make_lods(counts=(30, 6, 0))
+    assert len(targets.levels(scan)) == 2
+    OPS.keep_lod()
+    assert [number for number, _ in targets.levels(scan)] == [1, 2]
 
 
 def test_levels_end_at_one_that_fails():

@@ -1,9 +1,7 @@
 """Operators for files: export of buildings, solids and levels of detail, reports."""
 
-import re
 from contextlib import contextmanager
 from dataclasses import replace
-from operator import itemgetter
 from pathlib import Path
 
 import bpy
@@ -202,8 +200,7 @@ class ISIMP_OT_export_lods(_Formats, bpy.types.Operator):
 
 def _levels(context, scan) -> list:
     """Return the levels of detail of a scan from fine to coarse: the kept levels, then the result of Mesh."""
-    named = [(re.fullmatch(rf"{re.escape(scan.name)}_LOD(\d+)", obj.name), obj) for obj in context.scene.objects]
-    found = [obj for _, obj in sorted(((int(match[1]), obj) for match, obj in named if match), key=itemgetter(0))]
+    found = [obj for _, obj in targets.levels(scan) if obj.name in context.scene.objects]
     result = targets.result_of(context.scene, scan)
     return found if result is None or result in found else [*found, result]
 

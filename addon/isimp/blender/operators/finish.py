@@ -1,7 +1,5 @@
 """Operators that keep a result as a level of detail, open it for editing, make colliders, or merge coplanar faces."""
 
-import re
-
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
@@ -54,9 +52,10 @@ class ISIMP_OT_keep_lod(bpy.types.Operator):
 
     def execute(self, context):
         scan, result, _ = targets.find_result(context)
-        taken = [re.fullmatch(rf"{re.escape(scan.name)}_LOD(\d+)", obj.name) for obj in bpy.data.objects]
-        level = max((int(found[1]) for found in taken if found), default=-1) + 1
-        result.name = f"{scan.name}_LOD{level}"  # Mesh does not overwrite a renamed result
+        level = max((number for number, _ in targets.levels(scan)), default=-1) + 1
+        while targets.named(scan.name, f"_LOD{level}") in bpy.data.objects:  # an object of the user
+            level += 1
+        result.name = targets.named(scan.name, f"_LOD{level}")  # Mesh does not overwrite a renamed result
         result.data.name = result.name
         scene_outcome.bring_to_front(context, scan, result)
         regions = store.numbers(scan).get("regions", 0)
@@ -68,6 +67,7 @@ class ISIMP_OT_keep_lod(bpy.types.Operator):
         return {"FINISHED"}
 
 
+COLLIDER = "isimp_collider"  #: property of colliders and of their collections
 _NO_LIMIT = own("At Most does not apply with Wall Thickness: each wall is a part of its own")
 
 
@@ -148,6 +148,7 @@ def add_colliders(context, source, target, names: str, enclose=False, most=0, th
     solid = points, np.split(loops, start[1:])
     parts = engine.convex_parts(solid, enclose=enclose, parts=limit, thickness=thickness or False)
     place = bpy.data.collections.new(said("{name} colliders", name=target.name))
+    place[COLLIDER] = True
     (target.users_collection or (context.scene.collection,))[0].children.link(place)
     name = engine.convex.NAMES[names]
     for number, part in enumerate(parts):
@@ -160,7 +161,7 @@ def _collider(name: str, part, result):
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(part.vertices.tolist(), [], part.triangles.tolist())
     made = bpy.data.objects.new(name, mesh)
-    made.parent = result
+    made.parent, made[COLLIDER] = result, True
     made.display_type, made.hide_render = "WIRE", True
     return made
 
@@ -221,7 +222,7 @@ def _merged(context, source, angle: float):
     mesh.polygons.foreach_get("material_index", material)
     group = np.where(clean.source_face >= 0, material[face[np.maximum(clean.source_face, 0)]], 0)
     poly, region = engine.merge_flat(clean, angle, group)
-    name = f"{source.name.encode()[:56].decode(errors='ignore')}.flat"
+    name = targets.named(source.name, ".flat")
     made = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     for collection in source.users_collection or (context.scene.collection,):
         collection.objects.link(made)

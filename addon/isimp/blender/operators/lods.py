@@ -1,7 +1,7 @@
 """Operator that makes all levels of detail of a scan, from coarse to fine, with their images and colliders."""
 
 import dataclasses
-import re
+from contextlib import contextmanager
 
 import bpy
 from bpy.props import BoolProperty, IntVectorProperty
@@ -13,7 +13,7 @@ from ..scene import mesh_io, result, targets
 from ..texturing import materials, texture
 from ..work import scene_outcome
 from ..work.target import Target
-from .finish import add_colliders
+from .finish import COLLIDER, add_colliders
 from .mesh import Meshing
 
 _DIGEST = "isimp_level"  # on a level: its digest after Mesh
@@ -50,27 +50,15 @@ class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
         self._levels = list(enumerate(wanted))  # the coarsest is made first, so that the finest is seen at the end
         self._made, self._size, self._ended = [], 0, 0
         if first.scan is not None and wanted:
-            self._remove_former(first.scan)
             self._size = self._finest_image(context, first.scan)
         return first
-
-    def _remove_former(self, scan) -> None:
-        """Frees the names of levels made before. Edited levels get other names."""
-        for obj in [obj for obj in bpy.data.objects if obj.isimp.scan_key and targets.scan_of(obj) == scan]:
-            if not re.fullmatch(rf"{re.escape(scan.name)}_LOD\d+", obj.name):
-                continue
-            if obj.get(_DIGEST) != result.digest(obj):
-                obj.name = f"{obj.name}.old"
-                continue
-            for part in obj.children:
-                bpy.data.objects.remove(part)
-            bpy.data.objects.remove(obj)
 
     def _finest_image(self, context, scan) -> int:
         """Return the width of the finest level's image; 0 without a texture."""
         if not (self.keep_texture and texture.is_textured(scan)):
             return 0
-        step = texture.last_step(targets.result_of(context.scene, scan))
+        shown = targets.result_of(context.scene, scan)
+        step = None if shown in dict(targets.levels(scan)).values() else texture.last_step(shown)
         images = [bpy.data.images.get(materials.image_name(slot.material)) for slot in scan.material_slots]
         widest = max((image.size[0] for image in images if image is not None), default=0)
         return step.size if step is not None and step.size else widest
@@ -94,15 +82,25 @@ class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
         return recipe
 
     def show(self, context, scan, work, outcome):
-        kept = super().show(context, scan, work, outcome)
+        former = self._former(scan)
+        with _set_aside(former):
+            kept = super().show(context, scan, work, outcome)
         level, _ = self._levels.pop()
         made = context.view_layer.objects.active
-        made.name = made.data.name = f"{scan.name}_LOD{level}"
+        for number, obj in former:
+            scene_outcome.hide(context, obj)
+            if number == level and not _removed(context, scan, number, obj):
+                kept.append((obj.name, own("edited by hand")))
+        made.name = made.data.name = targets.named(scan.name, f"_LOD{level}")
         self._made.append(made.name)
         made[_DIGEST] = made.isimp.made
         if level:  # the finest one stays the result
             made.isimp.made = targets.KEPT
         return kept
+
+    def _former(self, scan) -> list:
+        """Return [(number, object)] of the levels that an earlier press has made."""
+        return [(number, obj) for number, obj in targets.levels(scan) if obj.name not in self._made]
 
     def _next_target(self, context):
         made = [bpy.data.objects.get(name) for name in self._made]
@@ -115,6 +113,10 @@ class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
 
     def _conclude(self, context, state):
         made = [bpy.data.objects[name] for name in self._made if name in bpy.data.objects]
+        scan = targets.scan_of(made[-1]) if made and not self._levels else None
+        if scan is not None:
+            for number, obj in self._former(scan):
+                _removed(context, scan, number, obj)
         if self.colliders and made and not self._levels:
             try:
                 add_colliders(context, made[0], made[-1], "unreal")
@@ -127,6 +129,51 @@ class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
             counts = ", ".join(f"{len(obj.data.polygons):,}" for obj in reversed(made))
             self.report({"INFO"}, said(own("Levels of {counts} polygons"), counts=counts))
         return super()._conclude(context, state)
+
+
+@contextmanager
+def _set_aside(levels: list):
+    """Mesh neither fills nor hides these levels meanwhile."""
+    made = [(obj, obj.isimp.made) for _, obj in levels]
+    for obj, _ in made:
+        obj.isimp.made = targets.KEPT
+    try:
+        yield
+    finally:
+        for obj, before in made:
+            obj.isimp.made = before
+
+
+def _removed(context, scan, number: int, level) -> bool:
+    """Removes a level of an earlier press with its colliders; returns False if an edited one got another name."""
+    if level.get(_DIGEST) != result.digest(level):
+        level.name, level.isimp.made = targets.named(scan.name, f"_LOD{number}.old"), targets.KEPT
+        return False
+    context.view_layer.update()  # for the places of its children
+    for part in level.children:
+        if part.get(COLLIDER):
+            _remove_collider(part)
+        else:  # an object of the user
+            place = part.matrix_world.copy()
+            part.parent = None
+            part.matrix_world = place
+    _remove(level)
+    return True
+
+
+def _remove_collider(part) -> None:
+    places = [place for place in part.users_collection if place.get(COLLIDER)]
+    _remove(part)
+    for place in places:
+        if not (place.objects or place.children):
+            bpy.data.collections.remove(place)
+
+
+def _remove(obj) -> None:
+    mesh = obj.data
+    bpy.data.objects.remove(obj)
+    if not mesh.users:
+        bpy.data.meshes.remove(mesh)
 
 
 CLASSES = (ISIMP_OT_make_lods,)

@@ -90,7 +90,7 @@ def to_fill(context, scan) -> tuple:
 
 
 def _new(scan, context):
-    name = f"{scan.name.encode()[:52].decode(errors='ignore')}.simplified"  # a name holds 63 bytes
+    name = targets.named(scan.name, ".simplified")
     result = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     for collection in scan.users_collection or (context.scene.collection,):
         collection.objects.link(result)

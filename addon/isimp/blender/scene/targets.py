@@ -1,5 +1,7 @@
 """Finds the scan for all operators and the panel, or the reason why there is no usable one."""
 
+import re
+
 import bpy
 
 from ... import messages, session
@@ -8,6 +10,7 @@ from . import mesh_io, runtime, store, unread_layers
 
 NO_RESULT = own("There is no result yet: press Mesh first")
 KEPT = "kept"  #: value of `isimp.made` on a result that Mesh must not overwrite, in place of a digest
+_LONGEST = 50  # bytes of a name: Blender stores 63, and names of colliders add up to 13
 _OTHER = {
     "CURVE": own("a curve"),
     "EMPTY": own("an empty"),
@@ -59,6 +62,18 @@ def is_copy(result) -> bool:
     """Return whether a result is a copy of another one, judged by its name."""
     named = result.isimp.named
     return named not in ("", result.name) and named in bpy.data.objects
+
+
+def named(stem: str, suffix: str) -> str:
+    """Return stem and suffix as Blender can store them, also in names of colliders: a long stem is cut."""
+    return stem.encode()[: _LONGEST - len(suffix.encode())].decode(errors="ignore") + suffix
+
+
+def levels(scan) -> list:
+    """Return [(number, object)] of the levels of detail of a scan, NAME_LOD0 and so on, from fine to coarse."""
+    numbered = ((re.search(r"_LOD(\d+)$", obj.name), obj) for obj in bpy.data.objects if scan_of(obj) == scan)
+    found = [(int(end[1]), obj) for end, obj in numbered if end and obj.name == named(scan.name, end[0])]
+    return sorted(found, key=lambda level: level[0])
 
 
 def find(context):
