@@ -164,11 +164,27 @@ class Session:
         """Return the numbers of the regions that are locked after the recipe. Raises ValueError or Stopped."""
         if not any(isinstance(step, (rcp.LockRegions, rcp.PaintFaces)) for _, step in recipe.active()):
             return np.empty(0, np.int64)
-        try:
-            outcome = self.replay(scan, recipe.without_mesh(), watch)
-        except StepFailed as error:
-            outcome = error.outcome
+        outcome = self._possible(scan, recipe, watch)
         return np.empty(0, np.int64) if outcome is None else np.flatnonzero(outcome.partition.region_locked)
+
+    def neighbours(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> np.ndarray:
+        """Return (P, 2) faces that share an edge which is no barrier of the regions. Raises ValueError or Stopped."""
+        pairs: np.ndarray = scan.face_edges[0]
+        if not any(_has_barriers(step) for _, step in recipe.active() if isinstance(step, rcp.Partition)):
+            return pairs
+        outcome = self._possible(scan, recipe, watch)
+        if outcome is None:
+            return pairs
+        repaired = self.prepare(scan, watch, repair=outcome.repair)
+        joined: np.ndarray = repaired.faces.joined(engine.regions.barrier_faces(repaired.mesh, outcome.partition))
+        return pairs[joined]
+
+    def _possible(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None) -> Outcome | None:
+        """Return the regions after the recipe, or after the steps before one that fails."""
+        try:
+            return self.replay(scan, recipe.without_mesh(), watch)
+        except StepFailed as error:
+            return error.outcome
 
     def known(self, scan: Scan, recipe: rcp.Recipe) -> Outcome | None:
         """Return the cached outcome of the recipe, or None. Nothing is computed."""
@@ -265,6 +281,10 @@ def _barriers(step: rcp.Partition, scan: Scan, repaired) -> list[np.ndarray]:
     if step.angle < 180:
         found.append(guides.sharp_edges(mesh, np.radians(step.angle)))
     return found
+
+
+def _has_barriers(step: rcp.Partition) -> bool:
+    return bool(step.borders) or step.angle < 180 or any(getattr(step, name) for name in rcp.MARKS)
 
 
 def _guides(step: rcp.Partition, scan: Scan, repaired, _job):

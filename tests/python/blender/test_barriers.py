@@ -50,6 +50,31 @@ def test_marks_that_modifiers_move_away_are_said(scan):
         bpy.ops.isimp.replay(recipe=Recipe((Partition(proxies=6, seams=True),)).to_json())
 
 
+def test_slivers_are_not_merged_across_seams(scan):
+    """Of two faces in a wall that a seam surrounds, one is a region: its only neighbour is the other."""
+    mesh = scan.data
+    inside = next(pair for pair in zip(mesh.polygons[:-1], mesh.polygons[1:], strict=True) if beside(*pair))
+    rim = set(inside[0].edge_keys) ^ set(inside[1].edge_keys)
+    for edge in mesh.edges:
+        edge.use_seam = tuple(sorted(edge.vertices)) in rim
+    first, second = (polygon.index for polygon in inside)
+    steps = Partition(proxies=7, seams=True), PaintFaces(faces=(first,), onto=-1)
+    bpy.ops.isimp.replay(recipe=Recipe(steps).to_json())
+    regions = scans.regions(scan)
+    assert (regions == regions[second]).sum() == 1
+    assert bpy.ops.isimp.merge_slivers(share=50) == {"FINISHED"}
+    regions = scans.regions(scan)
+    assert regions[first] == regions[second]
+    assert (regions == regions[first]).sum() == 2
+    with pytest.raises(RuntimeError, match="No region is that small"):
+        bpy.ops.isimp.merge_slivers(share=50)
+    assert bpy.ops.isimp.make_editable() == {"FINISHED"}
+
+
+def beside(one, other):
+    return len(set(one.edge_keys) & set(other.edge_keys)) == 1
+
+
 def test_the_number_is_found_unless_one_is_given(scan):
     bpy.ops.isimp.partition()
     assert len(set(scans.regions(scan))) == 6

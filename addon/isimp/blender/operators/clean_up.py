@@ -85,8 +85,9 @@ def without_slivers(context, scan, recipe, share: float) -> tuple:
     area, normal = engine.regions.region_sides(
         arrays.vertices, arrays.triangles, label[arrays.triangle_face], int(label.max(initial=-1)) + 1
     )
-    locked = runtime.get().session.locked_regions(arrays, recipe)
-    found = slivers.merges(label, arrays.face_edges[0], area, normal, locked, share)
+    session = runtime.get().session
+    pairs, locked = session.neighbours(arrays, recipe), session.locked_regions(arrays, recipe)
+    found = slivers.merges(label, pairs, area, normal, locked, share)
     first = np.full(len(area), -1)
     faces = np.flatnonzero(label >= 0)[::-1]
     first[label[faces]] = faces
