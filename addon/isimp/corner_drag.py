@@ -54,14 +54,15 @@ def swept(around: Around, drag: np.ndarray, sight: np.ndarray) -> dict[int, np.n
 def _along(around: Around, pair: np.ndarray, far: float, axes: np.ndarray) -> np.ndarray | None:
     """Return (2,) the first point beyond `far` on a border from the corner, or its end; None without such a border."""
     edges = around.edges[(np.sort(around.beside, axis=1) == pair).all(axis=1)]
-    place, now, before = around.vertices[around.corner] @ axes, around.corner, -1
+    place, now, seen = around.vertices[around.corner] @ axes, around.corner, {around.corner}
     while True:
         ends = edges[(edges == now).any(axis=1)]
         others = [int(b if a == now else a) for a, b in ends]
-        ahead = [v for v in others if v not in (before, around.corner)]
+        ahead = [v for v in others if v not in seen]
         if not ahead or np.linalg.norm(around.vertices[now] @ axes - place) >= far:
             return None if now == around.corner else around.vertices[now] @ axes
-        before, now = now, ahead[0]
+        now = ahead[0]
+        seen.add(now)
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

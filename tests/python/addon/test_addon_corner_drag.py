@@ -43,5 +43,16 @@ def test_borders_run_straight_to_the_new_corner(around, drag):
     assert np.count_nonzero(label != wanted) <= 4  # on a line, or between two of them at the corner
 
 
+def test_a_border_that_runs_into_a_ring_ends_there():
+    """The common border of two regions, as a lollipop: two edges from the corner, then a triangle."""
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 1, 0], [3, -1, 0], [-1, 1, 0], [-1, -1, 0]], float)
+    border = np.array([[0, 1], [2, 3], [3, 4], [4, 2], [1, 2], [0, 5], [0, 6]])
+    beside = np.array([[1, 2]] * 5 + [[1, 3], [2, 3]])
+    centers = np.array([[0.5, 0.2, 0], [0.5, -0.2, 0], [-0.5, 0, 0]])
+    label = np.array([1, 2, 3])
+    found = corner_drag.swept(corner_drag.Around(centers, label, vertices, border, beside, 0), 2 * vertices[3], SIGHT)
+    assert all((label[taken] != region).all() for region, taken in found.items())
+
+
 def test_a_drag_along_the_sight_moves_nothing(around):
     assert corner_drag.swept(around, np.array([0.0, 0.0, 1.0]), SIGHT) == {}
