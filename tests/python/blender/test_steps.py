@@ -100,6 +100,32 @@ def test_two_scans_keep_their_own(edited):
     assert len(store.load(edited).steps) == 3
 
 
+def test_the_file_of_a_recipe_has_the_name_that_was_entered(edited, tmp_path):
+    foreign = tmp_path / "house.json"
+    foreign.write_text("{}")
+    for name, written in (("house.v2", "house.v2.json"), ("Barn.JSON", "Barn.JSON")):
+        bpy.ops.isimp.recipe_export(filepath=str(tmp_path / name))
+        assert Recipe.from_json((tmp_path / written).read_text()) == store.load(edited)
+    assert foreign.read_text() == "{}"
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_a_recipe_that_can_not_be_written_leaves_the_old_file(edited, tmp_path, monkeypatch):
+    path = tmp_path / "house.json"
+    path.write_text("{}")
+
+    def full(self, text, **more):
+        with self.open("w") as file:
+            file.write(text[:10])
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(type(path), "write_text", full)
+    with pytest.raises(RuntimeError, match=r"house\.json' can't be written: No space"):
+        bpy.ops.isimp.recipe_export(filepath=str(path))
+    assert path.read_text() == "{}"
+    assert list(tmp_path.iterdir()) == [path]
+
+
 def test_a_recipe_is_copied_to_another_scan_by_file_and_by_clipboard(edited, tmp_path):
     bpy.ops.isimp.recipe_export(filepath=str(tmp_path / "mine"))
     recipe = store.load(edited)

@@ -22,6 +22,7 @@ class Writes:
     """Mixin of operators that ask for a place and write there; `written` returns the line that says so."""
 
     errors: tuple = (ValueError, OSError, mesh_io.Unusable)
+    check_existing: BoolProperty(default=True, options={"HIDDEN"})  # Blender's dialog then warns of a file that exists
 
     def invoke(self, context, event):
         context.window_manager.fileselect_add(self)

@@ -7,6 +7,7 @@ import bpy
 from bpy.props import BoolProperty, StringProperty
 
 from ... import messages
+from ...engine import engine
 from ...language import said
 from ...recipe import Recipe
 from ...session import placed, with_places
@@ -139,13 +140,22 @@ class ISIMP_OT_recipe_export(_HasRecipe, Writes, bpy.types.Operator):
         self.filepath = f"{targets.find(context)[0].name}.json"
         return super().invoke(context, event)
 
+    def check(self, context):
+        """Adds the ending to the name in the dialog, so that Blender warns if that file exists."""
+        named = self.filepath
+        if bpy.path.basename(named):
+            self.filepath = bpy.path.ensure_ext(named, ".json")
+        return self.filepath != named
+
     def written(self, context):
         path = Path(bpy.path.abspath(self.filepath))
         if not path.name:
             raise ValueError(said("No file is named: enter a name."))
-        path = path.with_suffix(".json")
+        if path.suffix.lower() != ".json":
+            path = path.with_name(f"{path.name}.json")
         try:
-            path.write_text(self.text(context), encoding="utf-8")
+            with engine.drafts.whole(path) as draft:
+                draft.write_text(self.text(context), encoding="utf-8")
         except OSError as error:
             raise ValueError(said("'{path}' can't be written: {why}.", path=path, why=error.strerror)) from None
         return said("Recipe written to '{path}'.", path=path)
