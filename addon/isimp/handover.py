@@ -107,9 +107,7 @@ def far_origin(vertices: np.ndarray) -> np.ndarray:
 
 def report_texts(mesh: Any, outcome: Outcome, place: np.ndarray, name: str, crs: int | None) -> dict[str, str]:
     """Return the files of a report by name; see `isimp_engine.reports`. place: (4, 4) from the mesh to the world."""
-    from importlib import import_module
-
-    reports = import_module(f"{engine.__name__}.reports")
+    reports = _reports()
     part, poly = outcome.partition, outcome.polygons
     table = reports.plane_table(mesh, part, poly, place=place)
     texts: dict[str, str] = reports.texts_of(
@@ -118,13 +116,12 @@ def report_texts(mesh: Any, outcome: Outcome, place: np.ndarray, name: str, crs:
     return texts
 
 
-def write_report(folder: Path, texts: dict[str, str]) -> None:
-    """Write the files of a report, and remove those of an earlier one that it lacks."""
+def _reports() -> Any:
     from importlib import import_module
 
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in import_module(f"{engine.__name__}.reports").NAMES:
-        if name in texts:
-            (folder / name).write_text(texts[name], encoding="utf-8")
-        else:
-            (folder / name).unlink(missing_ok=True)
+    return import_module(f"{engine.__name__}.reports")
+
+
+def write_report(folder: Path, texts: dict[str, str]) -> None:
+    """Writes the files of a report; see `isimp_engine.reports`. Raises OSError."""
+    _reports().write(folder, texts)

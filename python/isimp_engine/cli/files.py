@@ -84,7 +84,6 @@ class Outputs:
 
     def __init__(self) -> None:
         self._moves: list[tuple[Path, Path]] = []
-        self._old: list[Path] = []
 
     def __enter__(self) -> "Outputs":
         return self
@@ -116,14 +115,8 @@ class Outputs:
         except OSError as error:
             raise OSError(error.errno, error.strerror or str(error), str(path)) from None
 
-    def remove(self, path: Path) -> None:
-        """Have `commit` remove a file of an earlier run that these outputs lack."""
-        self._old.append(path)
-
     def commit(self) -> None:
         with too_late():
             while self._moves:
                 deliver(*self._moves[0])
                 self._moves.pop(0)
-            for path in self._old:
-                path.unlink(missing_ok=True)

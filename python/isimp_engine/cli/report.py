@@ -8,8 +8,9 @@ from .. import reports
 from ..pipeline import make_model, make_regions
 from ..source import load
 from . import words
+from .ending import too_late
 from .errors import UsageError
-from .files import Outputs, add_input, check_all, show
+from .files import add_input, check_all, show
 from .options import settings_of
 from .progress import Steps, wanted
 
@@ -61,14 +62,8 @@ def run(arguments: argparse.Namespace) -> None:
     )
     if angles is not None:
         texts[reports.ANGLES] = reports.write_csv(angles, ("region", "other", "angle"))
-    arguments.output.mkdir(parents=True, exist_ok=True)
-    with Outputs() as outputs:
-        for name, text in texts.items():
-            outputs.write_text(arguments.output / name, text)
-        for name in reports.NAMES:
-            if name not in texts:
-                outputs.remove(arguments.output / name)
-        outputs.commit()
+    with too_late():
+        reports.write(arguments.output, texts)
     if not arguments.quiet:
         found = words.count(len(table.rows), "plane")
         if table.round_parts:

@@ -1,10 +1,14 @@
 """The files of a report about a model."""
 
+from contextlib import ExitStack
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
 from .._core import Mesh, Partition, PolygonMesh
 from ..batch import picture
+from ..drafts import whole
 from ..sizes import SIZE_COLUMNS, SNAPPED_COLUMNS, size_rows
 from .page import numbers_of, write_page
 from .planes import PlaneTable, write_csv, write_geojson
@@ -48,3 +52,20 @@ def texts_of(
         _MAP: write_geojson(table, crs),
         _PAGE: write_page(title, numbers_of(mesh, part, polygons.report, table), table, seen),
     }
+
+
+def write(folder: Path, texts: dict[str, str]) -> None:
+    """Write the files of a report, by name, and remove the files of an earlier report that this one lacks.
+
+    The folder is made if it does not exist. If a file can't be written, all files stay as they were. Raises OSError.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with ExitStack() as drafts:
+        for name, text in texts.items():
+            try:
+                drafts.enter_context(whole(folder / name)).write_text(text, encoding="utf-8")
+            except OSError as error:
+                raise OSError(error.errno, error.strerror or str(error), str(folder / name)) from None
+    for name in NAMES:
+        if name not in texts:
+            (folder / name).unlink(missing_ok=True)

@@ -183,6 +183,25 @@ def test_a_report_of_steps_that_fail_says_why(file, tmp_path):
         OPS.write_report(directory=str(tmp_path / "report"))
 
 
+def test_a_report_that_can_not_be_written_leaves_the_old_one(tmp_path, monkeypatch):
+    folder = tmp_path / "report"
+    handover.write_report(folder, {"planes.csv": "old", "sizes.csv": "old"})
+    write_text = type(folder).write_text
+
+    def full(self, text, **more):
+        if "report" in self.name:
+            raise OSError(28, "No space left on device")
+        return write_text(self, text, **more)
+
+    monkeypatch.setattr(type(folder), "write_text", full)
+    with pytest.raises(OSError, match=r"No space left on device: '.*/report/report\.html'"):
+        handover.write_report(folder, {"planes.csv": "new", "report.html": "new"})
+    assert {path.name: path.read_text() for path in folder.iterdir()} == {"planes.csv": "old", "sizes.csv": "old"}
+    monkeypatch.undo()
+    handover.write_report(folder, {"planes.csv": "new", "report.html": "new"})
+    assert {path.name: path.read_text() for path in folder.iterdir()} == {"planes.csv": "new", "report.html": "new"}
+
+
 def test_a_report_has_map_coordinates_and_the_scene_up(file, tmp_path):
     scan = meshed(file)
     scan.rotation_euler = (0, 0, np.pi / 2)
