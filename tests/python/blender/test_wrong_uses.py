@@ -104,6 +104,7 @@ USES = [
     ("nothing is selected", unselected, lambda: OPS.add_proxy(), "No face is selected"),
     ("all faces are selected", lambda: selected(*range(300)), lambda: OPS.add_proxy(), "each would become a region"),
     ("merge one selected region", lambda: selected(0, 1), lambda: OPS.merge(), "Only one region is chosen"),
+    ("select in a flattened scan", lambda: flattened(parted), lambda: OPS.select_by(), "scaled to nothing"),
     ("a scan scaled to nothing", lambda: flattened(), lambda: OPS.partition(proxies=6), "scaled to nothing"),
     ("one plane parallel", parted, lambda: OPS.align(face=0, to="parallel"), "one region.*select faces of two or more"),
     ("a wall level", sides, lambda: OPS.align(face=0, to="level"), "is at right angles to the plane that it should"),
@@ -156,8 +157,8 @@ def thing(data, active=True):
     return made
 
 
-def flattened():
-    scan = scans.cube()
+def flattened(make=scans.cube):
+    scan = make()
     scan.scale = (1, 1, 0)
     bpy.context.view_layer.update()
     return scan

@@ -4,7 +4,7 @@ import bpy
 
 from ... import messages
 from ...language import said
-from ..scene import runtime, targets
+from ..scene import mesh_io, runtime, targets
 from ..view import comparison, overlay
 
 _NAVIGATION = ("MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW", "MOUSEROTATE", "MOUSEZOOM")
@@ -32,7 +32,11 @@ class ISIMP_OT_compare(bpy.types.Operator):
         scan, result, _ = targets.find_result(context)
         self._regions = list(context.area.regions)
         self._region = next(region for region in self._regions if region.type == "WINDOW")
-        self._made = comparison.start(context, scan, result)
+        try:
+            self._made = comparison.start(context, scan, result)
+        except mesh_io.Unusable as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
         context.window_manager.modal_handler_add(self)
         self._tell(context)
         return {"RUNNING_MODAL"}

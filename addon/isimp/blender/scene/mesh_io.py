@@ -42,6 +42,15 @@ def shape_matrix(obj) -> np.ndarray:
     return np.round(shape / digits) * digits
 
 
+def has_shape(obj) -> bool:
+    """Return whether `shape_matrix` of the object exists."""
+    try:
+        shape_matrix(obj)
+    except Unusable:
+        return False
+    return True
+
+
 def lost_detail(obj) -> float_loss.Loss | None:
     """Return the float32 loss of an object far from its own origin, lengths with its scale; None if negligible."""
     box = np.array(obj.bound_box, np.float64)

@@ -21,7 +21,7 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
     bl_idname = "isimp.drag_border"
     bl_label = "Drag Border"
 
-    def invoke(self, context, event):
+    def start(self, context, event):
         if not self.begin(context, event):
             return {"CANCELLED"}
         self._ray = self.ray(event)

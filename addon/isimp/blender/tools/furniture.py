@@ -26,7 +26,7 @@ class ISIMP_OT_show_furniture(ModalTool, bpy.types.Operator):
     def poll(cls, context):
         return targets.allows(cls, context, targets.needs_regions)
 
-    def invoke(self, context, event):
+    def start(self, context, event):
         self._scan, _ = targets.find(context)
         if context.view_layer.objects.active != self._scan:
             bpy.ops.isimp.swap("INVOKE_DEFAULT", True)

@@ -17,7 +17,10 @@ _CLOSED, _KEPT = (1.0, 0.45, 0.1, 1.0), (0.2, 0.85, 0.35, 1.0)
 
 
 def found(context, scan, wait: bool = False) -> list | None:
-    """Return the openings of the visible regions; None while they are not cached. wait: computes them if needed."""
+    """Return the openings of the visible regions; None while they are not cached.
+
+    wait: computes them if needed. Raises Unusable, StepFailed or ValueError.
+    """
     current, key = runtime.get(), (scan.name, mesh_io.state_of(scan))
     if current.openings is not None and current.openings[0] == key:
         return current.openings[1]
@@ -25,6 +28,8 @@ def found(context, scan, wait: bool = False) -> list | None:
     if current.running is not None or not recipe:
         return None
     recipe = recipe.without_mesh()
+    if not (wait or mesh_io.has_shape(scan)):
+        return None
     arrays = reading.read(context, scan, recipe.layers(), again=not wait)
     outcome = current.session.known(arrays, recipe)
     if outcome is None and wait:
@@ -92,14 +97,13 @@ class ISIMP_OT_hover_opening(bpy.types.Operator):
         return {"PASS_THROUGH"}
 
 
-class ISIMP_OT_toggle_opening(bpy.types.Operator):
+class ISIMP_OT_toggle_opening(point.ModalTool, bpy.types.Operator):
     """Keep the opening under the mouse open, or close it again"""
 
     bl_idname = "isimp.toggle_opening"
     bl_label = "Keep or Close Opening"
-    bl_options = {"INTERNAL"}
 
-    def invoke(self, context, event):
+    def start(self, context, event):
         scan = _scan(context)
         if scan is None:
             self.report({"INFO"}, point.nothing_here())

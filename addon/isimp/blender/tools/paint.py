@@ -31,7 +31,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
 
     finer: BoolProperty(name="Finer Here", description="The stroke splits the regions under it", options={"SKIP_SAVE"})
 
-    def invoke(self, context, event):
+    def start(self, context, event):
         if not self.begin(context, event):
             return {"CANCELLED"}
         ground, panel = self._ground, context.window_manager.isimp
@@ -125,7 +125,7 @@ class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
         name="Choose", description="A click chooses another region and splits none", options={"SKIP_SAVE"}
     )
 
-    def invoke(self, context, event):
+    def start(self, context, event):
         if not self.begin(context, event):
             return {"CANCELLED"}
         self._cut, self._from = Cut(), self.place(event)
@@ -179,7 +179,7 @@ class ISIMP_OT_brush(ModalTool, bpy.types.Operator):
     bl_idname = "isimp.brush"
     bl_label = "Brush Radius"
 
-    def invoke(self, context, event):
+    def start(self, context, event):
         self._before = context.window_manager.isimp.brush
         self._center = (event.mouse_region_x - self._before, event.mouse_region_y)
         self._from = event.mouse_x - self._before

@@ -21,7 +21,7 @@ class ISIMP_OT_find_part(ModalTool, bpy.types.Operator):
     bl_idname = "isimp.find_part"
     bl_label = "Find Part"
 
-    def invoke(self, context, event):
+    def start(self, context, event):
         if not self.begin(context, event):
             return {"CANCELLED"}
         self._hit = self._ground.hit(self.ray(event))

@@ -11,6 +11,7 @@ from ...language import own, said
 from .. import reading
 from ..scene import pointed, runtime, store, targets
 from ..view import overlay
+from ..work.modal import PROBLEMS, why
 from . import under
 
 _LIGHT = (1.0, 0.75, 0.4, 0.35)
@@ -119,9 +120,19 @@ def miss():
 
 
 class ModalTool:
-    """Mixin of tools that run from a press of the mouse to its release."""
+    """Mixin of tools that run from a press of the mouse to its release.
+
+    A subclass defines `start` and `heard`. If the scan can't be used or a step fails, the tool ends with a report.
+    """
 
     bl_options = {"INTERNAL"}
+
+    def invoke(self, context, event):
+        try:
+            return self.start(context, event)
+        except PROBLEMS as problem:
+            self.report({"ERROR"}, why(problem))
+            return {"CANCELLED"}
 
     def place(self, event):
         return event.mouse_x - self._region.x, event.mouse_y - self._region.y
@@ -159,7 +170,12 @@ class ModalTool:
         if event.value == "PRESS" and (event.type in {"ESC", "RIGHTMOUSE"} or undo):
             self.cancel(context)
             return {"CANCELLED"}
-        return self.heard(context, event)
+        try:
+            return self.heard(context, event)
+        except PROBLEMS as problem:
+            self.report({"ERROR"}, why(problem))
+            self.cancel(context)
+            return {"CANCELLED"}
 
     def end(self, context, redraws: bool = True) -> None:
         """Removes the highlight. redraws: False if a step follows, which redraws the view."""
@@ -199,7 +215,7 @@ class ISIMP_OT_lock_here(ModalTool, bpy.types.Operator):
     bl_idname = "isimp.lock_here"
     bl_label = "Lock or Unlock Region"
 
-    def invoke(self, context, event):
+    def start(self, context, event):
         hit = self._ground.hit(self.ray(event)) if self.begin(context, event) else None
         if hit is None:
             return {"CANCELLED"}
@@ -257,7 +273,7 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
     bl_idname = "isimp.point"
     bl_label = "Region"
 
-    def invoke(self, context, event):
+    def start(self, context, event):
         hand = "delete" if event.ctrl else context.window_manager.isimp.hand
         if hand == "cut":
             return bpy.ops.isimp.cut("INVOKE_DEFAULT")

@@ -25,7 +25,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
     bl_idname = "isimp.size"
     bl_label = "Grow or Shrink Region"
 
-    def invoke(self, context, event):
+    def start(self, context, event):
         panel_changes.interrupt(context)
         if not self.begin(context, event):
             return {"CANCELLED"}
@@ -107,7 +107,7 @@ class ISIMP_OT_size_here(ModalTool, bpy.types.Operator):
 
     shrink: BoolProperty(name="Shrink", description="Shrink the region", options={"SKIP_SAVE"})
 
-    def invoke(self, context, event):
+    def start(self, context, event):
         hit = self._ground.hit(self.ray(event)) if self.begin(context, event) else None
         if hit is None:
             return {"CANCELLED"}

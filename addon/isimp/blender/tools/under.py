@@ -233,11 +233,11 @@ def ground_of(context, scan, wait: bool = False):
         return None
     current = runtime.get()
     known = current.ground
-    if known is None or not _fits(known, scan):
-        try:
+    try:
+        if known is None or not _fits(known, scan):
             known = current.ground = Ground(context, scan)
-        except mesh_io.Unusable:
-            return None
+    except mesh_io.Unusable:
+        return None
     return known if _prepare(known, wait) and current.surface[1] is not None else None
 
 

@@ -32,7 +32,9 @@ def scan_shown(context):
     """Return the active scan if its regions are visible, or None."""
     scan, problem = targets.seen(context)
     seen = not problem and context.view_layer.objects.active == scan and scan.visible_get()
-    return scan if seen and mesh_io.state_of(scan) and not targets.needs_regions(scan) else None
+    if not (seen and mesh_io.state_of(scan) and mesh_io.has_shape(scan)) or targets.needs_regions(scan):
+        return None
+    return scan
 
 
 def hover_shown(context):
@@ -251,6 +253,8 @@ def _draw_result(context) -> None:
     made = context.view_layer.objects.active
     if targets.scan_of(made) is None or made.mode != "OBJECT" or not made.visible_get() or made.show_wire:
         return
+    if not mesh_io.has_shape(made):
+        return
     if context.space_data.overlay.show_overlays and 0 < len(made.data.edges) <= _MOST_EDGES and not made.modifiers:
         with Over(context.region_data, made):
             sketches.lines(mesh_io.edge_lines(made.data), _THIN, 1.0)
@@ -300,7 +304,7 @@ def previewed(context, scan) -> dict:
         return {}
     try:
         drawing = runtime.get().drawings.get(_key(context, scan))
-    except (ValueError, mesh_io.Unusable):  # unusable settings or transform
+    except ValueError:  # unusable settings
         return {}
     made = drawing.sketch.numbers if drawing is not None else {}
     return made if made.get("regions_before") == store.numbers(scan).get("regions") else {}

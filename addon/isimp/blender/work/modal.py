@@ -29,6 +29,8 @@ log = logging.getLogger("isimp")
 _AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
 _TICK = 0.05
 _BEFORE = 0.6  # share of the progress for the steps before a texture
+#: Raised where a scan can't be used or a step fails; `why` has the report
+PROBLEMS = (mesh_io.Unusable, StepFailed, ValueError)
 #: Prefixes of events that are allowed while a mesh in Edit Mode is written, since other events could change the mesh
 NAVIGATION = ("MOUSE", "MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW")
 
@@ -403,6 +405,13 @@ class RecipeOperator:
             text = own("'{name}' was changed or removed meanwhile: the result was discarded.")
             self.report({"WARNING"}, said(text, name=work.name))
         return obj
+
+
+def why(problem: Exception) -> str:
+    """Return the report of one of PROBLEMS in a sentence."""
+    if isinstance(problem, StepFailed):
+        return f"{messages.failed(problem, True, text.in_scene)}."
+    return str(problem)
 
 
 def _warnings(shown, before: dict, work, outcome, kept: list):

@@ -55,7 +55,11 @@ class SelectOperator:
         context.window_manager.event_timer_remove(self._timer)
 
     def _begin(self, context) -> bool:
-        wanted = self.wanted(context)
+        try:
+            wanted = self.wanted(context)
+        except modal.PROBLEMS as problem:
+            self.report({"ERROR"}, modal.why(problem))
+            return False
         if wanted is None:
             return False
         obj, faces = wanted

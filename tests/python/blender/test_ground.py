@@ -1,0 +1,73 @@
+"""The scan under the mouse, and errors in tools, without a window."""
+
+from types import SimpleNamespace
+
+import bpy
+import pytest
+import scans
+
+from isimp.blender import tools
+from isimp.blender.scene import mesh_io, runtime
+from isimp.blender.tools import opening, point, under
+from isimp.blender.view import overlay
+from isimp.recipe import Mesh
+from isimp.session import StepFailed
+
+OPS = bpy.ops.isimp
+PRESS = SimpleNamespace(type="LEFTMOUSE", value="PRESS", ctrl=False, oskey=False)
+ERRORS = [
+    (mesh_io.Unusable("'Scan' is scaled to nothing."), "'Scan' is scaled to nothing."),
+    (StepFailed(1, Mesh(), "there are no regions yet", None), "Step 2, Mesh: there are no regions yet."),
+    (ValueError("The mesh has no faces."), "The mesh has no faces."),
+]
+
+
+class Tool(point.ModalTool):
+    """A tool that fails."""
+
+    def __init__(self, problem):
+        self.problem, self.told, self.is_ended = problem, [], False
+
+    def report(self, kind, told):
+        self.told.append((kind, told))
+
+    def start(self, context, event):
+        raise self.problem
+
+    heard = start
+
+    def end(self, context, redraws=True):
+        self.is_ended = True
+
+
+@pytest.mark.parametrize(("problem", "told"), ERRORS)
+def test_an_error_ends_a_tool_with_a_report(problem, told):
+    tool = Tool(problem)
+    assert tool.invoke(bpy.context, PRESS) == {"CANCELLED"}
+    assert (tool.told, tool.is_ended) == ([({"ERROR"}, told)], False)
+    tool = Tool(problem)
+    assert tool.modal(bpy.context, PRESS) == {"CANCELLED"}
+    assert (tool.told, tool.is_ended) == ([({"ERROR"}, told)], True)
+
+
+def test_every_tool_of_the_mouse_begins_by_start():
+    found = [each for each in tools.CLASSES if issubclass(each, point.ModalTool)]
+    assert len(found) == 11
+    assert all("start" in vars(each) and "invoke" not in vars(each) for each in found)
+
+
+def test_a_scan_without_extent_is_not_shown_and_has_no_ground():
+    scan = scans.cube()
+    OPS.partition(proxies=6)
+    assert overlay.scan_shown(bpy.context) == scan
+    assert under.ground_of(bpy.context, scan, wait=True) is not None
+    assert opening.found(bpy.context, scan) == []
+    runtime.get().openings = None
+    scan.scale.x = 0
+    bpy.context.view_layer.update()
+    assert overlay.scan_shown(bpy.context) is None
+    assert overlay.previewed(bpy.context, scan) == {}
+    assert under.ground_of(bpy.context, scan, wait=True) is None
+    assert opening.found(bpy.context, scan) is None
+    with pytest.raises(mesh_io.Unusable):
+        opening.found(bpy.context, scan, wait=True)
