@@ -6,12 +6,12 @@ import bpy
 import pytest
 import scans
 
-from isimp.blender import tools
-from isimp.blender.scene import mesh_io, runtime
+from isimp.blender import reading, tools
+from isimp.blender.scene import mesh_io, runtime, store
 from isimp.blender.tools import opening, point, under
 from isimp.blender.view import overlay
 from isimp.recipe import Mesh
-from isimp.session import StepFailed
+from isimp.session import Session, StepFailed
 
 OPS = bpy.ops.isimp
 PRESS = SimpleNamespace(type="LEFTMOUSE", value="PRESS", ctrl=False, oskey=False)
@@ -71,3 +71,16 @@ def test_a_scan_without_extent_is_not_shown_and_has_no_ground():
     assert opening.found(bpy.context, scan) is None
     with pytest.raises(mesh_io.Unusable):
         opening.found(bpy.context, scan, wait=True)
+
+
+def test_locked_regions_are_known_once_the_outcome_is_cached(monkeypatch):
+    scan = scans.cube()
+    OPS.partition(proxies=6)
+    OPS.lock(face=0)
+    session, region = Session(), scans.regions(scan)[0]
+    monkeypatch.setattr(runtime.get(), "session", session)  # as after a file is opened
+    monkeypatch.setattr(under, "_fits", lambda known, scan: True)  # as with a window, where arrays are kept
+    runtime.get().ground = None
+    assert region not in under.ground_of(bpy.context, scan, wait=True).locked
+    session.replay(reading.read(bpy.context, scan), store.load(scan))
+    assert list(under.ground_of(bpy.context, scan, wait=True).locked) == [region]

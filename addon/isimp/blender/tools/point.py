@@ -8,8 +8,7 @@ from bpy.props import BoolProperty, StringProperty
 from ... import messages
 from ...gestures import Pointing, is_far
 from ...language import own, said
-from .. import reading
-from ..scene import pointed, runtime, store, targets
+from ..scene import pointed, runtime, targets
 from ..view import overlay
 from ..work.modal import PROBLEMS, why
 from . import under
@@ -219,18 +218,8 @@ class ISIMP_OT_lock_here(ModalTool, bpy.types.Operator):
         hit = self._ground.hit(self.ray(event)) if self.begin(context, event) else None
         if hit is None:
             return {"CANCELLED"}
-        do("isimp.lock", face=hit.face, unlock=_is_locked(context, hit.region))
+        do("isimp.lock", face=hit.face, unlock=hit.region in self._ground.locked)
         return {"FINISHED"}
-
-
-def _is_locked(context, region: int) -> bool:
-    scan = context.view_layer.objects.active
-    if not store.numbers(scan).get("locked"):
-        return False
-    recipe = store.load(scan)
-    outcome = runtime.get().session.replay(reading.read(context, scan, recipe.layers()), recipe)
-    locked = outcome.partition.region_locked
-    return 0 <= region < len(locked) and bool(locked[region])
 
 
 class _Chosen:

@@ -49,7 +49,8 @@ class Ground:
         self.state = mesh_io.state_of(obj)
         self.label = mesh_io.read_regions(obj)
         outcome = self._outcome = _known(context, obj)
-        #: numbers of the locked regions; empty if the outcome is not cached
+        self.is_partial = outcome is None  #: whether the outcome was not cached
+        #: numbers of the locked regions; empty if the outcome was not cached
         self.locked = np.empty(0, int) if outcome is None else np.flatnonzero(outcome.partition.region_locked)
         self._between = None if outcome is None else outcome.border
         self._repair = None if outcome is None else outcome.repair
@@ -234,7 +235,7 @@ def ground_of(context, scan, wait: bool = False):
     current = runtime.get()
     known = current.ground
     try:
-        if known is None or not _fits(known, scan):
+        if known is None or not _fits(known, scan) or (known.is_partial and _known(context, scan) is not None):
             known = current.ground = Ground(context, scan)
     except mesh_io.Unusable:
         return None
