@@ -7,7 +7,7 @@ import bpy
 import pytest
 import scans
 
-from isimp.blender.scene import mesh_io, store
+from isimp.blender.scene import mesh_io, runtime, store
 
 OPS = bpy.ops.isimp
 #: Words of programs and of the papers, which no line to a user has
@@ -216,3 +216,14 @@ def test_a_disabled_button_has_the_reason(make, name, said):
     told = str(caught.value).strip().splitlines()[0]
     assert re.search(said, told), told
     plain(told.partition(".poll() ")[2])
+
+
+def test_an_internal_error_leaves_its_traceback_in_the_log(monkeypatch, caplog):
+    scan = parted()
+    before = state(scan)
+    monkeypatch.setattr(runtime.get().session, "replay", lambda *_: {}["inside"])
+    with pytest.raises(RuntimeError, match=r"Internal error in iSimp: KeyError: 'inside'\. Nothing was changed"):
+        OPS.mesh()
+    (record,) = caplog.records
+    assert (record.levelname, record.exc_info[0]) == ("ERROR", KeyError)
+    assert before == state(scan)

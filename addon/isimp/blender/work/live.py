@@ -98,6 +98,7 @@ def visible(context, scan, recipe):
 def _take_up(context, work) -> bool:
     """Shows the result. Returns False if there is none."""
     live, scan, error = runtime.get().live, work.target(), work.task.error
+    modal.note_internal(error)
     if scan is None or (error is not None and not isinstance(error, StepFailed)):
         live.pending = False
         return False

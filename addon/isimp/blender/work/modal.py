@@ -360,7 +360,7 @@ class RecipeOperator:
             )
             self.report({"ERROR"}, messages.unchanged(why))
         else:
-            log.debug("unexpected", exc_info=error)
+            note_internal(error)
             internal = said("Internal error in iSimp: {error}", error=f"{type(error).__name__}: {error}")
             self.report({"ERROR"}, messages.unchanged(internal))
         return {"CANCELLED"}
@@ -405,6 +405,12 @@ class RecipeOperator:
             text = own("'{name}' was changed or removed meanwhile: the result was discarded.")
             self.report({"WARNING"}, said(text, name=work.name))
         return obj
+
+
+def note_internal(error: Exception | None) -> None:
+    """Writes the traceback of an internal error to the console, where users find it for a report."""
+    if error is not None and not isinstance(error, (StepFailed, Stopped, ValueError)):
+        log.error("unexpected", exc_info=error)
 
 
 def why(problem: Exception) -> str:
