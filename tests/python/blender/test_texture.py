@@ -8,6 +8,7 @@ import pytest
 import scans
 
 from isimp.blender.panel import result as result_panel
+from isimp.blender.scene import result as results
 from isimp.blender.scene import store
 from isimp.blender.texturing import texture
 from isimp.recipe import Mesh, Partition, Recipe, Texture
@@ -255,3 +256,14 @@ def test_an_edited_result_is_left_alone():
     with pytest.raises(RuntimeError, match="has changed since Mesh"):
         bpy.ops.isimp.texture()
     assert len(result.data.materials) == 0
+
+
+def test_polygons_that_blender_removes_leave_a_result_without_a_texture(monkeypatch, capfd):
+    textured_cube()
+    bpy.ops.isimp.partition(proxies=6)
+    monkeypatch.setattr(texture, "corner_order", lambda result, outcome: None)
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    told = capfd.readouterr().out
+    assert "The result has no texture: Blender removed polygons" in told
+    assert not results.is_edited(bpy.context.object)
+    assert texture.image_width(bpy.context.object) == 0

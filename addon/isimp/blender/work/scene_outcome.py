@@ -4,6 +4,7 @@ import uuid
 from dataclasses import replace
 
 from ... import edit_shares, messages, stored
+from ...language import said
 from ..drawing import late
 from ..scene import mesh_io, result, selection, store, targets, transfer, unread_layers
 from ..texts import text
@@ -69,7 +70,11 @@ def show_polygons(context, scan, work, outcome):
     if work.baking is None and not texture.is_textured(scan):  # a texture replaces the scan's materials
         result.take_materials(made, scan, outcome)
     if work.baking is not None:
-        work.baking.put(made, outcome)
+        try:
+            work.baking.put(made, outcome)
+        except mesh_io.Unusable:
+            work.baking = None
+            work.untextured = said("Blender removed polygons that it takes as invalid")
     result.sign(made)
     mesh_io.give_color_back(scan.data)
     for old, why in kept:
