@@ -7,8 +7,9 @@ import scans
 from drawing import controls
 
 from isimp.blender.panel import planes, sizes
-from isimp.blender.scene import mesh_io, pointed, store
+from isimp.blender.scene import mesh_io, pointed, runtime, store
 from isimp.blender.texts import text
+from isimp.blender.work import modal
 
 OPS = bpy.ops.isimp
 
@@ -80,3 +81,24 @@ def test_planes_without_a_distance_are_refused(scan):
     with pytest.raises(RuntimeError, match="Choose two parallel planes"):
         OPS.set_length(length=1.0, chosen=",".join(map(str, faces)))
     assert tuple(scan.scale) == (1, 1, 1)
+
+
+def test_the_scan_is_scaled_once_the_work_has_ended_well(scan, monkeypatch):
+    regions = mesh_io.read_regions(scan)
+    faces = [str(int(np.flatnonzero(regions == region)[0])) for region in distances(scan)[0][-1]]
+    replay, seen = runtime.get().session.replay, []
+
+    def followed(arrays, *more):
+        seen.append((tuple(scan.scale), np.ptp(arrays.vertices)))
+        return replay(arrays, *more)
+
+    monkeypatch.setattr(runtime.get().session, "replay", followed)
+    with monkeypatch.context() as patch:
+        patch.setattr(modal.Work, "target", lambda work: None)  # as if the scan was changed meanwhile
+        assert OPS.set_length(length=40.0, chosen=",".join(faces)) == {"CANCELLED"}
+    assert tuple(scan.scale) == (1, 1, 1)
+    assert OPS.set_length(length=40.0, chosen=",".join(faces)) == {"FINISHED"}
+    assert [scale for scale, _ in seen] == [(1, 1, 1)] * 2
+    assert [size for _, size in seen] == pytest.approx([40, 40], rel=0.05)
+    assert tuple(scan.scale) == pytest.approx((20, 20, 20), rel=2e-3)
+    assert mesh_io.read(bpy.context, scan).digest == store.numbers(scan)["scan"], "cached outcomes stay valid"

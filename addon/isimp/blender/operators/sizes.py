@@ -3,6 +3,7 @@
 import bpy
 
 from ...language import own, said
+from .. import reading
 from ..controls import settings
 from ..scene import mesh_io, store
 from .edits import _Edit
@@ -17,7 +18,7 @@ class ISIMP_OT_set_length(_Edit, bpy.types.Operator):
 
     length: settings.KNOWN_LENGTH
 
-    _scaled = ("", ())  #: the scan and its former scale
+    _scale = ()  #: of the scan once the work has ended well
     _factor = 1.0
 
     @classmethod
@@ -30,21 +31,32 @@ class ISIMP_OT_set_length(_Edit, bpy.types.Operator):
         chosen = {int(regions[face]) for face in self.each(scan)}
         for _, kind, value, _, measured, _, of in store.numbers(scan).get("sizes", []):
             if kind != "angle" and chosen == set(of):
-                self._scaled = scan.name, tuple(scan.scale)
                 self._factor = self.length / (measured or value)
-                scan.scale = [part * self._factor for part in scan.scale]
-                context.view_layer.update()
+                self._scale = tuple(part * self._factor for part in scan.scale)
                 return target.recipe
         raise mesh_io.Unusable(said("Choose two parallel planes, or one round part: click a line of Sizes."))
 
-    def _refuse(self, context, work, error):
-        name, scale = self._scaled
-        if name in bpy.data.objects:
-            bpy.data.objects[name].scale = scale
-        return super()._refuse(context, work, error)
+    def _read(self, context, scan, recipe):
+        """Reads the scan with its new scale. The scan itself gets it in `show`, as the work may be stopped or fail."""
+        before = tuple(scan.scale)
+        _scale(context, scan, self._scale)
+        try:
+            reading.ready(context, scan, recipe.layers())
+            return super()._read(context, scan, recipe)
+        finally:
+            _scale(context, scan, before)
+
+    def show(self, context, scan, work, outcome):
+        _scale(context, scan, self._scale)
+        return super().show(context, scan, work, outcome)
 
     def told(self, before, numbers):
         return said("Scaled by {factor}", factor=f"{self._factor:.5g}")
+
+
+def _scale(context, scan, scale: tuple) -> None:
+    scan.scale = scale
+    context.view_layer.update()
 
 
 CLASSES = (ISIMP_OT_set_length,)

@@ -331,11 +331,16 @@ class RecipeOperator:
             return None
         panel_changes.interrupt(context)
         try:
-            work = Work(context, target.scan, self.wanted(context, target))
-            work.read_texture(target.scan)
+            work = self._read(context, target.scan, self.wanted(context, target))
         except (mesh_io.Unusable, ValueError) as problem:
             self.report({"ERROR"}, str(problem))
             return None
+        return work
+
+    def _read(self, context, scan, recipe) -> Work:
+        """Return the work of a recipe on a scan, which is read."""
+        work = Work(context, scan, recipe)
+        work.read_texture(scan)
         return work
 
     def _settle(self, context):
