@@ -4,7 +4,8 @@ import bpy
 import numpy as np
 import scans
 
-from isimp.blender.operators import compare
+from isimp.blender.operators import compare, problems
+from isimp.blender.scene import mesh_io
 from isimp.blender.view import comparison
 
 
@@ -75,3 +76,15 @@ def test_it_needs_a_view():
     operator = type("Operator", (), {"poll_message_set": said.append})
     assert not compare.ISIMP_OT_compare.poll.__func__(operator, bpy.context)
     assert said == ["This needs a 3D view"]
+
+
+def test_region_numbers_of_other_programs_need_no_large_arrays():
+    made = compared()
+    scan, result = (bpy.data.objects[name] for name in made.names)
+    for obj in (scan, result):
+        obj.data.attributes[mesh_io.REGION].data[0].value = 2_000_000_000
+    assert mesh_io.region_of(scan, 0) == -1
+    made.look = "REGIONS"
+    assert [len(side.color) for side in made.sides()] == [len(side.points) for side in made.sides()]
+    assert len(made._color) <= 12
+    assert not problems._chosen(result.data, "DIVIDED").any()

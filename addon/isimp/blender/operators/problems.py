@@ -141,8 +141,9 @@ def _chosen(mesh, kind: str) -> np.ndarray:
         vertices = mesh_io.points(mesh).reshape(-1, 3).astype(np.float64)
         size = np.linalg.norm(np.ptp(vertices, axis=0)) if len(vertices) else 0.0
         return handover.planarity(vertices, *mesh_io.polygons(mesh)) > EXACT * size
-    region = mesh_io.read_layer(mesh, mesh_io.REGION)
-    return np.bincount(np.maximum(region, 0))[np.maximum(region, 0)] > 1
+    region = np.maximum(mesh_io.read_layer(mesh, mesh_io.REGION), 0)
+    _, of, count = np.unique(region, return_inverse=True, return_counts=True)  # the numbers may be huge
+    return count[of] > 1
 
 
 CLASSES = (ISIMP_OT_show_problems, ISIMP_OT_choose_problems, ISIMP_OT_choose_moved, ISIMP_OT_report)

@@ -234,7 +234,8 @@ def read_regions(obj) -> np.ndarray:
 def region_of(obj, face: int) -> int:
     """Return the region of one face in Object Mode, as last written; -1 if it has none."""
     layer = own_layer(obj.data, REGION)
-    return layer.data[face].value if layer is not None and face < len(layer.data) else -1
+    region = layer.data[face].value if layer is not None and face < len(layer.data) else -1
+    return region if region < len(obj.data.polygons) else -1
 
 
 def _possible(regions: np.ndarray) -> np.ndarray:

@@ -90,7 +90,7 @@ class Comparison:
 
     @cached_property
     def _color(self) -> np.ndarray:
-        return _region_colors(bpy.data.objects[self.names[0]].data)
+        return _region_colors(bpy.data.objects[self.names[0]])
 
     def stands(self) -> bool:
         """Return whether both objects exist."""
@@ -136,16 +136,17 @@ def looks_of(scan, result) -> tuple:
     return LOOKS if textured else LOOKS[:2]
 
 
-def _region_colors(mesh) -> np.ndarray:
+def _region_colors(scan) -> np.ndarray:
     """Return (R, 4) uint8 the colour of each region of a scan."""
+    mesh = scan.data
     layer = mesh.color_attributes.get(mesh_io.COLOR)
     if layer is None or layer.domain != "CORNER" or layer.data_type != "FLOAT_COLOR":
         return np.empty((0, 4), np.uint8)
-    region = mesh_io.read_layer(mesh, mesh_io.REGION)
+    region = mesh_io.read_regions(scan)
     color, start = np.empty(4 * len(mesh.loops), np.float32), np.empty(len(mesh.polygons), np.int32)
     layer.data.foreach_get("color", color)
     mesh.polygons.foreach_get("loop_start", start)
-    made = np.zeros((max(0, int(region.max(initial=-1))) + 1, 4), np.uint8)
+    made = np.zeros((int(region.max(initial=0)) + 1, 4), np.uint8)
     inside = np.flatnonzero(region >= 0)
     made[region[inside]] = (255 * color.reshape(-1, 4)[start[inside]]).round()
     return made
