@@ -252,8 +252,8 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray, diagonal: float) ->
             "without_area": regions.numbers["regions"] - regions.numbers.get("regions_left_out", 0) - report["regions"],
         },
     }
-    if found := engine.clutter.clutter(polygons):
-        numbers |= {"cluttered": len(found), "clutter_polygons": sum(each.polygons for each in found)}
+    if cluttered := engine.clutter.clutter(polygons):
+        numbers |= {"cluttered": len(cluttered), "clutter_polygons": sum(each.polygons for each in cluttered)}
     if report.get("left_off"):
         numbers["cut_if_planar"] = 1 - report["whole"]
         numbers["not_flat"] = int(np.count_nonzero(np.asarray(polygons.planarity) > EXACT * diagonal))
