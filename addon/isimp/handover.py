@@ -12,6 +12,7 @@ import numpy as np
 from .engine import engine
 from .language import own, said
 from .outcome import Outcome
+from .sketch import polygon_edges
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,9 +34,7 @@ class Model:
 
 def _topology(loops: np.ndarray, start: np.ndarray) -> tuple[bool, bool]:
     """Return whether the polygons are closed (two at each edge) and manifold (at most two, in opposite directions)."""
-    after = np.roll(loops, -1)
-    after[np.append(start[1:], len(loops)) - 1] = loops[start]
-    ends = np.stack([loops, after], axis=1)
+    ends = polygon_edges(loops, start)
     _, once = np.unique(ends, axis=0, return_counts=True)
     _, count = np.unique(np.sort(ends, axis=1), axis=0, return_counts=True)
     return bool((count == 2).all()), bool((count <= 2).all() and (once == 1).all())

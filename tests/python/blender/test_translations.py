@@ -39,7 +39,8 @@ BEGINS += (
     "face {} was left out by the repair",
     "there is no face (",
 )
-BEGINS += ("\nvoid main", "\n  if (gl_FragCoord", "\n  if ((gl_FragCoord", "\n  vec3 normal", "void main")
+BEGINS += ("\nvoid main", "\n  if (gl_FragCoord", "\n  if ((gl_FragCoord", "\n  vec3 normal", "\n  FragColor")
+BEGINS += ("void main",)
 
 
 @pytest.mark.parametrize("path", ui_strings.sources(), ids=lambda path: path.stem)

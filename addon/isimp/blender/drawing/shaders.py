@@ -14,13 +14,20 @@ void main() {
 }
 """
 # Approximates Blender's studio light.
-_LIGHT = """
-void main() {
-  vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
-  float lit = max(dot(normal, normalize(vec3(-0.25, 0.45, 0.85))), 0.0);
-  FragColor = vec4(tint.rgb * (0.19 + 0.36 * lit) + 0.04 * lit, 1.0);
+_TO_LIGHT = (-0.25, 0.45, 0.85)  # in the coordinates of the view
+_AMBIENT, _DIFFUSE = 0.19, 0.36
+_SHADE = """
+  FragColor = vec4(BASE.rgb * (AMBIENT + DIFFUSE * lit) + 0.04 * lit, 1.0);
 }
 """
+_LIT = (
+    f"""
+void main() {{
+  vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
+  float lit = max(dot(normal, normalize(vec3{_TO_LIGHT})), 0.0);
+"""
+    + _SHADE
+)
 _FLAT_PLACE = """
 void main() {
   gl_Position = ModelViewProjectionMatrix * vec4(pos, 1.0);
@@ -57,13 +64,12 @@ void main() {
     + """
   vec3 normal = light.w * normalize(cross(dFdx(seen), dFdy(seen)));
   float lit = max(dot(normal, light.xyz), 0.0);
-  FragColor = vec4(BASE.rgb * (AMBIENT + LIGHT * lit) + 0.04 * lit, 1.0);
-}
 """
+    + _SHADE
 )
 _HALF_FLAT = "void main() {" + _HALF + "FragColor = color; }"
 #: Direction to the light, in the coordinates of the view.
-LIGHT = Vector((-0.25, 0.45, 0.85)).normalized()
+LIGHT = Vector(_TO_LIGHT).normalized()
 
 
 def draw(batch, shader) -> None:
@@ -124,7 +130,7 @@ def lit():
         info.vertex_in(0, "VEC3", "pos")
         info.vertex_in(1, "VEC4", "color")
         info.vertex_out(between)
-        known["lit"] = _made(info, _PLACE, _LIGHT)
+        known["lit"] = _made(info, _PLACE, _shaded(_LIT, "tint", _AMBIENT, _DIFFUSE))
     return known["lit"]
 
 
@@ -145,17 +151,18 @@ def half_lit():
     half_seen: x of the dividing line, and -1 for the left half, 1 for the right. light: direction to the light in the
     space of the points, and -1 if that space is mirrored, else 1.
     """
-    return _half("half_lit", "color", "VEC4", _HALF_PLACE, _half_light("tint", 0.19, 0.36))
+    return _half("half_lit", "color", "VEC4", _HALF_PLACE, _shaded(_HALF_LIGHT, "tint", _AMBIENT, _DIFFUSE))
 
 
 def half_textured():
     """Return the shader like `half_lit` with an image (pos, uv) in place of colours."""
-    light = _half_light("texture(image, tint)", 0.35, 0.65)  # brighter: photographs are darker than the palette
+    base = "texture(image, tint)"
+    light = _shaded(_HALF_LIGHT, base, 0.35, 0.65)  # brighter: photographs are darker than the palette
     return _half("half_textured", "uv", "VEC2", _HALF_PLACE.replace("color", "uv"), light)
 
 
-def _half_light(base: str, ambient: float, light: float) -> str:
-    return _HALF_LIGHT.replace("BASE", base).replace("AMBIENT", f"{ambient}").replace("LIGHT", f"{light}")
+def _shaded(source: str, base: str, ambient: float, diffuse: float) -> str:
+    return source.replace("BASE", base).replace("AMBIENT", f"{ambient}").replace("DIFFUSE", f"{diffuse}")
 
 
 def _half(name: str, attribute: str, kind: str, place: str, color: str):

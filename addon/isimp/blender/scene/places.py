@@ -7,6 +7,7 @@ import numpy as np
 
 from ... import handover
 from . import mesh_io
+from .result import turned
 
 ORIGIN, EPSG = "isimp_origin", "isimp_epsg"  #: three doubles; the EPSG number
 
@@ -57,7 +58,5 @@ def model_of(context, scan, result) -> handover.Model:
         seen.to_mesh_clear()
     matrix = np.array(result.matrix_world, np.float64)
     if np.linalg.det(matrix[:3, :3]) < 0:
-        totals = np.diff(start, append=len(loops))
-        within = np.arange(len(loops)) - np.repeat(start, totals)
-        loops = loops[np.repeat(start + totals - 1, totals) - within]
+        loops = turned(loops, start)
     return handover.Model(points @ matrix[:3, :3].T + matrix[:3, 3] + origin(scan), loops, start)
