@@ -7,8 +7,10 @@ import scans
 
 from isimp import recipe as rcp
 from isimp.blender.controls import settings
+from isimp.blender.operators import finish
 from isimp.blender.scene import runtime, store, targets
 from isimp.blender.texturing import texture
+from isimp.task import Stopped, Watch
 from test_texture import textured_cube
 
 OPS = bpy.ops.isimp
@@ -208,6 +210,25 @@ def test_colliders_are_objects_that_follow_the_result(names, first):
     assert bpy.context.view_layer.objects.active == result
     assert OPS.colliders(names=names, enclose=True, parts=1) == {"FINISHED"}
     assert len(place.objects) == 1, "a second press keeps the first collection"
+
+
+def test_colliders_can_be_stopped():
+    scan = parted()
+    OPS.mesh()
+    result, watch = targets.result_of(bpy.context.scene, scan), Watch()
+    assert len(finish.convex_parts(result)(watch)) == 1
+    watch.cancel()
+    with pytest.raises(Stopped):
+        finish.convex_parts(result)(watch)
+
+
+def test_levels_of_an_open_scan_have_no_colliders(capfd):
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8)
+    scan = bpy.context.object
+    assert OPS.make_lods(counts=(4, 2, 0)) == {"FINISHED"}
+    assert "Warning: No colliders: " in capfd.readouterr().out
+    assert len(targets.levels(scan)) == 2
+    assert not bpy.data.objects[f"{scan.name}_LOD0"].children
 
 
 def test_a_number_of_colliders_with_a_thickness_is_told_to_do_nothing(capfd):

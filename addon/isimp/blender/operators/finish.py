@@ -1,16 +1,20 @@
 """Operators that keep a result as a level of detail, open it for editing, make colliders, or merge coplanar faces."""
 
+from functools import partial
+
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 from ... import messages
 from ... import recipe as rcp
+from ...applying import engine_call
 from ...engine import engine
 from ...language import own, said
 from ..controls import settings
 from ..scene import mesh_io, runtime, store, targets
-from ..work import scene_outcome
+from ..work import modal, scene_outcome
+from ..work.modal import Aside, RecipeOperator
 from .clean_up import without_slivers
 from .mesh import Meshing
 
@@ -71,12 +75,11 @@ COLLIDER = "isimp_collider"  #: property of colliders and of their collections
 _NO_LIMIT = own("At Most does not apply with Wall Thickness: each wall is a part of its own")
 
 
-class ISIMP_OT_colliders(bpy.types.Operator):
+class ISIMP_OT_colliders(RecipeOperator, bpy.types.Operator):
     """Cut the result into convex parts for collisions, as objects in a new collection. An open one needs a thickness"""
 
     bl_idname = "isimp.colliders"
     bl_label = "Colliders"
-    bl_options = {"REGISTER", "UNDO"}
 
     names: EnumProperty(
         name="Names",
@@ -121,15 +124,22 @@ class ISIMP_OT_colliders(bpy.types.Operator):
         if self.thickness:
             most.label(text=said(_NO_LIMIT), icon="INFO")
 
-    def execute(self, context):
-        _, result, _ = targets.find_result(context)
+    def _begin(self, context, target):
+        scan, result, problem = targets.find_result(context)
+        if problem:
+            self.report({"ERROR"}, said(problem))
+            return None
         if self.thickness and self.parts:
             self.report({"WARNING"}, said(_NO_LIMIT))
-        try:
-            parts, name = add_colliders(context, result, result, self.names, self.enclose, self.parts, self.thickness)
-        except ValueError as problem:
-            self.report({"ERROR"}, said("No colliders: {reason}", reason=problem))
+        self._source = result.name
+        return Aside(scan, convex_parts(result, self.enclose, self.parts, self.thickness), self._show)
+
+    def _show(self, context, parts):
+        result = bpy.data.objects.get(self._source)
+        if result is None:
+            self.report({"WARNING"}, said(modal.DISCARDED, name=self._source))
             return {"CANCELLED"}
+        name = add_colliders(context, parts, result, self.names)
         triangles = messages.count(sum(len(part.triangles) for part in parts), "triangle")
         text = own("{parts}, {triangles}, in the collection '{name}'")
         found = messages.count(len(parts), "convex part")
@@ -137,23 +147,32 @@ class ISIMP_OT_colliders(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def add_colliders(context, source, target, names: str, enclose=False, most=0, thickness=0.0) -> tuple:
-    """Adds convex parts of a result as children of a level, in a new collection. Raises ValueError.
-
-    Return (parts, the name of the collection). source: the result that is cut. target: the level they are named after.
-    """
+def convex_parts(source, enclose=False, most=0, thickness=0.0):
+    """Return a function of a watch that cuts a result into convex parts, on any thread. It raises ValueError."""
     points = mesh_io.points(source.data).reshape(-1, 3).astype(np.float64)
     loops, start = mesh_io.polygons(source.data)
     limit = None if thickness else most or None
     solid = points, np.split(loops, start[1:])
-    parts = engine.convex_parts(solid, enclose=enclose, parts=limit, thickness=thickness or False)
+    cut = partial(engine.convex_parts, solid, enclose=enclose, parts=limit, thickness=thickness or False)
+
+    def found(watch) -> list:
+        try:
+            return engine_call(watch, 0.0, 1.0, "cutting", cut)
+        except ValueError as problem:
+            raise ValueError(said("No colliders: {reason}", reason=problem)) from None
+
+    return found
+
+
+def add_colliders(context, parts: list, target, names: str) -> str:
+    """Adds convex parts as children of a level, in a new collection, whose name is returned."""
     place = bpy.data.collections.new(said("{name} colliders", name=target.name))
     place[COLLIDER] = True
     (target.users_collection or (context.scene.collection,))[0].children.link(place)
     name = engine.convex.NAMES[names]
     for number, part in enumerate(parts):
         place.objects.link(_collider(name(target.name, number), part, target))
-    return parts, place.name
+    return place.name
 
 
 def _collider(name: str, part, result):

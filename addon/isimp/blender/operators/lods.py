@@ -12,8 +12,9 @@ from ..controls import settings, up_direction
 from ..scene import mesh_io, result, targets
 from ..texturing import materials, texture
 from ..work import scene_outcome
+from ..work.modal import Aside
 from ..work.target import Target
-from .finish import COLLIDER, add_colliders
+from .finish import COLLIDER, add_colliders, convex_parts
 from .mesh import Meshing
 
 _DIGEST = "isimp_level"  # on a level: its digest after Mesh
@@ -48,7 +49,7 @@ class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
         super()._gather(context, first)
         wanted = sorted({count for count in self.counts if count}, reverse=True)
         self._levels = list(enumerate(wanted))  # the coarsest is made first, so that the finest is seen at the end
-        self._made, self._size, self._ended = [], 0, 0
+        self._made, self._size, self._ended, self._cuts = [], 0, 0, False
         if first.scan is not None and wanted:
             self._size = self._finest_image(context, first.scan)
         return first
@@ -105,11 +106,34 @@ class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
     def _next_target(self, context):
         made = [bpy.data.objects.get(name) for name in self._made]
         scan = targets.scan_of(made[-1]) if made and made[-1] is not None else None
-        if not self._levels or scan is None or len(self._made) == self._ended:  # the last level failed
+        if scan is None or len(self._made) == self._ended:  # the last level failed
             return None
+        if not self._levels:
+            self._cuts = self.colliders and not self._cuts and made[0] is not None
+            return Target(context) if self._cuts else None
         self._ended = len(self._made)
         scene_outcome.bring_to_front(context, scan, made[-1])
         return Target(context)
+
+    def _begin(self, context, target):
+        """Begins a level, or the colliders after the last one."""
+        if not self._cuts:
+            return super()._begin(context, target)
+        return Aside(target.scan, convex_parts(bpy.data.objects[self._made[0]]), self._show_colliders)
+
+    def _show_colliders(self, context, parts):
+        finest = bpy.data.objects.get(self._made[-1])
+        if finest is not None:
+            add_colliders(context, parts, finest, "unreal")
+            for part in finest.children:  # their wires would cover the model
+                part.hide_set(True)
+        return {"FINISHED"}
+
+    def _refuse(self, context, work, error):
+        if work.end is None or not isinstance(error, ValueError):
+            return super()._refuse(context, work, error)
+        self.report({"WARNING"}, str(error))
+        return {"FINISHED"}
 
     def _conclude(self, context, state):
         made = [bpy.data.objects[name] for name in self._made if name in bpy.data.objects]
@@ -117,13 +141,6 @@ class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
         if scan is not None:
             for number, obj in self._former(scan):
                 _removed(context, scan, number, obj)
-        if self.colliders and made and not self._levels:
-            try:
-                add_colliders(context, made[0], made[-1], "unreal")
-                for part in made[-1].children:  # their wires would cover the model
-                    part.hide_set(True)
-            except ValueError as problem:
-                self.report({"WARNING"}, said("No colliders: {reason}", reason=problem))
         self._done = []
         if made and not self._levels:
             counts = ", ".join(f"{len(obj.data.polygons):,}" for obj in reversed(made))

@@ -13,6 +13,7 @@ from contextlib import suppress
 import bpy
 
 from ... import messages, view
+from ... import recipe as rcp
 from ...language import own, said
 from ...session import StepFailed
 from ...task import Status, Stopped, Task, Watch
@@ -29,6 +30,7 @@ log = logging.getLogger("isimp")
 _AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
 _TICK = 0.05
 _BEFORE = 0.6  # share of the progress for the steps before a texture
+DISCARDED = own("'{name}' was changed or removed meanwhile: the result was discarded.")
 #: Raised where a scan can't be used or a step fails; `why` has the report
 PROBLEMS = (mesh_io.Unusable, StepFailed, ValueError)
 #: Prefixes of events that are allowed while a mesh in Edit Mode is written, since other events could change the mesh
@@ -37,6 +39,8 @@ NAVIGATION = ("MOUSE", "MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER"
 
 class Work:
     """A running recipe on an object: the main thread reads the scan, a thread replays, the operator writes."""
+
+    end = None  #: see Aside
 
     def __init__(self, context, obj, recipe, again=False):
         """again: the scan has not changed since it was read last."""
@@ -134,6 +138,24 @@ class Work:
             return None
         same = mesh_io.counts(obj)[1] == self.scan.face_count and mesh_io.state_of(obj) in self.states
         return obj if same else None
+
+
+class Aside(Work):
+    """Work that leaves the regions alone, such as cutting a result into convex parts."""
+
+    def __init__(self, scan, compute, end):
+        """compute(watch) returns an outcome, on any thread. end(context, outcome) shows it; returns Blender's state."""
+        self.name, self.recipe, self.end, self._compute = scan.name, store.load(scan) or rcp.Recipe(), end, compute
+        self.task = self.shown = None
+
+    def read_on(self, context, seconds: float = math.inf) -> None:
+        """Does nothing: all data were read before."""
+
+    def run(self, watch=None):
+        return self._compute(watch or Watch())
+
+    def target(self):
+        return bpy.data.objects.get(self.name)
 
 
 class RecipeOperator:
@@ -300,7 +322,7 @@ class RecipeOperator:
         """Continues writing face by face for `seconds`. Returns whether it is complete."""
         work, end = self._work, time.monotonic() + seconds
         scan = work.target()
-        if scan is None or work.task.error is not None:
+        if scan is None or work.task.error is not None or work.end is not None:
             return True
         if self._writing is None:
             self._before = store.numbers(scan)
@@ -394,6 +416,8 @@ class RecipeOperator:
         obj = self._target(work)
         if obj is None:
             return {"CANCELLED"}
+        if work.end is not None:
+            return work.end(context, outcome)
         before = store.numbers(obj) if self._before is None else self._before
         kept = self.show(context, obj, work, outcome) or []
         panel_changes.follow(context)
@@ -407,8 +431,7 @@ class RecipeOperator:
     def _target(self, work):
         obj = work.target()
         if obj is None:
-            text = own("'{name}' was changed or removed meanwhile: the result was discarded.")
-            self.report({"WARNING"}, said(text, name=work.name))
+            self.report({"WARNING"}, said(DISCARDED, name=work.name))
         return obj
 
 

@@ -61,6 +61,28 @@ def moved_then_stopped(hand):
     yield from ended(hand)
 
 
+def colliders_stopped(hand):
+    """Esc ends Colliders without a new object; pressed again, they are made."""
+    from isimp.engine import engine
+
+    def endless(*given, job, **more):
+        while not job.cancelled:
+            time.sleep(0.01)
+        raise engine.Cancelled("cancelled")
+
+    cut, before = engine.convex_parts, len(bpy.data.objects)
+    for work, more in ((endless, 0), (cut, 1)):
+        engine.convex_parts = work
+        with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+            bpy.ops.isimp.colliders("INVOKE_DEFAULT", True)
+        if work is endless:
+            yield 0.3
+            same("colliders under way", (running(), bpy.ops.isimp.colliders.poll()), (True, False))
+            yield from moved_then_stopped(hand)
+        yield from hand.settle()
+        same("colliders", len(bpy.data.objects), before + more)
+
+
 def run(hand):
     isimp.register()
     make_scan()
@@ -111,3 +133,5 @@ def run(hand):
     yield from hand.type_into("partition.proxies", "6")
     yield from hand.press("isimp.partition")
     same("works in the new file", len(bpy.context.object.data.attributes["isimp_region"].data), 6)
+    yield from hand.press("isimp.mesh")
+    yield from colliders_stopped(hand)
