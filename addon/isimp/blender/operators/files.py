@@ -11,10 +11,11 @@ from ... import handover, messages
 from ... import recipe as rcp
 from ...engine import engine
 from ...language import own, said
-from ...session import StepFailed
 from .. import reading
 from ..scene import mesh_io, places, runtime, store, targets
+from ..work.modal import PROBLEMS, Aside, RecipeOperator, why
 
+_BEFORE = 0.8  # share of the progress for the steps before the file is written
 _UNITS = (("m", "Metre", "A unit is a metre"), ("mm", "Millimetre", "A unit is a millimetre"))
 
 
@@ -113,29 +114,66 @@ class ISIMP_OT_export_building(_Model, _Formats, bpy.types.Operator):
         return said("{polygons} written to {file}", polygons=told, file=path.name)
 
 
-def _replayed(context, scan, meshed):
-    """Return the prepared mesh and the outcome of the steps. meshed: makes the recipe end in a Mesh step.
+class _OfSteps(_Model, RecipeOperator):
+    """Mixin of exports that replay the steps. A subclass defines the recipe (`meshed`) and the writing (`writer`)."""
 
-    Raises ValueError if a step fails.
-    """
-    recipe = meshed(store.load(scan) or rcp.Recipe())
-    arrays, session = reading.read(context, scan, recipe.layers()), runtime.get().session
-    try:
-        outcome = session.replay(arrays, recipe)
-    except StepFailed as problem:
-        raise ValueError(messages.failed(problem, True)) from problem
-    return session.prepare(arrays, repair=outcome.repair).mesh, outcome
+    bl_options = set()
+
+    _is_asked = False  #: whether Blender's dialog has named the file, so that a window waits
+
+    def invoke(self, context, event):
+        self._is_asked = not bpy.app.background
+        return super().invoke(context, event)
+
+    def execute(self, context):
+        if self._is_asked:
+            return RecipeOperator.invoke(self, context, None)
+        return RecipeOperator.execute(self, context)
+
+    def _begin(self, context, target):
+        if target.problem:
+            self.report({"ERROR"}, target.problem)
+            return None
+        try:
+            return self._work(context, target.scan)
+        except self.errors as problem:
+            self.report({"ERROR"}, str(problem))
+            return None
+
+    def _work(self, context, scan):
+        """Return the work. Raises one of `errors`."""
+        write, recipe = self.writer(context, scan), self.meshed(store.load(scan) or rcp.Recipe())
+        arrays, session = reading.read(context, scan, recipe.layers()), runtime.get().session
+
+        def work(watch) -> str:
+            with watch.share(0.0, _BEFORE):
+                outcome = session.replay(arrays, recipe, watch)
+            with watch.part("measuring", _BEFORE, 1.0):
+                return write(session.prepare(arrays, repair=outcome.repair).mesh, outcome)
+
+        return Aside(scan, work, self._told)
+
+    def _told(self, context, told: str):
+        self.report({"INFO"}, told)
+        return {"FINISHED"}
+
+    def _refuse(self, context, work, error):
+        if not isinstance(error, (*PROBLEMS, OSError)):
+            return super()._refuse(context, work, error)
+        self.report({"ERROR"}, why(error))
+        return {"CANCELLED"}
 
 
 def _last_mesh(recipe):
     return next((step for _, step in reversed(list(recipe.active())) if isinstance(step, rcp.Mesh)), None)
 
 
-class ISIMP_OT_export_step(_Model, bpy.types.Operator):
+class ISIMP_OT_export_step(_OfSteps, bpy.types.Operator):
     """Export the steps' result as a solid for CAD, with true surfaces for round parts. Faces are planar"""
 
     bl_idname = "isimp.export_step"
     bl_label = "Export STEP"
+    adjusted = ("unit",)
 
     filepath: StringProperty(subtype="FILE_PATH")
     filter_glob: StringProperty(default="*.step;*.stp", options={"HIDDEN"})
@@ -154,21 +192,22 @@ class ISIMP_OT_export_step(_Model, bpy.types.Operator):
         self.filepath = f"{targets.find(context)[0].name}.step"
         return super().invoke(context, event)
 
-    def written(self, context):
-        scan, _, _ = targets.find_result(context)
-        path = Path(bpy.path.abspath(self.filepath))
+    def meshed(self, recipe):
+        return recipe.without_mesh().then(replace(_last_mesh(recipe) or rcp.Mesh(), planar=True))
+
+    def writer(self, context, scan):
+        path, place, unit = Path(bpy.path.abspath(self.filepath)), places.to_world(scan), self.unit
         if engine.exporting.kind_of(path) not in engine.exporting.STEP_KINDS:
             raise ValueError(said("The name must end in .step or .stp."))
 
-        def planar(recipe):
-            return recipe.without_mesh().then(replace(_last_mesh(recipe) or rcp.Mesh(), planar=True))
+        def write(mesh, outcome) -> str:
+            told = handover.export_step(path, mesh, outcome, place, unit)
+            true, planes = len(told["true_surfaces"]), len(told["planes"])
+            text = own("{faces} written to {file}; {true} of {all} have true surfaces")
+            faces, parts = messages.count(told["faces"], "face"), messages.count(true + planes, "round part")
+            return said(text, faces=faces, file=path.name, true=true, all=parts)
 
-        mesh, outcome = _replayed(context, scan, planar)
-        told = handover.export_step(path, mesh, outcome, places.to_world(scan), self.unit)
-        true, planes = len(told["true_surfaces"]), len(told["planes"])
-        text = own("{faces} written to {file}; {true} of {all} have true surfaces")
-        faces, parts = messages.count(told["faces"], "face"), messages.count(true + planes, "round part")
-        return said(text, faces=faces, file=path.name, true=true, all=parts)
+        return write
 
 
 class ISIMP_OT_export_lods(_Formats, bpy.types.Operator):
@@ -242,7 +281,7 @@ def _export_level(context, scan, obj, path: Path, kind: str) -> None:
         handover.export(path, places.model_of(context, scan, obj), places.epsg(scan) or None)
 
 
-class ISIMP_OT_write_report(_Model, bpy.types.Operator):
+class ISIMP_OT_write_report(_OfSteps, bpy.types.Operator):
     """Write a table of the planes (CSV, GeoJSON) and a page with pictures and the deviation (HTML) into a folder"""
 
     bl_idname = "isimp.write_report"
@@ -251,14 +290,21 @@ class ISIMP_OT_write_report(_Model, bpy.types.Operator):
     directory: StringProperty(subtype="DIR_PATH")
     filter_folder: BoolProperty(default=True, options={"HIDDEN"})
 
-    def written(self, context):
-        scan, _, _ = targets.find_result(context)
+    def meshed(self, recipe):
+        return recipe if _last_mesh(recipe) else recipe.then(rcp.Mesh())
+
+    def writer(self, context, scan):
         if not self.directory:
             raise ValueError(said("No folder is named: choose one for the report."))
-        mesh, outcome = _replayed(context, scan, lambda r: r if _last_mesh(r) else r.then(rcp.Mesh()))
-        texts = handover.report_texts(mesh, outcome, places.to_world(scan), scan.name, places.epsg(scan) or None)
-        handover.write_report(Path(bpy.path.abspath(self.directory)), texts)
-        return said("Report written: {files}", files=", ".join(texts))
+        folder, about = Path(bpy.path.abspath(self.directory)), (scan.name, places.epsg(scan) or None)
+        place = places.to_world(scan)
+
+        def write(mesh, outcome) -> str:
+            texts = handover.report_texts(mesh, outcome, place, *about)
+            handover.write_report(folder, texts)
+            return said("Report written: {files}", files=", ".join(texts))
+
+        return write
 
 
 CLASSES = (ISIMP_OT_export_building, ISIMP_OT_write_report, ISIMP_OT_export_step, ISIMP_OT_export_lods)

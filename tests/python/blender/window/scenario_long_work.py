@@ -1,5 +1,6 @@
 """Work that takes long: the window stays usable, Esc restores all, and no event in between does harm."""
 
+import shutil
 import time
 
 import bpy
@@ -83,6 +84,28 @@ def colliders_stopped(hand):
         same("colliders", len(bpy.data.objects), before + more)
 
 
+def report_stopped(hand):
+    """A report is written beside the window, after Blender's dialog; Esc ends it without a file."""
+    folder = hand.out / "report"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    for DELAY[0], is_written in ((300.0, False), (1.0, True)):
+        with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+            bpy.ops.isimp.write_report("INVOKE_DEFAULT", directory=f"{folder}/")
+        yield 1.0
+        places = [(window, area) for window in bpy.context.window_manager.windows for area in window.screen.areas]
+        window, area = next(place for place in places if place[1].type == "FILE_BROWSER")
+        region = next(region for region in area.regions if region.type == "WINDOW")
+        with bpy.context.temp_override(window=window, area=area, region=region):
+            bpy.ops.file.execute()
+        yield 0.5
+        same("report under way", running(), True)
+        if not is_written:
+            yield from moved_then_stopped(hand)
+        yield from hand.settle()
+        same("report", (folder / "report.html").exists(), is_written)
+
+
 def run(hand):
     isimp.register()
     make_scan()
@@ -135,3 +158,4 @@ def run(hand):
     same("works in the new file", len(bpy.context.object.data.attributes["isimp_region"].data), 6)
     yield from hand.press("isimp.mesh")
     yield from colliders_stopped(hand)
+    yield from report_stopped(hand)
