@@ -10,6 +10,8 @@ from isimp.blender.controls import settings
 from isimp.blender.operators import finish
 from isimp.blender.scene import runtime, store, targets
 from isimp.blender.texturing import texture
+from isimp.blender.work.modal import Work
+from isimp.engine import engine
 from isimp.task import Stopped, Watch
 from test_texture import textured_cube
 
@@ -295,3 +297,21 @@ def test_the_clipboard_without_a_recipe_is_said():
     with pytest.raises(RuntimeError, match="The clipboard holds no recipe"):
         OPS.recipe_paste()
     assert targets.result_of(bpy.context.scene, bpy.context.object) is None
+
+
+def test_merge_flat_can_be_stopped_and_says_why_it_fails(monkeypatch):
+    source, watch = scans.cube(cells=3), Watch()
+    watch.cancel()
+    with pytest.raises(Stopped):
+        finish._flat(source, 0.01)(watch)
+    monkeypatch.setattr(runtime.get(), "running", Work(bpy.context, source, rcp.Recipe()))
+    assert not OPS.merge_flat.poll()
+    monkeypatch.undo()
+
+    def fails(*given, **more):
+        raise ValueError("no face is usable")
+
+    monkeypatch.setattr(engine, "merge_flat", fails)
+    with pytest.raises(RuntimeError, match=r"^Error: [Nn]o face is usable\. Nothing was changed\."):
+        OPS.merge_flat()
+    assert (len(bpy.data.objects), bpy.context.object) == (1, source)

@@ -12,7 +12,7 @@ from ...applying import engine_call
 from ...engine import engine
 from ...language import own, said
 from ..controls import settings
-from ..scene import mesh_io, runtime, store, targets
+from ..scene import mesh_io, runtime, selection, store, targets
 from ..work import modal, scene_outcome
 from ..work.modal import Aside, RecipeOperator
 from .clean_up import without_slivers
@@ -185,12 +185,12 @@ def _collider(name: str, part, result):
     return made
 
 
-class ISIMP_OT_merge_flat(bpy.types.Operator):
+class ISIMP_OT_merge_flat(RecipeOperator, bpy.types.Operator):
     """Merge coplanar faces of any mesh into polygons, exactly, as a new object. Materials stay apart"""
 
     bl_idname = "isimp.merge_flat"
     bl_label = "Merge Flat"
-    bl_options = {"REGISTER", "UNDO"}
+    adjusted = ("angle",)
 
     angle: FloatProperty(
         name="Angle",
@@ -212,35 +212,52 @@ class ISIMP_OT_merge_flat(bpy.types.Operator):
             problem = own("Leave Edit Mode first (Tab)")
         elif engine is None:
             problem = own("The iSimp engine does not load")
+        elif runtime.get().running is not None:
+            _, problem = targets.find(context)
         if problem:
             cls.poll_message_set(said(problem))
         return not problem
 
-    def execute(self, context):
+    def _begin(self, context, target):
         source = context.view_layer.objects.active
-        try:
-            made, before = _merged(context, source, float(np.degrees(self.angle)))
-        except (ValueError, mesh_io.Unusable) as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+        return Aside(source, _flat(source, float(np.degrees(self.angle))), partial(self._show, source.name))
+
+    def _show(self, name: str, context, merged):
+        source = bpy.data.objects[name]
+        selection.leave_modes(context, source)
+        made = _new_flat(context, source, *merged)
         scene_outcome.bring_to_front(context, made, source)
-        numbers = messages.count(before, "face"), messages.count(len(made.data.polygons), "polygon")
+        numbers = messages.count(len(source.data.polygons), "face"), messages.count(len(made.data.polygons), "polygon")
         self.report(
             {"INFO"}, said("{faces} -> {polygons}, nothing else changed", faces=numbers[0], polygons=numbers[1])
         )
         return {"FINISHED"}
 
 
-def _merged(context, source, angle: float):
-    """Return (the new object, the number of faces of the source)."""
+def _flat(source, angle: float):
+    """Return a function of a watch that merges coplanar faces of an object, on any thread. It raises ValueError.
+
+    It returns (the polygons, the material of each).
+    """
     mesh = source.data
     points = mesh_io.points(mesh).reshape(-1, 3).astype(np.float64)
     triangles, face = mesh_io.loop_triangles(mesh, "vertices")
-    clean = engine.clean(points, triangles.reshape(-1, 3))
     material = np.zeros(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("material_index", material)
-    group = np.where(clean.source_face >= 0, material[face[np.maximum(clean.source_face, 0)]], 0)
-    poly, region = engine.merge_flat(clean, angle, group)
+
+    def merged(watch) -> tuple:
+        clean = engine_call(watch, 0.0, 0.5, "cleaning", engine.clean, points, triangles.reshape(-1, 3))
+        group = np.where(clean.source_face >= 0, material[face[np.maximum(clean.source_face, 0)]], 0)
+        poly, region = engine_call(watch, 0.5, 1.0, "merging", engine.merge_flat, clean, angle, group)
+        of_region = np.zeros(int(region.max()) + 1, np.int32)
+        of_region[region] = group
+        return poly, of_region[np.asarray(poly.polygon_region)]
+
+    return merged
+
+
+def _new_flat(context, source, poly, material):
+    """Return a new object with merged faces of the source at its place."""
     name = targets.named(source.name, ".flat")
     made = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     for collection in source.users_collection or (context.scene.collection,):
@@ -250,11 +267,9 @@ def _merged(context, source, angle: float):
     made.matrix_basis = source.matrix_basis
     for slot in source.material_slots:
         made.data.materials.append(slot.material)
-    of_region = np.zeros(int(region.max()) + 1, np.int32)
-    of_region[region] = group
-    made.data.polygons.foreach_set("material_index", of_region[np.asarray(poly.polygon_region)])
+    made.data.polygons.foreach_set("material_index", material)
     made.data.update()
-    return made, len(mesh.polygons)
+    return made
 
 
 CLASSES = (ISIMP_OT_make_editable, ISIMP_OT_keep_lod, ISIMP_OT_colliders, ISIMP_OT_merge_flat)
