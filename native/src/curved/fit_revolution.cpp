@@ -14,12 +14,13 @@ namespace isimp::curved {
 namespace {
 
 // tuned round
-constexpr double kThin = 2e-3;               ///< eigenvalues of the normals below this are noise
-constexpr std::size_t kMostBins = 40;        ///< number of bins of the profile of a revolution
-constexpr std::size_t kPointsABin = 3;       ///< at the least: a profile through every point fits anything
-constexpr double kCluster = 1.0 / 80;        ///< share of the profile's size: points at a smaller distance are merged
-constexpr double kTurns = 4;                 ///< by how much a difference of normals lengthens a step
-constexpr double kGap = 8;                   ///< median steps: ends that are nearer make a ring
+constexpr double kThin = 2e-3;          ///< eigenvalues of the normals below this are noise
+constexpr std::size_t kMostBins = 40;   ///< number of bins of the profile of a revolution
+constexpr std::size_t kPointsABin = 3;  ///< at the least: a profile through every point fits anything
+constexpr double kCluster = 1.0 / 80;   ///< share of the profile's size: points at a smaller distance are merged
+constexpr double kTurns = 4;            ///< by how much a difference of normals lengthens a step
+constexpr double kGap = 8;              ///< median steps: ends that are nearer make a ring
+constexpr double kStraight = 0.01;      ///< share of its length: a run of corners no further from its chord is straight
 constexpr std::size_t kLeastOfProfile = 12;  ///< points
 
 /// Points of a profile that nearly coincide.
@@ -184,6 +185,18 @@ std::vector<Bin> bins_of(const Half& h, const Samples& s, std::size_t most) {
   return bins;
 }
 
+/// The straight run from the first corner: the last one of it.
+Vec2 straight_from(const std::vector<Vec2>& corners) {
+  std::size_t end = 1;
+  for (std::size_t k = 2; k < corners.size(); ++k) {
+    const Vec2 chord = corners[k] - corners[0], normal(chord.y(), -chord.x());
+    for (std::size_t i = 1; i < k; ++i)
+      if (std::abs(normal.dot(corners[i] - corners[0])) > kStraight * chord.squaredNorm()) return corners[end];
+    end = k;
+  }
+  return corners[end];
+}
+
 bool is_ring(const std::vector<Bin>& bins) {
   if (bins.size() <= 12) return false;
   std::vector<double> steps;
@@ -210,7 +223,11 @@ std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& 
       if (!is_extrusion) p.x() = std::max(p.x(), 0.0);
       return p;
     };
-    const Vec2 first = beyond(corners[0], corners[1]), last = beyond(corners.back(), corners[corners.size() - 2]);
+    // The corners are centres of points, which may all lie in the middle of a cylinder.
+    const Vec2 first = beyond(corners.front(), straight_from(corners));
+    std::reverse(corners.begin(), corners.end());
+    const Vec2 last = beyond(corners.front(), straight_from(corners));
+    std::reverse(corners.begin(), corners.end());
     corners.insert(corners.begin(), first);
     corners.push_back(last);
   }
