@@ -19,7 +19,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kRound = 96;  // faces round a solid of revolution
+constexpr int kRound = 96;  // faces around a solid of revolution
 
 using Outline = std::vector<std::array<double, 2>>;
 
@@ -371,7 +371,7 @@ TEST(Curved, ACellThatAnEditChangesLeavesItsPatch) {
   const Partition part = split(mesh, true);
   Job job;
   const Partition fewer = delete_proxy(mesh, part, face_of_patch(part), job);
-  EXPECT_LT(cells(fewer, 0), cells(part, 0) - 1);  // the deleted cell, and those that took its faces
+  EXPECT_LT(cells(fewer, 0), cells(part, 0) - 1);  // the deleted cell, and the cells to which its faces went
   EXPECT_GT(cells(fewer, 0), 0);
   EXPECT_EQ(broken_promise(mesh, fewer), "");
 }

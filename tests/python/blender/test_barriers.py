@@ -51,7 +51,7 @@ def test_marks_that_modifiers_move_away_are_said(scan):
 
 
 def test_slivers_are_not_merged_across_seams(scan):
-    """Of two faces in a wall that a seam surrounds, one is a region: its only neighbour is the other."""
+    """A seam surrounds two faces in a wall. One is a region, and its only neighbour is the other one."""
     mesh = scan.data
     inside = next(pair for pair in zip(mesh.polygons[:-1], mesh.polygons[1:], strict=True) if beside(*pair))
     rim = set(inside[0].edge_keys) ^ set(inside[1].edge_keys)

@@ -26,8 +26,9 @@ Eigen::Vector2d solve_definite(const Eigen::Matrix2d& matrix, const Eigen::Vecto
 Eigen::Vector3d solve_definite(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right);
 Eigen::Vector4d solve_definite(const Eigen::Matrix4d& matrix, const Eigen::Vector4d& right);
 
-/// The same for unknowns of different units, such as turns and lengths. Rows and columns are scaled to a diagonal of 1
-/// first. So the order of elimination, and with it every bit of the result, does not depend on the unit of length.
+/// As solve_definite, for unknowns of different units, such as turns and lengths. Rows and columns are scaled to a
+/// diagonal of 1 first. So the order of elimination, and with it every bit of the result, does not depend on the unit of
+/// length.
 Vector6 solve_balanced(const Matrix6& matrix, const Vector6& right);
 Eigen::Matrix3d balanced_inverse(const Eigen::Matrix3d& matrix);
 

@@ -85,7 +85,7 @@ def colliders_stopped(hand):
 
 
 def report_stopped(hand):
-    """A report is written beside the window, after Blender's dialog; Esc ends it without a file."""
+    """A thread writes a report after Blender's dialog; Esc ends it without a file."""
     folder = hand.out / "report"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
