@@ -95,7 +95,7 @@ def test_n_gons_are_cut_and_name_their_polygon(tmp_path):
         (([[0.0, 0, 0]], [0, 0, 1], [0]), "corner 2 uses vertex 1, but there are 1 vertices"),
         (([[0.0, 0, 0]], [0, 0, -1], [0]), "corner 2 uses vertex -1"),
         (([[0.0, 0, 0]], [0, 0, 0], [1]), "loop_start must rise from 0 .* got 1 for polygon 0"),
-        (([[0.0, 0, 0]], [0, 0, 0], []), "loop_start is empty, but there are 3 corners"),
+        (([[0.0, 0, 0]], [0, 0, 0], np.empty(0, np.int32)), "loop_start is empty, but there are 3 corners"),
         (([[0.0, 0, 0]], [0, 0, 0], [0, 4]), "loop_start must rise from 0 .* 3 corners, got 4 for polygon 1"),
         (([[0.0, 0, 0]], [0, 0, 0], [0, 2, 1]), "got 1 for polygon 2"),
         (([[0.0, 0, 0]], [[0, 0, 0]], [0]), r"loops must be an array of shape \(L,\) and integers, got shape"),
