@@ -14,11 +14,7 @@ void bind_convex(py::module_& m) {
       [](const py::object& vertices, const py::object& loops, const py::object& loop_start, const py::object& region,
          const py::object& enclosed, double tolerance, std::int32_t parts, std::int32_t most_vertices, double thickness,
          Job* job) {
-        const std::vector<std::int32_t> corners = read_indices(loops, "loops", "(L,)");
-        const std::vector<std::int32_t> starts = read_indices(loop_start, "loop_start", "(Q,)");
-        const PolygonSoup soup{.vertices = read_vertices(vertices),
-                               .loops = {corners.begin(), corners.end()},
-                               .loop_start = {starts.begin(), starts.end()}};
+        const PolygonSoup soup = read_soup(vertices, loops, loop_start);
         const std::vector<std::int32_t> regions = read_indices(region, "region", "(Q,)");
         const std::vector<Vec3> points = read_points(enclosed, "enclose", "(N, 3)");
         const ConvexOptions options{

@@ -69,27 +69,6 @@ py::tuple read_with_columns(const py::object& name, std::vector<std::string> nam
                         to_dict(std::move(columns.faces)), uv, files, materials, skipped);
 }
 
-PolygonSoup read_soup(const py::object& vertices, const py::object& loops, const py::object& loop_start) {
-  const auto corners_of = read_indices(loops, "loops", "(L,)"), starts = read_indices(loop_start, "loop_start", "(Q,)");
-  PolygonSoup soup{read_vertices(vertices), {corners_of.begin(), corners_of.end()}, {starts.begin(), starts.end()}};
-  for (std::size_t i = 0; i < soup.loops.size(); ++i)
-    if (soup.loops[i] < 0 || static_cast<std::size_t>(soup.loops[i]) >= soup.vertices.size())
-      throw InvalidInput("corner " + std::to_string(i) + " uses vertex " + std::to_string(soup.loops[i]) +
-                         ", but there are " + std::to_string(soup.vertices.size()) + " vertices");
-  const auto corners = static_cast<std::int32_t>(soup.loops.size());
-  if (soup.loop_start.empty() && corners > 0)
-    throw InvalidInput("loop_start is empty, but there are " + std::to_string(corners) + " corners");
-  std::int32_t before = 0;
-  for (std::size_t q = 0; q < soup.loop_start.size(); ++q) {
-    const std::int32_t start = soup.loop_start[q];
-    if (start < before || start > corners || (q == 0 && start != 0))
-      throw InvalidInput("loop_start must rise from 0 to at most the " + std::to_string(corners) + " corners, got " +
-                         std::to_string(start) + " for polygon " + std::to_string(q));
-    before = start;
-  }
-  return soup;
-}
-
 py::tuple cut(const py::object& vertices, const py::object& loops, const py::object& loop_start, Job* job) {
   const PolygonSoup soup = read_soup(vertices, loops, loop_start);
   Triangulation triangulation = call(job, [&](Job& j) { return triangulate(soup, j); });
@@ -102,6 +81,13 @@ void write(const py::object& name, const PolygonMesh& poly, Job* job) {
 }
 
 }  // namespace
+
+PolygonSoup read_soup(const py::object& vertices, const py::object& loops, const py::object& loop_start) {
+  const auto corners = read_indices(loops, "loops", "(L,)"), starts = read_indices(loop_start, "loop_start", "(Q,)");
+  PolygonSoup soup{read_vertices(vertices), {corners.begin(), corners.end()}, {starts.begin(), starts.end()}};
+  soup.check();
+  return soup;
+}
 
 void bind_io(py::module_& m) {
   m.def("read", &read, "path"_a, py::kw_only(), "job"_a = py::none(), "threads"_a = 0,

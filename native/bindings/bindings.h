@@ -2,6 +2,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include "isimp/mesh/io.h"
 #include "made.h"
 
 /// One function a module of the engine; each adds that module's names to `_core`.
@@ -25,5 +26,9 @@ void bind_io(py::module_& m);
 void bind_simplify(py::module_& m);
 void bind_texture(py::module_& m);
 void bind_tiles(py::module_& m);
+
+/// Vertices (V, 3), the vertex of each corner (L,), and the first corner of each polygon (Q,).
+/// \throws InvalidInput  another shape or kind of number, or what PolygonSoup::check finds
+PolygonSoup read_soup(const py::object& vertices, const py::object& loops, const py::object& loop_start);
 
 }  // namespace isimp::bindings

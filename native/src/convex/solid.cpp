@@ -25,21 +25,10 @@ struct Group {
 };
 
 void check(const PolygonSoup& polygons, std::span<const std::int32_t> region) {
-  const auto corners = static_cast<std::int64_t>(polygons.loops.size());
+  polygons.check();
   if (!region.empty() && std::ssize(region) != polygons.polygon_count())
     throw InvalidInput("region needs one number a polygon: " + std::to_string(polygons.polygon_count()) + ", got " +
                        std::to_string(region.size()));
-  for (std::int64_t i = 0; i < corners; ++i)
-    if (polygons.loops[i] < 0 || polygons.loops[i] >= std::ssize(polygons.vertices))
-      throw InvalidInput("corner " + std::to_string(i) + ": vertex " + std::to_string(polygons.loops[i]) +
-                         " does not exist, there are " + std::to_string(polygons.vertices.size()));
-  if (polygons.loop_start.empty() ? corners > 0 : polygons.loop_start[0] != 0)
-    throw InvalidInput("loop_start must begin with 0");
-  std::int64_t before = 0;
-  for (const std::int32_t start : polygons.loop_start) {
-    if (start < before || start > corners) throw InvalidInput("loop_start must rise from 0 to the number of corners");
-    before = start;
-  }
   for (std::size_t i = 0; i < polygons.vertices.size(); ++i)
     if (!polygons.vertices[i].allFinite()) throw InvalidInput("vertex " + std::to_string(i) + " is not finite");
 }

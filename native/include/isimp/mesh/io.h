@@ -22,6 +22,9 @@ struct PolygonSoup {
 
   [[nodiscard]] std::int32_t polygon_count() const { return static_cast<std::int32_t>(loop_start.size()); }
   [[nodiscard]] std::span<const std::int32_t> polygon(std::int32_t q) const;
+
+  /// \throws InvalidInput  a corner's vertex does not exist, or `loop_start` does not rise from 0 to at most L
+  void check() const;
 };
 
 /// A number of each vertex or face in a file.

@@ -3,10 +3,12 @@
 #include <cctype>
 #include <fstream>
 #include <optional>
+#include <string>
 #include <system_error>
 
 #include "files/formats.h"
 #include "files/pipe.h"
+#include "isimp/core/errors.h"
 #include "isimp/mesh/io.h"
 #include "surface/edge_groups.h"
 
@@ -78,6 +80,24 @@ std::span<const std::int32_t> PolygonSoup::polygon(std::int32_t q) const {
   const std::size_t begin = static_cast<std::size_t>(loop_start[q]), next = static_cast<std::size_t>(q) + 1;
   const std::size_t end = next < loop_start.size() ? static_cast<std::size_t>(loop_start[next]) : loops.size();
   return std::span(loops).subspan(begin, end - begin);
+}
+
+void PolygonSoup::check() const {
+  for (std::size_t i = 0; i < loops.size(); ++i)
+    if (loops[i] < 0 || loops[i] >= std::ssize(vertices))
+      throw InvalidInput("corner " + std::to_string(i) + " uses vertex " + std::to_string(loops[i]) +
+                         ", but there are " + std::to_string(vertices.size()) + " vertices");
+  const auto corners = static_cast<std::int32_t>(loops.size());
+  if (loop_start.empty() && corners > 0)
+    throw InvalidInput("loop_start is empty, but there are " + std::to_string(corners) + " corners");
+  std::int32_t before = 0;
+  for (std::size_t q = 0; q < loop_start.size(); ++q) {
+    const std::int32_t start = loop_start[q];
+    if (start < before || start > corners || (q == 0 && start != 0))
+      throw InvalidInput("loop_start must rise from 0 to at most the " + std::to_string(corners) + " corners, got " +
+                         std::to_string(start) + " for polygon " + std::to_string(q));
+    before = start;
+  }
 }
 
 PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int32_t threads, Columns* columns) {
