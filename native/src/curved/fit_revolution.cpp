@@ -219,7 +219,9 @@ std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& 
   for (const Bin& b : bins) corners.push_back(b.place);
   if (!surface.closed) {
     const auto beyond = [&](const Vec2& end, const Vec2& inner) {
-      Vec2 p = end + 0.5 * (end - inner);
+      Vec2 step = 0.5 * (end - inner);
+      if (!is_extrusion && step.x() < -end.x()) step *= -end.x() / step.x();  // to the axis
+      Vec2 p = end + step;
       if (!is_extrusion) p.x() = std::max(p.x(), 0.0);
       return p;
     };

@@ -90,6 +90,7 @@ class Joiner {
     if (explained(*surface, a.points, turn) < kMost || explained(*surface, b.points, turn) < kMost) return false;
     const Samples rest = explained_samples(*surface, both.points);
     both.surface = fit(CurvedKind::revolution, rest).value_or(*surface);
+    if (explained(both.surface, both.points, turn) < explained(*surface, both.points, turn)) both.surface = *surface;
     both.area = a.area + b.area;
     both.rms = rms(both.surface, rest);
     const double apart = std::sqrt((a.area * a.rms * a.rms + b.area * b.rms * b.rms) / both.area);

@@ -255,6 +255,22 @@ def test_a_torus_is_one_part(seed):
     assert np.isin(part.face_region, found.regions).all()
 
 
+@pytest.mark.parametrize(
+    ("name", "seed", "kinds"), [("silo", 11, {"cylinder", "cone"}), ("baluster", None, {"revolution"})]
+)
+def test_profiles_are_near_all_of_a_joined_part(name, seed, kinds):
+    """A cone ends at the axis on its own line; a join keeps the surface that is near more of both parts."""
+    shape = round_shapes.shapes()[name]
+    clean, triangles = round_shapes.made(shape)
+    vertices = clean if seed is None else round_shapes.with_noise(clean, 0.001, seed)
+    mesh = engine.clean(vertices, triangles)
+    part = engine.partition(mesh, engine.PartitionOptions(curved=True))
+    assert {each.kind for each in part.curved} == kinds
+    is_round = round_shapes.part_of_faces(shape, clean, triangles)[np.asarray(mesh.source_face)] >= 0
+    regions = np.concatenate([each.regions for each in part.curved])
+    assert np.isin(part.face_region[is_round], regions).mean() > 0.99
+
+
 def test_all_segments_of_a_cone_meet_in_its_apex():
     vertices, triangles = round_shapes.made(round_shapes.shapes()["silo"])
     mesh = engine.clean(round_shapes.with_noise(vertices, 0.001, 201), triangles)
