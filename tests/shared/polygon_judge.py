@@ -54,14 +54,13 @@ def groups(n, pairs):
     """How many groups n things form when the things of each pair belong together, and the group of each."""
     label = np.arange(n)
     pairs = np.asarray(pairs).reshape(-1, 2)
-    while True:
-        low = np.minimum(label[pairs[:, 0]], label[pairs[:, 1]])
-        before = label.copy()
-        np.minimum.at(label, pairs[:, 0], low)
-        np.minimum.at(label, pairs[:, 1], low)
-        label = label[label]
-        if np.array_equal(label, before):
-            return len(np.unique(label)), label
+    while len(pairs):
+        roots = label[pairs]
+        np.minimum.at(label, roots.max(1), roots.min(1))
+        while (label != label[label]).any():
+            label = label[label]
+        pairs = pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]
+    return len(np.unique(label)), label
 
 
 def topology(loops):
@@ -92,46 +91,59 @@ def topology(loops):
 
 
 def vector_area(points):
-    return np.cross(points - points[0], np.roll(points, -1, 0) - points[0]).sum(0) / 2
+    around = points - points[0]
+    return cross(around[:-1], around[1:]).sum(0) / 2
+
+
+def cross(u, v):
+    """As numpy's, of (N, 3) or (3); quicker for few."""
+    x, y, z = u.T
+    a, b, c = v.T
+    return np.stack([y * c - z * b, z * a - x * c, x * b - y * a], -1)
 
 
 def signs_2d(a, b, c):
     """Turn of a, b, c (N, 2): 1 left, -1 right, 0 straight; exactly."""
     u, v = b - a, c - a
-    left, right = u[:, 0] * v[:, 1], u[:, 1] * v[:, 0]
-    det = left - right
-    unsure = np.abs(det) <= 1e-14 * (np.abs(left) + np.abs(right))
+    return signs_of(np.stack([u[:, 0] * v[:, 1], -u[:, 1] * v[:, 0]]), 1e-14, a, b, c)
+
+
+def signs_3d(a, b, c, d):
+    """Side of d of the plane a, b, c; exactly."""
+    u, v, w = ((other - a).T for other in (b, c, d))
+    terms = [u[i] * v[j] * w[k] for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1))]
+    terms += [-u[i] * v[j] * w[k] for i, j, k in ((0, 2, 1), (1, 0, 2), (2, 1, 0))]
+    return signs_of(np.stack(terms), 4e-15, a, b, c, d)
+
+
+def signs_of(terms, unit, *points):
+    """Signs of sums of terms (K, N), in integers where they are smaller than the error; all terms 0: the sum is 0."""
+    det, size = terms.sum(0), np.abs(terms).sum(0)
     sign = np.sign(det).astype(int)
-    for i in np.flatnonzero(unsure):
-        sign[i] = exact_sign([a[i], b[i], c[i]])
+    unsure = np.flatnonzero((np.abs(det) <= unit * size) & (size > 0))
+    if len(unsure):
+        sign[unsure] = exact_signs(np.stack([p[unsure] for p in points]))
     return sign
 
 
 def exact_sign(points):
     """Sign of the determinant of the differences from the first point, in integers."""
-    parts = [[float(x).as_integer_ratio() for x in p] for p in points]
-    scale = max(d for p in parts for _, d in p)
-    whole = [[n * (scale // d) for n, d in p] for p in parts]
-    rows = [[x - y for x, y in zip(p, whole[0], strict=True)] for p in whole[1:]]
+    return int(exact_signs(np.asarray(points, float)[:, None])[0])
+
+
+def exact_signs(points):
+    """As exact_sign, of points (3, N, 2) or (4, N, 3)."""
+    share, exponent = np.frexp(points)
+    shift = (exponent - exponent.min((0, 2))[:, None]).astype(object)
+    whole = (share * 2.0**53).astype(np.int64).astype(object) << shift
+    rows = (whole[1:] - whole[0]).transpose(0, 2, 1)
     if len(rows) == 2:
-        det = rows[0][0] * rows[1][1] - rows[0][1] * rows[1][0]
+        (a, b), (c, d) = rows
+        det = a * d - b * c
     else:
         (a, b, c), (d, e, f), (g, h, i) = rows
         det = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-    return (det > 0) - (det < 0)
-
-
-def signs_3d(a, b, c, d):
-    """Side of d of the plane a, b, c; exactly."""
-    u, v, w = b - a, c - a, d - a
-    terms = np.stack([u[:, i] * v[:, j] * w[:, k] for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1))]
-                     + [-u[:, i] * v[:, j] * w[:, k] for i, j, k in ((0, 2, 1), (1, 0, 2), (2, 1, 0))])  # fmt: skip
-    det = terms.sum(0)
-    unsure = np.abs(det) <= 4e-15 * np.abs(terms).sum(0)
-    sign = np.sign(det).astype(int)
-    for i in np.flatnonzero(unsure):
-        sign[i] = exact_sign([a[i], b[i], c[i], d[i]])
-    return sign
+    return (det > 0).astype(int) - (det < 0).astype(int)
 
 
 def boxes_meet_2d(a, b, c, d):
@@ -156,20 +168,21 @@ def flat(points):
     normal = area / max(np.linalg.norm(area), 1e-300)
     centred = points - points.mean(0)
     axis = np.eye(3)[np.argmin(np.abs(normal))]
-    u = np.cross(normal, axis)
+    u = cross(normal, axis)
     u /= max(np.linalg.norm(u), 1e-300)
-    return centred @ np.stack([u, np.cross(normal, u)], 1), area, np.abs(centred @ normal).max()
+    return centred @ np.stack([u, cross(normal, u)], 1), area, np.abs(centred @ normal).max()
 
 
 def crosses_itself(p):
     """Whether two edges of a polygon in the plane meet elsewhere than where they follow each other."""
     n = len(p)
-    i, j = np.triu_indices(n, 1)
-    follow = (j - i == 1) | (j - i == n - 1)
-    q = np.roll(p, -1, 0)
-    if segments_meet_2d(p[i[~follow]], q[i[~follow]], p[j[~follow]], q[j[~follow]]).any():
-        return True
-    back = np.roll(p, 1, 0)  # a spike: two edges in a row that run back over each other
+    q, back = p[np.arange(1, n + 1) % n], p[np.arange(n) - 1]
+    if n > 3:
+        i, j = np.triu_indices(n, 2)
+        apart = j - i < n - 1
+        if segments_meet_2d(p[i[apart]], q[i[apart]], p[j[apart]], q[j[apart]]).any():
+            return True
+    # A spike: two edges in a row that run back over each other.
     return bool(((signs_2d(back, p, q) == 0) & (((p - back) * (q - p)).sum(1) < 0)).any())
 
 
@@ -181,33 +194,28 @@ def least_surface(points, p, thin=0.0):
     n = len(p)
     if n == 3:
         return [(0, 1, 2)]
-    a, b = np.triu_indices(n, 2)
     seen = np.full((n, n), True)
-    edge = np.arange(n)
-    for s, t in zip(a, b, strict=True):
-        if (s, t) == (0, n - 1):
-            continue
-        far = ~np.isin(edge, [s, t]) & ~np.isin((edge + 1) % n, [s, t])
-        e = edge[far]
-        seen[s, t] = not segments_meet_2d(
-            np.broadcast_to(p[s], (len(e), 2)), np.broadcast_to(p[t], (len(e), 2)), p[e], p[(e + 1) % n]
-        ).any()
+    for s in range(n - 2):
+        t, e = (each.ravel() for each in np.meshgrid(np.arange(s + 2, n - (s == 0)), np.arange(n), indexing="ij"))
+        after = (e + 1) % n
+        far = (e != s) & (e != t) & (after != s) & (after != t)
+        t, e, after = t[far], e[far], after[far]
+        meet = segments_meet_2d(np.broadcast_to(p[s], (len(e), 2)), p[t], p[e], p[after])
+        seen[s, t[meet]] = False
     cost, via = np.zeros((n, n)), np.zeros((n, n), int)
     for gap in range(2, n):
-        for s in range(n - gap):
-            t = s + gap
-            if not seen[s, t]:
-                cost[s, t] = np.inf
-                continue
-            k = np.arange(s + 1, t)
-            begin, end = (np.broadcast_to(p[x], (len(k), 2)) for x in (s, t))
-            size = np.linalg.norm(np.cross(points[k] - points[s], points[t] - points[k]), axis=1)
-            sides = (points[k] - points[s], points[t] - points[k], np.broadcast_to(points[t] - points[s], (len(k), 3)))
-            longest = np.max([np.linalg.norm(side, axis=1) for side in sides], axis=0)
-            size = size + np.where(size <= thin * longest, SLIVER * thin * thin, 0)
-            sums = cost[s, k] + cost[k, t] + np.where(signs_2d(begin, p[k], end) > 0, size, np.inf)
-            via[s, t] = s + 1 + int(np.argmin(sums))
-            cost[s, t] = sums.min()
+        s = np.arange(n - gap)
+        cost[s, s + gap] = np.inf
+        s = s[seen[s, s + gap]]
+        t, k = (s + gap)[:, None], s[:, None] + np.arange(1, gap)
+        begin, middle, end = (np.broadcast_to(points[each], (*k.shape, 3)) for each in (s[:, None], k, t))
+        size = np.linalg.norm(np.cross(middle - begin, end - middle), axis=2)
+        longest = np.max([np.linalg.norm(side, axis=2) for side in (middle - begin, end - middle, end - begin)], axis=0)
+        size = size + np.where(size <= thin * longest, SLIVER * thin * thin, 0)
+        turns = signs_2d(*(np.broadcast_to(p[each], (*k.shape, 2)).reshape(-1, 2) for each in (s[:, None], k, t)))
+        sums = cost[s[:, None], k] + cost[k, t] + np.where(turns.reshape(k.shape) > 0, size, np.inf)
+        via[s, s + gap] = s + 1 + sums.argmin(1)
+        cost[s, s + gap] = sums.min(1)
     if not np.isfinite(cost[0, n - 1]):
         return None
     triangles, stack = [], [(0, n - 1)]
@@ -246,20 +254,27 @@ def segment_meets_triangle(p, q, a, b, c):
     """Whether closed segments pq meet closed triangles abc (N, 3 each); exactly."""
     side_p, side_q = signs_3d(a, b, c, p), signs_3d(a, b, c, q)
     result = side_p * side_q <= 0
-    flat_case = (side_p == 0) & (side_q == 0)
-    k = np.flatnonzero(result & ~flat_case)
+    in_plane = (side_p == 0) & (side_q == 0)
+    k = np.flatnonzero(result & ~in_plane)
     if len(k):
         turns = np.stack([signs_3d(p[k], q[k], x[k], y[k]) for x, y in ((a, b), (b, c), (c, a))])
         result[k] = (turns >= 0).all(0) | (turns <= 0).all(0)
-    for i in np.flatnonzero(flat_case):
-        normal = np.cross(b[i] - a[i], c[i] - a[i])
-        keep = [x for x in range(3) if x != np.argmax(np.abs(normal))]
-        p2, q2, t = p[i][keep], q[i][keep], np.stack([a[i], b[i], c[i]])[:, keep]
-        turns = signs_2d(t, np.roll(t, -1, 0), np.broadcast_to(p2, (3, 2)))
-        inside = (turns >= 0).all() or (turns <= 0).all()
-        ends = np.broadcast_to(p2, (3, 2)), np.broadcast_to(q2, (3, 2))
-        result[i] = inside or segments_meet_2d(*ends, t, np.roll(t, -1, 0)).any()
+    k = np.flatnonzero(in_plane)
+    if len(k):
+        p, q, a, b, c = seen_flat(a[k], b[k], c[k], p[k], q[k], a[k], b[k], c[k])
+        turns = np.stack([signs_2d(x, y, p) for x, y in ((a, b), (b, c), (c, a))])
+        some = (turns >= 0).all(0) | (turns <= 0).all(0)
+        for x, y in ((a, b), (b, c), (c, a)):
+            some |= segments_meet_2d(p, q, x, y)
+        result[k] = some
     return result
+
+
+def seen_flat(a, b, c, *points):
+    """Points (N, 3) without the axis along which the triangles abc are seen largest."""
+    axis = np.abs(np.cross(b - a, c - a)).argmax(1)
+    kept = np.array([[1, 2], [0, 2], [0, 1]])[axis]
+    return [np.take_along_axis(p, kept, 1) for p in points]
 
 
 def meeting(points, f, g):
@@ -268,28 +283,35 @@ def meeting(points, f, g):
     shared = same.sum((1, 2))
     result = shared >= 3
     a, b = points[f], points[g]
-    k = np.flatnonzero(shared == 0)
+    k = not_apart(a, b, np.flatnonzero(shared == 0), 3)
     if len(k):
         some = np.zeros(len(k), bool)
         for x, y in ((a[k], b[k]), (b[k], a[k])):
             for e in range(3):
                 some |= segment_meets_triangle(x[:, e], x[:, (e + 1) % 3], y[:, 0], y[:, 1], y[:, 2])
         result[k] = some
-    k = np.flatnonzero(shared == 1)
+    k = not_apart(a, b, np.flatnonzero(shared == 1), 2)
     if len(k):
         some = np.zeros(len(k), bool)
         rows = np.arange(len(k))
         for x, y, at in ((a[k], b[k], same[k].any(2).argmax(1)), (b[k], a[k], same[k].any(1).argmax(1))):
             some |= segment_meets_triangle(x[rows, (at + 1) % 3], x[rows, (at + 2) % 3], y[:, 0], y[:, 1], y[:, 2])
         result[k] = some
-    for i in np.flatnonzero(shared == 2):
-        free_f, free_g = int((~same[i].any(1)).argmax()), int((~same[i].any(0)).argmax())
-        p, q, r, s = a[i][(free_f + 1) % 3], a[i][(free_f + 2) % 3], a[i][free_f], b[i][free_g]
-        if exact_sign([p, q, r, s]) == 0:  # they meet only if one lies folded on the other
-            normal = np.cross(q - p, r - p)
-            keep = [x for x in range(3) if x != np.argmax(np.abs(normal))]
-            result[i] = exact_sign([p[keep], q[keep], r[keep]]) == exact_sign([p[keep], q[keep], s[keep]])
+    k = np.flatnonzero(shared == 2)
+    free_f, free_g = (~same[k].any(2)).argmax(1), (~same[k].any(1)).argmax(1)
+    p, q, r, s = a[k, (free_f + 1) % 3], a[k, (free_f + 2) % 3], a[k, free_f], b[k, free_g]
+    flat = np.flatnonzero(signs_3d(p, q, r, s) == 0)  # they meet only if one lies folded on the other
+    p, q, r, s = seen_flat(p[flat], q[flat], r[flat], p[flat], q[flat], r[flat], s[flat])
+    result[k[flat]] = signs_2d(p, q, r) == signs_2d(p, q, s)
     return result
+
+
+def not_apart(a, b, k, free):
+    """Those of the pairs k where neither triangle's `free` corners, which are not shared, all lie beside the other."""
+    for x, y in ((a, b), (b, a)):
+        sides = [signs_3d(*(x[k, i] for i in range(3)), y[k, j]) for j in range(3)]
+        k = k[np.abs(np.sum(sides, axis=0)) < free]
+    return k
 
 
 class Scan:
@@ -306,7 +328,6 @@ class Scan:
         order = np.argsort(self.region, kind="stable")
         self.order, self.starts = order, np.searchsorted(self.region[order], np.arange(self.region.max() + 2))
         self.diagonal = np.linalg.norm(np.ptp(self.vertices[np.unique(mesh.triangles)], axis=0))
-        self.known = {}
         self.flat = set()
         self.stored = self.vertices.astype(np.float32).astype(float)
 
@@ -329,19 +350,22 @@ class Scan:
         distance = np.linalg.norm(self.middle[faces] - place, axis=1)
         return self.vector[faces[distance <= max(radius, distance.min())]]
 
-    def meets_itself(self, a, b):
-        """Whether a face of region a meets one of region b elsewhere than in the vertices they share."""
-        key = (min(a, b), max(a, b))
-        if key not in self.known:
-            f, g = self.triangles[self.faces_of(a)], self.triangles[self.faces_of(b)]
-            full = [self.area[self.faces_of(r)] > 0 for r in (a, b)]
-            f, g = f[full[0]], g[full[1]]
-            f, g = self.within_box(f, g), self.within_box(g, f)
-            pairs = box_pairs(self.stored, f, self.stored, g)
-            f, g = f[pairs[:, 0]], g[pairs[:, 1]]
-            other = (f != g).any(1)
-            self.known[key] = bool(meeting(self.stored, f[other], g[other]).any())
-        return self.known[key]
+    def meet(self, pairs):
+        """By pairs (a, b) of regions: whether faces of both meet elsewhere than in the vertices they share."""
+        pairs = {tuple(sorted(pair)) for pair in pairs}
+        found = [np.zeros((0, 2, 3), int), *(self.near_faces(a, b) for a, b in pairs)]
+        faces, pair = np.concatenate(found), np.repeat(np.arange(len(found)), [len(each) for each in found])
+        other = (faces[:, 0] != faces[:, 1]).any(1)
+        meets = meeting(self.stored, faces[other, 0], faces[other, 1])
+        met = set(pair[other][meets].tolist())
+        return {each: k in met for k, each in enumerate(pairs, 1)}
+
+    def near_faces(self, a, b):
+        """The pairs of a face of region a and one of region b, (N, 2, 3), whose boxes meet."""
+        f, g = (self.triangles[faces[self.area[faces] > 0]] for faces in map(self.faces_of, (a, b)))
+        f, g = self.within_box(f, g), self.within_box(g, f)
+        pairs = box_pairs(self.stored, f, self.stored, g)
+        return np.stack([f[pairs[:, 0]], g[pairs[:, 1]]], 1)
 
     def within_box(self, f, g):
         """The faces of f whose boxes meet the box around all of g."""
@@ -483,7 +507,9 @@ def judge(poly, mesh, part, flatness=0.0, reach=0.02, outlined=False):
     pairs = box_pairs(position, facets)
     pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
     pairs = pairs[meeting(position, facets[pairs[:, 0]], facets[pairs[:, 1]])]
-    for a, b in sorted({tuple(sorted(pair)) for pair in owner[pairs].tolist()}):
-        known = scan.meets_itself(poly.polygon_region[a], poly.polygon_region[b])
-        (v.excused if known else v.hits).append((a, b))
+    met = sorted({tuple(sorted(pair)) for pair in owner[pairs].tolist()})
+    regions = [tuple(sorted(poly.polygon_region[[a, b]].tolist())) for a, b in met]
+    known = scan.meet(regions)
+    for pair, key in zip(met, regions, strict=True):
+        (v.excused if known[key] else v.hits).append(pair)
     return v, scan
