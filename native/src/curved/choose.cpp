@@ -170,8 +170,17 @@ class Chooser {
   /// \return the cost of the grids; infinite if there are none
   double choose(const std::vector<std::size_t>& some, double share) {
     std::map<std::int32_t, std::vector<Grid>> by_segments;
-    double cells = 0;
-    for (const std::size_t k : some) cells += share * s_.patches[k].cells;
+    double cells = 0, before = 0;
+    bool are_walls = true;
+    for (const std::size_t k : some) {
+      const RoundPatch& p = s_.patches[k];
+      cells += share * p.cells;
+      before += p.before;
+      are_walls = are_walls && p.proxy.full && !is_bent(p.proxy);
+    }
+    // The squared distance of a wall's strips from its surface falls with the fourth power of their number: on a rough
+    // wall the last ones would bring less than a region had.
+    const double price = are_walls ? before * share / cells : 0;
     for (const std::size_t k : some) {
       const RoundPatch& p = s_.patches[k];
       // Alone a patch keeps to its own number of cells; together they keep to the sum.
@@ -187,7 +196,7 @@ class Chooser {
       if (some.size() > 1) all = within(n, some, cells);
       double cost = 0, count = 0;
       for (const Grid& g : all) {
-        cost += g.cost;
+        cost += g.cost + price * g.cells;
         count += g.cells;
       }
       if (best != nullptr && (cost >= least || count > kMoreCells * cells + kHalfCell)) continue;

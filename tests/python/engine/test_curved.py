@@ -191,6 +191,17 @@ def test_the_wall_of_a_dented_can_is_one_extrusion():
     assert [patch.kind for patch in part.curved] == ["extrusion"]
 
 
+@pytest.mark.parametrize(("noise", "share"), [(0.001, 1.0), (0.003, 0.85)])
+def test_a_rough_wall_has_fewer_segments(noise, share):
+    """The last segments of a noisy wall would bring less than a region had there."""
+    vertices, triangles = round_shapes.made(round_shapes.shapes()["capped"])
+    mesh = engine.clean(round_shapes.with_noise(vertices, noise, 811), triangles)
+    plain, part = (engine.partition(mesh, engine.PartitionOptions(curved=curved)) for curved in (False, True))
+    (wall,) = part.curved
+    assert wall.kind == "cylinder"
+    assert wall.segments == pytest.approx(share * (plain.region_count - 2), abs=2)
+
+
 def test_few_segments_are_planar_and_keep_the_volume(mesh, part):
     """The planes of six segments meet a tenth of the radius outside the scan."""
     six = engine.set_segments(mesh, part, int(part.region_seed[part.curved[0].regions[0]]), 6)
