@@ -20,7 +20,7 @@ constexpr std::size_t kPointsABin = 3;  ///< at the least: a profile through eve
 constexpr double kCluster = 1.0 / 80;   ///< share of the profile's size: points at a smaller distance are merged
 constexpr double kTurns = 4;            ///< by how much a difference of normals lengthens a step
 constexpr double kGap = 8;              ///< median steps: ends that are nearer make a ring
-constexpr double kStraight = 0.01;      ///< share of its length: a run of corners no further from its chord is straight
+constexpr double kStraight = 0.02;      ///< share of its length: a run of corners no further from its chord is straight
 constexpr std::size_t kLeastOfProfile = 12;  ///< points
 
 /// Points of a profile that nearly coincide.
