@@ -105,16 +105,22 @@ class Rounding {
 
   /// Whether the cells of patches with the same segments are about as near to the faces as the regions that were there.
   /// These may be nearer by the distance of the faces from the surface, which no cells follow, unless they are the sides
-  /// of a prism. A patch that was found must pass, an edit need not.
+  /// of a prism. Each cell and each region has a price: the square of the nearness times the area of a region. A patch
+  /// that was found must pass, an edit need not.
   [[nodiscard]] bool pay(const std::vector<PatchCut>& cuts) const {
     if (is_edit()) return true;
-    double now = 0, before = 0, rough = 0;
+    double now = 0, before = 0, rough = 0, price = 0;  // price: of the regions
     const auto add = [&](std::int32_t i, const Vec3& normal, double offset) {
       now += f_.area(i) * std::pow(normal.dot(f_.centre(i)) - offset, 2);
     };
     for (const PatchCut& c : cuts) {
       before += c.patch->before;
-      for (const double a : c.patch->faces.area) rough += a * c.patch->faces.rough * c.patch->faces.rough;
+      double area = 0;
+      for (const double a : c.patch->faces.area) area += a;
+      rough += area * c.patch->faces.rough * c.patch->faces.rough;
+      const double regions = area * scene_.near.distance * scene_.near.distance;
+      price += regions;
+      now += regions * static_cast<double>(c.cells.cell.size()) / c.patch->cells;
       const Some& face = c.patch->faces.face;
       for (std::size_t k = 0; k < face.size(); ++k)
         add(face[k], c.cells.normal[c.cells.of_face[k]], c.cells.offset[c.cells.of_face[k]]);
@@ -123,7 +129,7 @@ class Rounding {
         add(i, s.axis, s.axis.dot(s.point));
       }
     }
-    return now <= kWorse * (before < kPrism * rough ? before : before + rough);
+    return now <= kWorse * (price + (before < kPrism * rough ? before : before + rough));
   }
 
   /// Removes the first and the last half segment from a patch if planes touch it there.
