@@ -1,28 +1,12 @@
-"""Helpers for tests of batches: scans, the command, and readers of an output folder."""
+"""Helpers for tests of batches: scans, and readers of an output folder."""
 
 import json
-import os
-import subprocess
-import sys
 import time
-from pathlib import Path
 
-import isimp_engine as engine
 import meshfiles
 import shapes
 
-HERE = str(Path(__file__).parent)
-ENVIRONMENT = {
-    **os.environ,
-    "PYTHONPATH": os.pathsep.join([str(Path(engine.__file__).parents[1]), HERE]),
-    "COLUMNS": "100",
-}
 ODD = "odd_work:run"
-
-
-def isimp(*arguments, **keywords):
-    command = [sys.executable, "-m", "isimp_engine", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, env=ENVIRONMENT, timeout=120, **keywords)
 
 
 def scan(path, n=3):

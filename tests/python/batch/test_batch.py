@@ -16,7 +16,8 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
-from batches import ENVIRONMENT, ODD, isimp, rows_by_name, scan, wait_for, whys
+from batches import ODD, rows_by_name, scan, wait_for, whys
+from commands import ENVIRONMENT, isimp
 from isimp_engine import batch
 from isimp_engine.batch import table
 from isimp_engine.children import local, process

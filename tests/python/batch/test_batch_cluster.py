@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import pytest
 
-from batches import isimp
+from commands import isimp
 from isimp_engine import batch
 from isimp_engine.children import clusters
 from test_batch_dask import ENVIRONMENT, make_scans

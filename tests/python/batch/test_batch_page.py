@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 import shapes
-from batches import ENVIRONMENT, scan
+from batches import scan
+from commands import ENVIRONMENT
 from isimp_engine import batch
 from isimp_engine.batch import page, picture
 from isimp_engine.batch.run import State

@@ -9,7 +9,8 @@ import pytest
 
 import meshfiles
 import shapes
-from batches import ODD, isimp, scan, whys
+from batches import ODD, scan, whys
+from commands import isimp
 from isimp_engine import batch, machine
 from isimp_engine.children import local, process
 

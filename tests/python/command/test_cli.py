@@ -1,12 +1,8 @@
-"""The command `isimp` as people and scripts call it: through a process of its own."""
+"""The command `isimp` as people and scripts call it."""
 
-import contextlib
-import io
 import json
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,26 +11,8 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
-from isimp_engine.cli import main
+from commands import called, check_line, isimp
 from isimp_engine.cli.options import simplify_options
-
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1]), "COLUMNS": "80"}
-
-
-def isimp(*arguments, **keywords):
-    command = [sys.executable, "-m", "isimp_engine", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, env=ENVIRONMENT, timeout=120, **keywords)
-
-
-def called(*arguments):
-    """As `isimp`, in this process: a process takes a third of a second to begin."""
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        try:
-            status = main([str(argument) for argument in arguments])
-        except SystemExit as ended:  # argparse's own errors
-            status = ended.code
-    return subprocess.CompletedProcess(arguments, status, out.getvalue(), err.getvalue())
 
 
 @pytest.fixture
@@ -43,19 +21,6 @@ def scan(tmp_path):
     vertices, triangles = shapes.bumpy(30)
     meshfiles.ply_binary(path, vertices, triangles.tolist())
     return path
-
-
-def check_line(done, status, *parts):
-    """The command ended with a status and one line on stderr that holds all parts."""
-    assert done.returncode == status, done.stderr
-    assert done.stdout == ""
-    line = done.stderr.splitlines()[-1]
-    assert line.startswith("isimp")
-    for part in parts:
-        assert str(part) in line
-    assert "Traceback" not in done.stderr
-    if status == 3:
-        assert len(done.stderr.splitlines()) == 1
 
 
 @pytest.mark.parametrize("name", ["out.ply", "out.obj"])
@@ -100,7 +65,7 @@ def test_every_option_reaches_the_engine(scan, tmp_path):
     report = tmp_path / "r.json"
     given = {"proxies": 7, "seed": 5, "method": "lloyd", "iterations": 3, "leave_out": 0.0, "threads": 1}
     flags = [text for name, value in given.items() for text in (f"--{name.replace('_', '-')}", value)]
-    done = isimp("simplify", scan, tmp_path / "o.ply", *flags, "--backend", "cpu", "--report", report, "--quiet")
+    done = called("simplify", scan, tmp_path / "o.ply", *flags, "--backend", "cpu", "--report", report, "--quiet")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     options = json.loads(report.read_text())["options"]
     assert {name: options[name] for name in given} == given
@@ -113,7 +78,7 @@ def test_every_option_reaches_the_engine(scan, tmp_path):
 def test_every_kind_of_file_gives_labels_of_its_own_faces(tmp_path, kind):
     vertices, triangles = shapes.cube()
     meshfiles.TRIANGLES[kind](tmp_path / kind, vertices, triangles.tolist())
-    done = isimp("simplify", tmp_path / kind, tmp_path / "o.obj", "--proxies", 6, "--labels", tmp_path / "l.npy")
+    done = called("simplify", tmp_path / kind, tmp_path / "o.obj", "--proxies", 6, "--labels", tmp_path / "l.npy")
     assert done.returncode == 0, done.stderr
     labels = np.load(tmp_path / "l.npy")
     assert labels.shape == (len(triangles),)
@@ -127,9 +92,9 @@ def test_labels_are_of_the_files_polygons_and_minus_one_where_dropped(tmp_path):
     corners = [*quads[:2], [0, 0, 1], [5], *quads[2:], quads[0]]
     meshfiles.obj(tmp_path / "a.obj", vertices, corners)
     report, labels = tmp_path / "r.json", tmp_path / "l.npy"
-    done = isimp("simplify", tmp_path / "a.obj", tmp_path / "o.obj", "--proxies", 12)
+    done = called("simplify", tmp_path / "a.obj", tmp_path / "o.obj", "--proxies", 12)
     assert done.returncode == 0, done.stderr
-    done = isimp(
+    done = called(
         "simplify", tmp_path / "a.obj", tmp_path / "o.obj", "--proxies=12", "--labels", labels, "--report", report
     )
     assert done.returncode == 0, done.stderr
@@ -149,7 +114,7 @@ def test_a_polygon_of_several_regions_has_the_largest_ones_label(tmp_path):
     angles = np.arange(12) * np.pi / 6
     rim = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
     meshfiles.obj(tmp_path / "a.obj", np.concatenate([rim, [[3, 0, 0]]]), [list(range(12)), [0, 12, 1]])
-    done = isimp("simplify", tmp_path / "a.obj", tmp_path / "o.obj", "--proxies=11", "--labels", tmp_path / "l.npy")
+    done = called("simplify", tmp_path / "a.obj", tmp_path / "o.obj", "--proxies=11", "--labels", tmp_path / "l.npy")
     assert done.returncode == 0, done.stderr
     vertices, loops, loop_start = engine.reading.read_polygons(tmp_path / "a.obj")
     triangles, polygon = engine.regions.triangulate(vertices, loops, loop_start)
@@ -168,15 +133,15 @@ def test_what_covers_a_hole_is_counted_and_takes_no_label(tmp_path):
     triangles = triangles[(triangles != triangles[0, 0]).all(axis=1)]
     meshfiles.obj(tmp_path / "a.obj", vertices, triangles)
     places = tmp_path / "a.obj", tmp_path / "o.obj"
-    done = isimp("simplify", *places, "--proxies=6", "--fill-holes=10", "--labels", tmp_path / "l.npy")
+    done = called("simplify", *places, "--proxies=6", "--fill-holes=10", "--labels", tmp_path / "l.npy")
     assert done.returncode == 0, done.stderr
     assert "covered" in done.stdout
     assert ", closed" in done.stdout.splitlines()[0]
     values = np.load(tmp_path / "l.npy")
     assert len(values) == len(triangles)
     assert set(values) == set(range(6))
-    assert "covered" in isimp("info", tmp_path / "a.obj", "--fill-holes=10").stdout
-    refused = isimp("info", tmp_path / "a.obj", "--fill-holes=-1")
+    assert "covered" in called("info", tmp_path / "a.obj", "--fill-holes=10").stdout
+    refused = called("info", tmp_path / "a.obj", "--fill-holes=-1")
     assert "--fill-holes must be a finite length, at least 0, got -1" in refused.stderr
 
 
@@ -184,7 +149,7 @@ def test_a_speck_has_no_label(tmp_path):
     big, small = shapes.plane(20), shapes.plane(1)
     vertices, triangles = shapes.joined((small[0] * 0.01 + [2, 0, 0], small[1]), big)
     meshfiles.ply_ascii(tmp_path / "a.ply", vertices, triangles.tolist())
-    done = isimp("simplify", tmp_path / "a.ply", tmp_path / "o.ply", "--proxies=3", "--labels", tmp_path / "l.npy")
+    done = called("simplify", tmp_path / "a.ply", tmp_path / "o.ply", "--proxies=3", "--labels", tmp_path / "l.npy")
     assert done.returncode == 0, done.stderr
     assert "left out: 1 part" in done.stdout
     labels = np.load(tmp_path / "l.npy")
@@ -194,14 +159,14 @@ def test_a_speck_has_no_label(tmp_path):
 
 def test_a_mesh_of_few_faces_needs_no_proxy_count(tmp_path):
     meshfiles.ply_ascii(tmp_path / "a.ply", [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-    done = isimp("simplify", tmp_path / "a.ply", tmp_path / "o.ply")
+    done = called("simplify", tmp_path / "a.ply", tmp_path / "o.ply")
     assert done.returncode == 0, done.stderr
     assert f"{tmp_path / 'o.ply'}: 1 polygon of 1 region, 3.0 corners each, open, manifold" in done.stdout
 
 
 def test_the_same_files_on_every_run(scan, tmp_path):
-    for name in ("a", "b"):
-        isimp("simplify", scan, tmp_path / f"{name}.ply", "--proxies=15", "--labels", tmp_path / f"{name}.npy")
+    for name, run in (("a", isimp), ("b", called)):
+        run("simplify", scan, tmp_path / f"{name}.ply", "--proxies=15", "--labels", tmp_path / f"{name}.npy")
     assert (tmp_path / "a.ply").read_bytes() == (tmp_path / "b.ply").read_bytes()
     assert (tmp_path / "a.npy").read_bytes() == (tmp_path / "b.npy").read_bytes()
 
@@ -280,7 +245,7 @@ def test_numbers_that_are_not_finite_are_refused_before_the_work(tmp_path, text)
 def test_a_scan_that_is_one_point_has_a_summary(tmp_path):
     path = tmp_path / "point.obj"
     path.write_text("v 0 0 0\n" * 4 + "f 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n")
-    done = isimp("simplify", path, tmp_path / "o.ply")
+    done = called("simplify", path, tmp_path / "o.ply")
     assert done.returncode == 0, done.stderr
     assert "flat to 0.000% of the diagonal" in done.stdout
 
@@ -289,7 +254,7 @@ def test_a_budget_of_triangles_that_the_scan_exceeds_is_a_warning(tmp_path):
     path, report = tmp_path / "balls.ply", tmp_path / "r.json"
     vertices, triangles = shapes.joined(shapes.cube(), (shapes.cube()[0] + 5, shapes.cube()[1]))
     meshfiles.ply_binary(path, vertices, triangles.tolist())
-    done = isimp("simplify", path, tmp_path / "o.ply", "--triangles", 2, "--report", report)
+    done = called("simplify", path, tmp_path / "o.ply", "--triangles", 2, "--report", report)
     assert done.returncode == 0, done.stderr
     said = json.loads(report.read_text())
     made = said["output"]["corners"] - 2 * said["output"]["polygons"]
@@ -302,8 +267,8 @@ def test_a_budget_of_triangles_that_the_scan_exceeds_is_a_warning(tmp_path):
 def test_a_full_disk_is_3_and_leaves_nothing(scan, tmp_path):
     if not Path("/dev/full").exists():
         pytest.skip("no /dev/full here")
-    check_line(isimp("simplify", scan, tmp_path / "o.ply", "--proxies=9", "--report", "/dev/full"), 3, "/dev/full")
-    labels = isimp("simplify", scan, tmp_path / "o.ply", "--proxies=9", "--labels", "/dev/full")
+    check_line(called("simplify", scan, tmp_path / "o.ply", "--proxies=9", "--report", "/dev/full"), 3, "/dev/full")
+    labels = called("simplify", scan, tmp_path / "o.ply", "--proxies=9", "--labels", "/dev/full")
     check_line(labels, 3, "/dev/full", "No space left")
     assert os.listdir(tmp_path) == [scan.name]
 
@@ -311,7 +276,7 @@ def test_a_full_disk_is_3_and_leaves_nothing(scan, tmp_path):
 def test_an_old_file_stays_when_the_run_fails(scan, tmp_path):
     out = tmp_path / "o.ply"
     out.write_text("precious")
-    isimp("simplify", scan, out, "--proxies", 10**6)
+    called("simplify", scan, out, "--proxies", 10**6)
     assert out.read_text() == "precious"
 
 
@@ -320,7 +285,7 @@ def test_info_prints_the_properties_of_a_mesh_and_its_repairs(tmp_path):
     triangles = [*triangles.tolist(), [0, 0, 1], triangles[3].tolist()]
     path = tmp_path / "a.ply"
     meshfiles.ply_ascii(path, vertices, triangles)
-    done = isimp("info", path)
+    done = called("info", path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines() == [
         str(path),
@@ -333,7 +298,7 @@ def test_info_prints_the_properties_of_a_mesh_and_its_repairs(tmp_path):
         "  would become 6 polygons of 6 regions",
         "    6 regions found at a tolerance of 0.00968, noise 0, the number of planes it is made of",
     ]
-    said = json.loads(isimp("info", path, "--json").stdout)
+    said = json.loads(called("info", path, "--json").stdout)
     assert said["input"] == {"path": str(path), "vertices": 98, "faces": 194, "triangles": 194}
     assert said["mesh"]["faces"] == 192
     assert said["mesh"]["closed"] is True
@@ -343,7 +308,7 @@ def test_info_prints_the_properties_of_a_mesh_and_its_repairs(tmp_path):
 
 
 def test_info_on_a_good_mesh_has_nothing_to_repair(scan):
-    lines = isimp("info", scan, "--mesh-only").stdout.splitlines()
+    lines = called("info", scan, "--mesh-only").stdout.splitlines()
     assert lines[1] == "  1,800 faces, 961 vertices"
     assert lines[2] == "  1 part, open, 120 border edges in 1 loop, Euler characteristic 1"
     assert lines[-1] == "  nothing to repair"
@@ -351,36 +316,36 @@ def test_info_on_a_good_mesh_has_nothing_to_repair(scan):
 
 def test_info_counts_the_polygons_that_a_run_makes(scan, tmp_path):
     report = tmp_path / "r.json"
-    assert isimp("simplify", scan, tmp_path / "o.ply", "--proxies", 20, "--report", report).returncode == 0
+    assert called("simplify", scan, tmp_path / "o.ply", "--proxies", 20, "--report", report).returncode == 0
     made = json.loads(report.read_text())["output"]
-    said = json.loads(isimp("info", scan, "--proxies", 20, "--json").stdout)["result"]
+    said = json.loads(called("info", scan, "--proxies", 20, "--json").stdout)["result"]
     assert (said["polygons"], said["regions"]) == (made["polygons"], 20)
-    done = isimp("info", scan, "--proxies", 20000)
+    done = called("info", scan, "--proxies", 20000)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1] == "  no polygons: proxies must be in [1, 1800], got 20000"
-    assert json.loads(isimp("info", scan, "--mesh-only", "--json").stdout)["result"] is None
+    assert json.loads(called("info", scan, "--mesh-only", "--json").stdout)["result"] is None
 
 
 def test_polygons_beyond_the_regions_are_explained(tmp_path):
     vertices, triangles = shapes.room(16)
     path = tmp_path / "plate.ply"
     meshfiles.ply_binary(path, vertices, triangles.tolist())
-    said = json.loads(isimp("info", path, "--proxies", 30, "--keep-openings", "--json").stdout)["result"]
+    said = json.loads(called("info", path, "--proxies", 30, "--keep-openings", "--json").stdout)["result"]
     more = said["polygons"] - said["regions"]
     assert more > 0
     line = next(
-        line for line in isimp("info", path, "--proxies", 30, "--keep-openings").stdout.splitlines() if "more" in line
+        line for line in called("info", path, "--proxies", 30, "--keep-openings").stdout.splitlines() if "more" in line
     )
     numbers = [int(number) for number in re.findall(r"\d+", line)]
     assert numbers[0] == more == sum(numbers[1:])
-    done = isimp("simplify", path, tmp_path / "o.ply", "--proxies", 30, "--keep-openings")
+    done = called("simplify", path, tmp_path / "o.ply", "--proxies", 30, "--keep-openings")
     assert line.strip() in done.stdout
 
 
 def test_help_and_version():
     done = isimp("--version")
     assert done.stdout == f"isimp {engine.__version__}\n"
-    text = isimp("simplify", "--help").stdout
+    text = called("simplify", "--help").stdout
     for flag in (
         "--proxies",
         "--seed",
@@ -409,7 +374,7 @@ def test_guides_are_kept_to_and_said(scan, tmp_path):
     outputs = (out, "--labels", labels, "--report", report)
     counts = []
     for more in ((), ("--weights", tmp_path / "w.npy")):
-        done = isimp("simplify", scan, *outputs, "--proxies", 20, "--borders", tmp_path / "b.npy", *more)
+        done = called("simplify", scan, *outputs, "--proxies", 20, "--borders", tmp_path / "b.npy", *more)
         assert done.returncode == 0, done.stderr
         regions = np.load(labels)
         assert not set(regions[right]) & set(regions[~right])
@@ -418,7 +383,7 @@ def test_guides_are_kept_to_and_said(scan, tmp_path):
     assert json.loads(report.read_text())["options"]["guides"]["weights"] == str(tmp_path / "w.npy")
 
     np.save(tmp_path / "p.npy", np.flatnonzero(right))
-    done = isimp("simplify", scan, out, "--labels", tmp_path / "new.npy", "--proxies", 5, "--part", tmp_path / "p.npy",
+    done = called("simplify", scan, out, "--labels", tmp_path / "new.npy", "--proxies", 5, "--part", tmp_path / "p.npy",
                  "--base", labels)  # fmt: skip
     assert done.returncode == 0, done.stderr
     new = np.load(tmp_path / "new.npy")
@@ -431,12 +396,12 @@ def test_edges_that_are_sharp_or_cut_part_regions(tmp_path):
     path, labels = tmp_path / "cube.ply", tmp_path / "labels.npy"
     vertices, triangles = shapes.cube(4)
     meshfiles.ply_binary(path, vertices, triangles.tolist())
-    done = isimp("simplify", path, tmp_path / "out.obj", "--proxies", 1, "--angle", 45, "--labels", labels)
+    done = called("simplify", path, tmp_path / "out.obj", "--proxies", 1, "--angle", 45, "--labels", labels)
     assert done.returncode == 0, done.stderr
     assert np.load(labels).max() == 5
     edge = triangles[0, :2][None]
     np.save(tmp_path / "e.npy", edge)
-    done = isimp(
+    done = called(
         "simplify", path, tmp_path / "out.obj", "--proxies", 6, "--cuts", tmp_path / "e.npy", "--labels", labels
     )
     assert done.returncode == 0, done.stderr
@@ -446,7 +411,7 @@ def test_edges_that_are_sharp_or_cut_part_regions(tmp_path):
 
 def test_a_bound_is_measured_on_the_polygons(scan, tmp_path):
     report = tmp_path / "report.json"
-    done = isimp("simplify", scan, tmp_path / "out.ply", "--bound", 0.02, "--report", report)
+    done = called("simplify", scan, tmp_path / "out.ply", "--bound", 0.02, "--report", report)
     assert done.returncode == 0, done.stderr
     said = json.loads(report.read_text())
     assert said["partition"]["distance_max"] <= 0.02
@@ -470,4 +435,4 @@ def test_guides_that_cannot_be_used_are_named(scan, tmp_path, flags, values, mes
         (tmp_path / "f.npy").write_text("nothing")
     else:
         np.save(tmp_path / "f.npy", values)
-    check_line(isimp("simplify", scan, "out.ply", *flags, cwd=tmp_path), 2, message)
+    check_line(called("simplify", scan, "out.ply", *flags, cwd=tmp_path), 2, message)

@@ -13,7 +13,7 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
-from test_cli import ENVIRONMENT, check_line, isimp
+from commands import ENVIRONMENT, check_line, isimp
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs files as POSIX has them")
 

@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 import shapes
-from batches import ENVIRONMENT, scan
+from batches import scan
+from commands import ENVIRONMENT
 from isimp_engine.cli import progress
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal and signals as POSIX has them")

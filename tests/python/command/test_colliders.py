@@ -11,7 +11,7 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 from bench.generators import hollow_solids
-from test_cli import check_line, isimp
+from commands import called, check_line
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,7 @@ def json_of_glb(path):
     [("unreal", "UCX_desk_00"), ("unity", "desk_collider_00"), ("godot", "desk_00-convcol"), ("plain", "desk_00")],
 )
 def test_an_object_for_each_part_with_the_names_of_a_program(table, tmp_path, names, first):
-    done = isimp("colliders", table, tmp_path / "desk.obj", "--names", names)
+    done = called("colliders", table, tmp_path / "desk.obj", "--names", names)
     assert done.returncode == 0, done.stderr
     assert "5 convex parts, 60 triangles" in done.stdout
     found = names_of_obj(tmp_path / "desk.obj")
@@ -49,7 +49,7 @@ def test_an_object_for_each_part_with_the_names_of_a_program(table, tmp_path, na
 
 
 def test_a_node_for_each_part(table, tmp_path):
-    assert isimp("colliders", table, tmp_path / "desk.glb", "--quiet").returncode == 0
+    assert called("colliders", table, tmp_path / "desk.glb", "--quiet").returncode == 0
     document = json_of_glb(tmp_path / "desk.glb")
     assert [node["name"] for node in document["nodes"]] == [f"desk_{i:02}" for i in range(5)]
     assert document["scenes"][0]["nodes"] == list(range(5))
@@ -57,7 +57,7 @@ def test_a_node_for_each_part(table, tmp_path):
 
 
 def test_a_geom_for_each_part(table, tmp_path):
-    assert isimp("colliders", table, tmp_path / "desk.xml", "--enclose", "--quiet").returncode == 0
+    assert called("colliders", table, tmp_path / "desk.xml", "--enclose", "--quiet").returncode == 0
     text = (tmp_path / "desk.xml").read_text()
     assert re.findall(r'<mesh name="(\w+)"', text) == [f"desk_{i:02}" for i in range(5)]
     assert re.findall(r'type="mesh" mesh="(\w+)"', text) == [f"desk_{i:02}" for i in range(5)]
@@ -66,7 +66,7 @@ def test_a_geom_for_each_part(table, tmp_path):
 
 
 def test_a_prim_for_each_part(table, tmp_path):
-    assert isimp("colliders", table, tmp_path / "7 desk.usda", "--names", "godot", "--quiet").returncode == 0
+    assert called("colliders", table, tmp_path / "7 desk.usda", "--names", "godot", "--quiet").returncode == 0
     text = (tmp_path / "7 desk.usda").read_text()
     assert re.findall(r'def (\w+) "(\w+)"', text)[:2] == [("Xform", "_7_desk"), ("Mesh", "_7_desk_00_convcol")]
     assert text.count("PhysicsCollisionAPI") == text.count("convexHull") == 5
@@ -80,24 +80,24 @@ def test_polygons_are_taken_as_they_are(tmp_path):
     solid = hollow_solids.Solid([((0, 0, 0), (2, 1, 1)), ((0, 1, 0), (1, 2, 1))], [])
     poly, _ = engine.merge_flat(engine.clean(*hollow_solids.surface(solid)))
     engine.write(tmp_path / "ell.obj", poly)
-    assert isimp("colliders", tmp_path / "ell.obj", tmp_path / "parts.obj").returncode == 0
+    assert called("colliders", tmp_path / "ell.obj", tmp_path / "parts.obj").returncode == 0
     vertices, _ = engine.read(tmp_path / "parts.obj")
     assert vertices.round(9).tolist() == vertices.round().tolist()
 
 
 def test_limits_and_refusals(table, tmp_path):
-    assert "1 convex part," in isimp("colliders", table, tmp_path / "a.obj", "--parts", 1).stdout
-    assert "1 convex part," in isimp("colliders", table, tmp_path / "a.obj", "--tolerance", 1).stdout
-    done = isimp("colliders", table, tmp_path / "a.fbx")
+    assert "1 convex part," in called("colliders", table, tmp_path / "a.obj", "--parts", 1).stdout
+    assert "1 convex part," in called("colliders", table, tmp_path / "a.obj", "--tolerance", 1).stdout
+    done = called("colliders", table, tmp_path / "a.fbx")
     check_line(done, 2, "OUTPUT must end in one of .obj, .glb, .xml, .usda")
-    done = isimp("colliders", table, tmp_path / "a.obj", "--max-vertices", 3)
+    done = called("colliders", table, tmp_path / "a.obj", "--max-vertices", 3)
     check_line(done, 3, "most_vertices must be at least 8, got 3")
     meshfiles.ply_binary(tmp_path / "open.ply", *shapes.plane(8))
-    done = isimp("colliders", tmp_path / "open.ply", tmp_path / "b.obj")
+    done = called("colliders", tmp_path / "open.ply", tmp_path / "b.obj")
     check_line(done, 3, "open.ply: the surface is open: it does not say whether (")
     assert not (tmp_path / "b.obj").exists()
     assert (
         "1 convex part, 12 triangles"
-        in isimp("colliders", tmp_path / "open.ply", tmp_path / "b.obj", "--thickness", 0.1, "--enclose").stdout
+        in called("colliders", tmp_path / "open.ply", tmp_path / "b.obj", "--thickness", 0.1, "--enclose").stdout
     )
-    assert "1 convex part," in isimp("colliders", tmp_path / "open.ply", tmp_path / "b.obj", "--thickness").stdout
+    assert "1 convex part," in called("colliders", tmp_path / "open.ply", tmp_path / "b.obj", "--thickness").stdout

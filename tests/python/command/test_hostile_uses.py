@@ -16,7 +16,8 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 import tilesets
-from batches import ENVIRONMENT, ODD, isimp, scan, whys
+from batches import ODD, scan, whys
+from commands import ENVIRONMENT, isimp
 from isimp_engine import batch, drafts, exporting, recipes, tiles
 from isimp_engine.cli.ending import Terminated, terminable
 from isimp_engine.cli.files import Outputs

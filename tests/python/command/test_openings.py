@@ -8,20 +8,20 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
+from commands import called
 from isimp import recipe as rcp
 from isimp.session import Session, StepFailed
 from isimp_engine import batch
 from isimp_engine.cli.command import parser
 from isimp_engine.cli.simplify import run, task_of
 from session_scans import scan_of
-from test_cli import isimp
 
 REGIONS = 30
 
 
 def simplified(tmp_path, mesh, *options):
     meshfiles.ply_binary(tmp_path / "scan.ply", mesh[0], mesh[1].tolist())
-    done = isimp("simplify", tmp_path / "scan.ply", tmp_path / "o.ply", "--report=-", *options)
+    done = called("simplify", tmp_path / "scan.ply", tmp_path / "o.ply", "--report=-", *options)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout), done.stderr
 

@@ -8,8 +8,8 @@ import numpy as np
 import isimp_engine as engine
 import meshfiles
 import shapes
+from commands import called, check_line
 from isimp_engine.recipe.presets import BY_NAME
-from test_cli import called, check_line
 
 
 def colored(path, vertices, triangles, colors):

@@ -11,9 +11,9 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 from bench.generators import round_shapes
+from commands import called, check_line
 from isimp_engine import reports
 from isimp_engine.reports.page import histogram
-from test_cli import check_line, isimp
 
 
 def house():
@@ -181,7 +181,7 @@ def test_the_command_writes_tables_and_a_page(tmp_path):
     source, out = tmp_path / "house.ply", tmp_path / "out"
     vertices, triangles = house()
     meshfiles.ply_binary(source, vertices, triangles.tolist())
-    done = isimp("report", source, out, "--proxies", "7", "--angles", "0,3", "--crs", "25832")
+    done = called("report", source, out, "--proxies", "7", "--angles", "0,3", "--crs", "25832")
     assert done.returncode == 0, done.stderr
     assert sorted(path.name for path in out.iterdir()) == [
         "angles.csv",
@@ -206,7 +206,7 @@ def test_round_parts_have_a_table(tmp_path):
     source, out = tmp_path / "capped.ply", tmp_path / "out"
     vertices, triangles = round_shapes.made(round_shapes.shapes()["capped"])
     meshfiles.ply_binary(source, vertices, triangles.tolist())
-    done = isimp("report", source, out, "--curved")
+    done = called("report", source, out, "--curved")
     assert done.returncode == 0, done.stderr
     assert "1 round part in planes.csv, round_parts.csv, sizes.csv, planes.geojson, report.html" in done.stdout
     (row,) = read(out / "round_parts.csv")
@@ -246,12 +246,12 @@ def test_wrong_uses_are_refused(tmp_path):
     source, out = tmp_path / "house.ply", tmp_path / "out"
     vertices, triangles = house()
     meshfiles.ply_binary(source, vertices, triangles.tolist())
-    check_line(isimp("report", source, out, "--proxies", "7", "--angles", "0,99"), 2, "there is no region 99")
-    check_line(isimp("report", source, out, "--angles=-1,2"), 2, "give two or more numbers of regions")
+    check_line(called("report", source, out, "--proxies", "7", "--angles", "0,99"), 2, "there is no region 99")
+    check_line(called("report", source, out, "--angles=-1,2"), 2, "give two or more numbers of regions")
     assert not out.exists()
     out.write_text("")
-    check_line(isimp("report", source, out), 2, "must be a folder")
-    check_line(isimp("report", tmp_path / "none.ply", tmp_path / "new"), 3, "none.ply")
+    check_line(called("report", source, out), 2, "must be a folder")
+    check_line(called("report", tmp_path / "none.ply", tmp_path / "new"), 3, "none.ply")
 
 
 def test_a_folder_has_the_tables_of_one_report(tmp_path):
@@ -261,7 +261,7 @@ def test_a_folder_has_the_tables_of_one_report(tmp_path):
     out.mkdir()
     for name in ("angles.csv", "round_parts.csv", "other.csv"):
         (out / name).write_text("old")
-    done = isimp("report", source, out, "--proxies", "7")
+    done = called("report", source, out, "--proxies", "7")
     assert done.returncode == 0, done.stderr
     names = ["other.csv", "planes.csv", "planes.geojson", "report.html", "sizes.csv"]
     assert sorted(path.name for path in out.iterdir()) == names
@@ -276,11 +276,11 @@ def test_neither_the_scan_nor_a_read_only_table_is_overwritten(tmp_path):
     before = source.read_bytes()
     out.mkdir()
     (out / "planes.geojson").symlink_to("../house.ply")
-    check_line(isimp("report", source, out), 2, "planes.geojson: is named twice")
+    check_line(called("report", source, out), 2, "planes.geojson: is named twice")
     assert source.read_bytes() == before
     (out / "planes.geojson").unlink()
     (out / "planes.csv").write_text("precious")
     (out / "planes.csv").chmod(0o444)
-    check_line(isimp("report", source, out), 2, "planes.csv: is read-only")
+    check_line(called("report", source, out), 2, "planes.csv: is read-only")
     assert [path.name for path in out.iterdir()] == ["planes.csv"]
     assert (out / "planes.csv").read_text() == "precious"

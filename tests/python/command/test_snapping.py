@@ -9,11 +9,11 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 from bench.generators import round_shapes
+from commands import called, check_line
 from isimp_engine import pipeline, reports
 from isimp_engine import recipe as rcp
 from isimp_engine.lengths import length_of
 from isimp_engine.snapping import snap_sizes
-from test_cli import check_line, isimp
 from test_report import divided
 
 NOISE = 0.001  # share of the diagonal
@@ -91,20 +91,20 @@ def test_the_command_lists_what_moved(tmp_path):
     scan, out, report = tmp_path / "bracket.ply", tmp_path / "out.obj", tmp_path / "report.json"
     vertices, triangles = bracket()
     meshfiles.ply_binary(scan, vertices, triangles.tolist())
-    done = isimp("simplify", scan, out, "--snap-sizes", "1mm", "--unit", "mm", "--report", report)
+    done = called("simplify", scan, out, "--snap-sizes", "1mm", "--unit", "mm", "--report", report)
     assert done.returncode == 0, done.stderr
     assert " (+-" in done.stdout
     assert "stays, no multiple is near" in done.stdout
     rows = json.loads(report.read_text())["sizes"]
     assert json.loads(report.read_text())["options"]["snap_sizes"] == 1
-    done = isimp("report", scan, tmp_path / "out", "--snap-sizes", "1")
+    done = called("report", scan, tmp_path / "out", "--snap-sizes", "1")
     assert done.returncode == 0, done.stderr
     table = list(csv.DictReader((tmp_path / "out" / "sizes.csv").read_text().splitlines()))
     assert [row["value"] for row in table] == [repr(row["value"]) for row in rows]
     assert {row["snapped"] for row in table} == {row["snapped"] for row in rows}
-    check_line(isimp("simplify", scan, out, "--snap-sizes", "1mm"), 2, "give --unit")
-    check_line(isimp("simplify", scan, out, "--snap-sizes", "one", "--unit", "mm"), 2, "must be a length as 1mm")
-    check_line(isimp("simplify", scan, out, "--snap-sizes", "1", "--bound", "1"), 2, "exclude each other")
+    check_line(called("simplify", scan, out, "--snap-sizes", "1mm"), 2, "give --unit")
+    check_line(called("simplify", scan, out, "--snap-sizes", "one", "--unit", "mm"), 2, "must be a length as 1mm")
+    check_line(called("simplify", scan, out, "--snap-sizes", "1", "--bound", "1"), 2, "exclude each other")
 
 
 def test_a_recipe_snaps_sizes_as_the_option_does():
@@ -157,11 +157,11 @@ def test_one_known_length_scales_the_model_and_its_report(tmp_path):
     assert size == pytest.approx(np.linalg.norm(np.ptp(vertices, axis=0)), rel=0.02)
     scan, out = tmp_path / "bracket.ply", tmp_path / "out.obj"
     meshfiles.ply_binary(scan, vertices / 25.4, triangles.tolist())
-    done = isimp("simplify", scan, out, "--scale", f"{name}=40")
+    done = called("simplify", scan, out, "--scale", f"{name}=40")
     assert f"size {name} was 1.57" in done.stdout
-    check_line(isimp("simplify", scan, out, "--scale", "98-99=40"), 2, "there is no length '98-99'", name)
-    check_line(isimp("simplify", scan, out, "--scale", "40"), 2, "as 3-7=40mm")
-    check_line(isimp("simplify", scan, out, "--scale", f"{name}=40", "--lods", "10,5"), 2, "exclude each other")
+    check_line(called("simplify", scan, out, "--scale", "98-99=40"), 2, "there is no length '98-99'", name)
+    check_line(called("simplify", scan, out, "--scale", "40"), 2, "as 3-7=40mm")
+    check_line(called("simplify", scan, out, "--scale", f"{name}=40", "--lods", "10,5"), 2, "exclude each other")
 
 
 def test_a_scale_changes_lengths_of_options_too():
@@ -195,8 +195,8 @@ def test_info_knows_the_result_of_a_scaled_scan(tmp_path):
     scan, report = tmp_path / "bracket.ply", tmp_path / "report.json"
     meshfiles.ply_binary(scan, vertices / 25.4, triangles.tolist())
     options = "--scale", f"{name}=40", "--bound", "0.02"
-    expected = json.loads(isimp("info", scan, "--json", *options).stdout)["result"]
-    isimp("simplify", scan, tmp_path / "out.obj", "--report", report, *options)
+    expected = json.loads(called("info", scan, "--json", *options).stdout)["result"]
+    called("simplify", scan, tmp_path / "out.obj", "--report", report, *options)
     made = json.loads(report.read_text())
     assert expected["regions"] == made["regions"]
     assert expected["polygons"] == made["output"]["polygons"]

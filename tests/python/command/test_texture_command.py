@@ -9,7 +9,7 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
-from test_cli import isimp
+from commands import called
 from test_texture import SIX, sample, write_cube_obj
 from test_udim import write_udim_plane
 
@@ -62,7 +62,7 @@ MADE = [
 
 @pytest.mark.parametrize(("arguments", "images", "said", "holds"), MADE, ids=[" ".join(row[0]) for row in MADE])
 def test_the_command_makes_it(scans, arguments, images, said, holds):
-    ran = isimp("simplify", *arguments, "--proxies", "6", "--report", "r.json", cwd=scans)
+    ran = called("simplify", *arguments, "--proxies", "6", "--report", "r.json", cwd=scans)
     assert ran.returncode == 0, ran.stderr
     assert said in ran.stdout
     told = json.loads((scans / "r.json").read_text())["texture"]
@@ -78,7 +78,7 @@ def test_the_command_makes_it(scans, arguments, images, said, holds):
 )
 def test_the_step_of_a_recipe_makes_it_and_what_is_given_comes_first(scans, texture, arguments, size, layer):
     recipe(scans, **texture)
-    ran = isimp("simplify", "cube.obj", "out.glb", "--recipe", "r.json", *arguments, cwd=scans)
+    ran = called("simplify", "cube.obj", "out.glb", "--recipe", "r.json", *arguments, cwd=scans)
     assert ran.returncode == 0, ran.stderr
     soup = engine.read_textured(scans / "out.glb")
     assert soup.images[0].shape == (size, size, 4)
@@ -105,7 +105,7 @@ def test_the_step_of_a_recipe_makes_it_and_what_is_given_comes_first(scans, text
 )  # fmt: skip
 def test_wrong_use_is_named_in_a_line(scans, arguments, texture, status, text):
     recipe(scans, **texture)
-    ran = isimp("simplify", *arguments, "--proxies", "6", cwd=scans)
+    ran = called("simplify", *arguments, "--proxies", "6", cwd=scans)
     assert ran.returncode == status
     assert text in ran.stderr
     assert not any(scans.glob("x.*"))

@@ -8,11 +8,11 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
+from commands import called
 from isimp import messages, stored
 from isimp import recipe as rcp
 from isimp.session import Session
 from session_scans import scan_of
-from test_cli import isimp
 
 REASONS = ("unconnected", "pinches", "holes", "handles", "closed", "repair")
 
@@ -41,16 +41,16 @@ def test_a_room_with_tunnels_gets_about_the_expected_number_and_handles_are_name
 def test_the_report_has_it_and_info_can_leave_the_meshing_out(tmp_path):
     vertices, triangles = shapes.bumpy(40)
     meshfiles.ply_binary(tmp_path / "scan.ply", vertices, triangles.tolist())
-    done = isimp("simplify", tmp_path / "scan.ply", tmp_path / "o.ply", "--report=-", "--proxies=50")
+    done = called("simplify", tmp_path / "scan.ply", tmp_path / "o.ply", "--report=-", "--proxies=50")
     report = json.loads(done.stdout)
     assert report["expected"]["polygons"] == pytest.approx(report["output"]["polygons"], rel=0.15)
-    done = isimp("info", tmp_path / "scan.ply", "--json", "--estimate", "--proxies=50")
+    done = called("info", tmp_path / "scan.ply", "--json", "--estimate", "--proxies=50")
     result = json.loads(done.stdout)["result"]
     assert (result["polygons"], result["estimated"]) == (report["expected"]["polygons"], True)
     assert result["expected"] == report["expected"]
-    said = isimp("info", tmp_path / "scan.ply", "--estimate", "--proxies=50").stdout
+    said = called("info", tmp_path / "scan.ply", "--estimate", "--proxies=50").stdout
     assert f"would become about {report['expected']['polygons']} polygons of 50 regions" in said
-    exact = json.loads(isimp("info", tmp_path / "scan.ply", "--json", "--proxies=50").stdout)["result"]
+    exact = json.loads(called("info", tmp_path / "scan.ply", "--json", "--proxies=50").stdout)["result"]
     assert (exact["polygons"], exact["estimated"]) == (report["output"]["polygons"], False)
 
 

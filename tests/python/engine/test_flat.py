@@ -8,10 +8,10 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
+from commands import called, check_line
 from isimp_engine.cli import flat, guiding
 from isimp_engine.cli.command import parser
 from isimp_engine.cli.errors import UsageError
-from test_cli import check_line, isimp
 
 
 def merged(vertices, triangles, **more):
@@ -52,7 +52,7 @@ def test_topology_of_real_meshes_stays(data, name):
 def test_the_command_merges_and_reports(tmp_path):
     source, out, report, labels = (tmp_path / name for name in ("in.ply", "out.ply", "r.json", "labels.npy"))
     meshfiles.ply_binary(source, *(part.tolist() if k else part for k, part in enumerate(shapes.cube(5))))
-    done = isimp("simplify", source, out, "--flat", "--report", report, "--labels", labels)
+    done = called("simplify", source, out, "--flat", "--report", report, "--labels", labels)
     assert done.returncode == 0, done.stderr
     assert "6 flat parts -> 6 polygons" in done.stdout
     told = json.loads(report.read_text())
@@ -75,7 +75,7 @@ def test_options_of_the_repair_and_of_files_are_used(tmp_path):
     used = "--fill-holes 2 --weld 0 --grid off --stitch 0 --threads 1 --backend auto --unit mm --keep-openings --quiet"
     for more, filled in ((), 1), (("--keep-opening", place), 0):
         given = [*used.split(), "--crs", "25832", "--report", report, "--labels", tmp_path / "l.npy", *more]
-        done = isimp("simplify", source, out, "--flat", *given)
+        done = called("simplify", source, out, "--flat", *given)
         assert (done.returncode, done.stderr) == (0, "")
         assert json.loads(report.read_text())["repair"]["filled_holes"] == filled
 
@@ -86,7 +86,7 @@ def test_an_angle_can_be_given(tmp_path):
     counts = []
     for angle in ([], ["10"]):
         out = tmp_path / "out.ply"
-        assert isimp("simplify", source, out, "--flat", *angle).returncode == 0
+        assert called("simplify", source, out, "--flat", *angle).returncode == 0
         counts.append(len(engine.reading.read_polygons(out)[2]))
     assert counts[0] > 2 * counts[1]
 
@@ -104,8 +104,8 @@ def test_an_angle_can_be_given(tmp_path):
 def test_what_flat_does_not_do_is_refused(tmp_path, more, said):
     source = tmp_path / "in.ply"
     meshfiles.ply_binary(source, *(part.tolist() if k else part for k, part in enumerate(shapes.cube(2))))
-    check_line(isimp("simplify", source, tmp_path / "out.obj", "--flat", *more), 2, said)
-    check_line(isimp("simplify", source, tmp_path / "out.obj", "--flat", "100"), 2, "[0, 90]")
+    check_line(called("simplify", source, tmp_path / "out.obj", "--flat", *more), 2, said)
+    check_line(called("simplify", source, tmp_path / "out.obj", "--flat", "100"), 2, "[0, 90]")
     assert not (tmp_path / "out.obj").exists()
 
 

@@ -16,14 +16,13 @@ from PIL import Image
 import isimp_engine as engine
 import meshfiles
 import shapes
-from batches import ENVIRONMENT
+from commands import ENVIRONMENT, called
 from hostile import packed
 from isimp_engine import machine, reading
 from isimp_engine.texturing import images
 from isimp_engine.texturing.gltf_file import GltfFile
 from isimp_engine.texturing.images import decode
 from isimp_engine.tiles import tileset
-from test_cli import isimp
 from test_texture import write_plane_obj
 from test_tileset import glb, tile, write
 
@@ -482,5 +481,5 @@ def test_a_face_with_uvs_that_are_no_numbers_shows_no_image(tmp_path, value):
     layer = engine.TextureLayer([pixel], np.full_like(soup.uv, float(value.split()[0])))
     soup = engine.TexturedSoup(soup.vertices, soup.triangles, soup.uv, images=[pixel], layers={"emission": layer})
     assert np.isfinite(soup.layers["emission"].uv.astype(np.float32)).all()
-    done = isimp("simplify", path, tmp_path / "o.obj", "--proxies", 1, "--texture", 32, "--quiet")
+    done = called("simplify", path, tmp_path / "o.obj", "--proxies", 1, "--texture", 32, "--quiet")
     assert (done.returncode, done.stderr) == (0, "")

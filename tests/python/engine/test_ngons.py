@@ -9,8 +9,8 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
+from commands import called
 from isimp_engine.texturing import ngons
-from test_cli import isimp
 
 
 def rings_of(points):
@@ -77,7 +77,7 @@ def document(path):
 
 def test_the_command_writes_and_reads_ngons(textured, tmp_path):
     out, again, report = tmp_path / "out.glb", tmp_path / "again.obj", tmp_path / "r.json"
-    done = isimp("simplify", textured, out, "--proxies", "6", "--texture", "64")
+    done = called("simplify", textured, out, "--proxies", "6", "--texture", "64")
     assert done.returncode == 0, done.stderr
     found = document(out)
     assert "FB_ngon_encoding" in found["extensionsUsed"]
@@ -85,7 +85,7 @@ def test_the_command_writes_and_reads_ngons(textured, tmp_path):
     soup = engine.read_textured(out)
     assert len(soup.triangles) == 12
     assert soup.polygon.tolist() == np.repeat(np.arange(6), 2).tolist()
-    done = isimp("simplify", out, again, "--flat", "--report", report)
+    done = called("simplify", out, again, "--flat", "--report", report)
     assert done.returncode == 0, done.stderr
     told = json.loads(report.read_text())
     assert (told["input"]["faces"], told["input"]["triangles"], told["output"]["polygons"]) == (6, 12, 6)
@@ -94,7 +94,7 @@ def test_the_command_writes_and_reads_ngons(textured, tmp_path):
 def test_another_library_reads_the_file(textured, tmp_path):
     trimesh = pytest.importorskip("trimesh")
     out = tmp_path / "out.glb"
-    assert isimp("simplify", textured, out, "--proxies", "6", "--texture", "64").returncode == 0
+    assert called("simplify", textured, out, "--proxies", "6", "--texture", "64").returncode == 0
     (shape,) = trimesh.load(out, process=False).geometry.values()
     assert shape.area == pytest.approx(6.0, rel=1e-5)
     assert ngons.decoded(np.asarray(shape.faces)).max() == 5

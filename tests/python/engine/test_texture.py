@@ -9,8 +9,8 @@ from PIL import Image
 import isimp_engine as engine
 import meshfiles
 import shapes
+from commands import called
 from isimp_engine.texturing import glb
-from test_cli import isimp
 
 SIX = np.array([[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 0], [0, 255, 255], [255, 0, 255]], np.uint8)
 
@@ -379,12 +379,12 @@ def test_the_command_does_not_overwrite_the_scans_own_image(tmp_path):
     picture(tmp_path, "t.png", ramp())
     path = write_plane_obj(tmp_path, lambda p: p)
     before = (tmp_path / "t.png").read_bytes()
-    ran = isimp("simplify", path, tmp_path / "t.obj", "--proxies", "1", "--texture")
+    ran = called("simplify", path, tmp_path / "t.obj", "--proxies", "1", "--texture")
     assert ran.returncode == 2
     assert "would be overwritten" in ran.stderr
     assert (tmp_path / "t.png").read_bytes() == before
     assert not (tmp_path / "t.obj").exists()
-    assert isimp("simplify", path, tmp_path / "t.gltf", "--proxies", "1", "--texture").returncode == 2
+    assert called("simplify", path, tmp_path / "t.gltf", "--proxies", "1", "--texture").returncode == 2
     assert (tmp_path / "t.png").read_bytes() == before
 
 
@@ -392,7 +392,7 @@ def test_a_batch_keeps_textures(tmp_path):
     (tmp_path / "in").mkdir()
     write_cube_obj(tmp_path / "in")
     options = ["--proxies", "6", "--texture", "64", "--format", "glb", "--jobs", "1"]
-    ran = isimp("batch", tmp_path / "in", tmp_path / "out", *options)
+    ran = called("batch", tmp_path / "in", tmp_path / "out", *options)
     assert ran.returncode == 0, ran.stderr
     soup = engine.read_textured(tmp_path / "out" / "cube.glb")
     assert soup.images[0].shape == (64, 64, 4)

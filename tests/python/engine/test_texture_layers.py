@@ -9,7 +9,7 @@ from PIL import Image
 
 import isimp_engine as engine
 import shapes
-from test_cli import isimp
+from commands import called
 from test_texture import picture, ramp, result, sample, write_plane_obj
 
 GREY = np.full((8, 8), 255, np.uint8)
@@ -288,7 +288,7 @@ def json_of(path):
 def test_the_command_writes_the_layers_and_lists_their_files(tmp_path):
     path = write_pbr_obj(tmp_path)
     report = tmp_path / "r.json"
-    ran = isimp("simplify", path, tmp_path / "out.obj", "--proxies", "1", "--texture", "64", "--report", report)
+    ran = called("simplify", path, tmp_path / "out.obj", "--proxies", "1", "--texture", "64", "--report", report)
     assert ran.returncode == 0, ran.stderr
     told = json.loads(report.read_text())["texture"]
     assert told["layers"] == ["roughness", "metallic", "emission"]
@@ -298,7 +298,7 @@ def test_the_command_writes_the_layers_and_lists_their_files(tmp_path):
     (tmp_path / "t.mtl").write_text("newmtl m\nmap_Kd t.png\nmap_Pr plane_roughness.png\n")
     before = (tmp_path / "plane_roughness.png").read_bytes()
     (tmp_path / "plane.obj").rename(tmp_path / "scan.obj")
-    ran = isimp("simplify", tmp_path / "scan.obj", tmp_path / "plane.obj", "--proxies", "1", "--texture", "64")
+    ran = called("simplify", tmp_path / "scan.obj", tmp_path / "plane.obj", "--proxies", "1", "--texture", "64")
     assert ran.returncode == 2
     assert "plane_roughness.png: belongs to the scan and would be overwritten" in ran.stderr
     assert (tmp_path / "plane_roughness.png").read_bytes() == before

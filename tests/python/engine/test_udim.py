@@ -8,7 +8,7 @@ from PIL import Image
 
 import isimp_engine as engine
 import shapes
-from test_cli import isimp
+from commands import called
 from test_texture import SIX, inside, painted_cube, result, sample
 
 TILES = {1001: (250, 10, 20), 1002: (30, 240, 50), 1011: (60, 70, 230)}
@@ -136,7 +136,7 @@ def test_the_command_does_not_overwrite_tiles_of_the_scan(tmp_path):
     before = (tmp_path / "strip.1001.png").read_bytes()
     (tmp_path / "other.mtl").write_text((tmp_path / "strip.mtl").read_text())
     (tmp_path / "other.obj").write_text(path.read_text().replace("strip.mtl", "other.mtl"))
-    ran = isimp("simplify", tmp_path / "other.obj", path, "--proxies", "3", "--texture", "32", "--tiles", "2")
+    ran = called("simplify", tmp_path / "other.obj", path, "--proxies", "3", "--texture", "32", "--tiles", "2")
     assert ran.returncode == 2
     assert "belongs to the scan and would be overwritten" in ran.stderr
     assert (tmp_path / "strip.1001.png").read_bytes() == before

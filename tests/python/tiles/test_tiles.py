@@ -14,7 +14,8 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 import tilesets
-from batches import ENVIRONMENT, isimp, wait_for
+from batches import wait_for
+from commands import ENVIRONMENT, called
 from isimp_engine import batch, tiles
 from isimp_engine.guides import shared_edges
 from isimp_engine.tiles import results, splitting, store
@@ -168,7 +169,7 @@ def test_detail_finds_the_planes_that_one_piece_finds(tmp_path, whole, columns, 
 def test_a_tolerance_is_a_length_and_its_number_is_said(tmp_path):
     parts = tilesets.cut(*shapes.cube(10), 2, 2)
     folder = tilesets.write(tmp_path / "in", parts)
-    done = isimp("tiles", folder, tmp_path / "a.obj", "--tolerance", 0.02, "--noise", 0)
+    done = called("tiles", folder, tmp_path / "a.obj", "--tolerance", 0.02, "--noise", 0)
     assert (done.returncode, done.stderr) == (0, "")
     assert "6 regions found at a tolerance of 0.02, noise 0, the number of planes it is made of" in done.stdout
     by_default = tiles.run(folder, tmp_path / "b.obj").report
@@ -214,7 +215,7 @@ def test_a_run_that_was_killed_goes_on_and_gives_the_same_bits(tmp_path, four, s
     process.kill()
     process.wait()
     assert not (tmp_path / "a.ply").exists()
-    done = isimp(*command[3:])
+    done = called(*command[3:])
     assert done.returncode == 0, done.stderr
     assert done.stderr.startswith("isimp: continues an earlier run, which did ")
     assert len(done.stderr.splitlines()) == 1
@@ -396,7 +397,7 @@ def test_all_kinds_of_files_and_polygons_are_read(tmp_path):
 def test_the_command_writes_results_labels_and_a_report(tmp_path, whole):
     folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 2))
     report = tmp_path / "r.json"
-    done = isimp("tiles", folder, tmp_path / "a.obj", "--proxies", P, "--labels", tmp_path / "l", "--report", report)
+    done = called("tiles", folder, tmp_path / "a.obj", "--proxies", P, "--labels", tmp_path / "l", "--report", report)
     assert (done.returncode, done.stderr) == (0, "")
     assert "4,608 faces in 2 tiles" in done.stdout
     assert f"of {P} regions" in done.stdout
@@ -432,7 +433,7 @@ def test_what_is_wrong_is_said_in_one_line(tmp_path, whole, arguments, status, s
     torn = tmp_path / "torn" / "tile_01.ply"
     torn.write_bytes(torn.read_bytes()[:-100])
     (tmp_path / "empty").mkdir()
-    done = isimp("tiles", *arguments, cwd=tmp_path)
+    done = called("tiles", *arguments, cwd=tmp_path)
     assert (done.returncode, len(done.stderr.splitlines())) == (status, 1), done.stderr
     assert said in done.stderr
     assert not (tmp_path / "a.obj").exists()
@@ -459,7 +460,7 @@ def test_a_result_that_leads_to_a_tile_is_refused(tmp_path, whole):
     first = sorted(folder.iterdir())[0]
     before = first.read_bytes()
     (folder / "city.ply").symlink_to(first.name)
-    done = isimp("tiles", folder, folder / "city.ply", "--proxies", P)
+    done = called("tiles", folder, folder / "city.ply", "--proxies", P)
     assert (done.returncode, len(done.stderr.splitlines())) == (2, 1), done.stderr
     assert f"leads to the tile {first}" in done.stderr
     assert first.read_bytes() == before
@@ -474,7 +475,7 @@ def test_ctrl_c_ends_it_and_the_next_run_goes_on(tmp_path, whole):
     said = process.communicate(timeout=20)[1]
     assert process.returncode == 130
     assert said.splitlines()[-1].endswith("; the same command continues from there")
-    done = isimp(*command[3:])
+    done = called(*command[3:])
     assert done.returncode == 0
     assert "continues an earlier run" in done.stderr
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.obj", "in"]

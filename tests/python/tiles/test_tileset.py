@@ -10,7 +10,7 @@ import pytest
 import isimp_engine as engine
 import shapes
 import tilesets
-from batches import isimp
+from commands import called
 from isimp_engine import tiles
 from isimp_engine.tiles import tileset
 
@@ -166,5 +166,5 @@ def test_a_tileset_becomes_one_model_with_labels_for_each_leaf(tmp_path):
     assert sorted(p.name for p in (tmp_path / "l").iterdir()) == [f"{k}.npy" for k in range(4)]
     assert engine.read(tmp_path / "a.obj")[0].min(0) == pytest.approx(EARTH, abs=1e-6)
     (tmp_path / "t" / "2.b3dm").unlink()
-    done = isimp("tiles", tmp_path / "t", tmp_path / "b.obj", "--proxies", 6)
+    done = called("tiles", tmp_path / "t", tmp_path / "b.obj", "--proxies", 6)
     assert (done.returncode, done.stderr) == (3, f"isimp: {tmp_path}/t/tileset.json: the tile 2.b3dm is not there\n")
