@@ -10,11 +10,11 @@ from conftest import script
 rules = script("platform_rules")
 
 
-@pytest.fixture
-def extension(tmp_path):
-    wheel = fake_wheel(tmp_path, "manylinux_2_31_x86_64")
-    build_addon.main(["--wheel", str(wheel), "--out", str(tmp_path / "dist")])
-    (path,) = (tmp_path / "dist").glob("*-extension-*.zip")
+@pytest.fixture(scope="module")
+def extension(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("extension")
+    build_addon.main(["--wheel", str(fake_wheel(folder, "manylinux_2_31_x86_64")), "--out", str(folder)])
+    (path,) = folder.glob("*-extension-*.zip")
     return path
 
 
@@ -60,7 +60,5 @@ MANIFEST = "isimp/blender_manifest.toml"
     ],
 )
 def test_each_fault_is_named(extension, capsys, name, change, said):
-    path = changed(extension, name, change)
-    assert any(said in fault for fault in found(path)), found(path)
-    assert rules.main([str(path)]) == 1
+    assert rules.main([str(changed(extension, name, change))]) == 1
     assert said in capsys.readouterr().out
