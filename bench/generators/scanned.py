@@ -1,5 +1,7 @@
 """Scans of buildings as photogrammetry makes them: rounded corners, wavy noise, holes, and ground."""
 
+from functools import cache
+
 import numpy as np
 
 CELLS = 96  # along the longest side
@@ -8,8 +10,9 @@ CELLS = 96  # along the longest side
 def box(p: np.ndarray, low: tuple, high: tuple) -> np.ndarray:
     """Signed distance of points from a box, negative inside."""
     low, high = np.array(low, float), np.array(high, float)
-    q = np.abs(p - (low + high) / 2) - (high - low) / 2
-    return np.linalg.norm(np.maximum(q, 0), axis=-1) + np.minimum(q.max(-1), 0)
+    x, y, z = (np.abs(p[..., k] - (low[k] + high[k]) / 2) - (high[k] - low[k]) / 2 for k in range(3))
+    away = np.sqrt(np.maximum(x, 0) ** 2 + np.maximum(y, 0) ** 2 + np.maximum(z, 0) ** 2)
+    return away + np.minimum(np.maximum(np.maximum(x, y), z), 0)
 
 
 def prism(p: np.ndarray, low: tuple, high: tuple, along: int, rise: float) -> np.ndarray:
@@ -122,6 +125,7 @@ def surface(field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 SCANS = ((1, 0.001, 0.8), (2, 0.002, 0.8), (3, 0.003, 1.0), (4, 0.004, 1.2), (5, 0.0015, 0.6), (6, 0.0025, 1.0))
 
 
+@cache
 def make(seed: int, noise: float = 0.002, rounding: float = 0.8, holes: int = 6) -> tuple[np.ndarray, np.ndarray]:
     """Vertices and triangles of a house on its ground.
 

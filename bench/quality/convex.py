@@ -74,11 +74,9 @@ def outside(parts, points):
 def judge(found, vertices, faces, solid, is_open=False):
     """The columns of the table."""
     parts = [planes_of(*part) for part in found]
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    size = float(np.linalg.norm(high - low))
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     rng = np.random.default_rng(0)
-    points = rng.uniform(low - 0.02 * size, high + 0.02 * size, (POINTS, 3))
-    covered = (outside(parts, points) <= 0).mean() * np.prod(high - low + 0.04 * size)
+    covered = volume(parts, vertices, rng)
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     whole = solid.volume if solid else 1.0 if is_open else float((np.cross(a, b) * c).sum() / 6)
     out = outside(parts, vertices)
@@ -94,6 +92,14 @@ def judge(found, vertices, faces, solid, is_open=False):
         "away": f"{100 * np.abs(out).mean() / size:.3f}",
         "added": f"{100 * added(found, parts, vertices, faces, size, rng):.3f}",
     }
+
+
+def volume(parts, vertices, rng):
+    """The volume of the union of the parts of a scan with these vertices."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    size = float(np.linalg.norm(high - low))
+    points = rng.uniform(low - 0.02 * size, high + 0.02 * size, (POINTS, 3))
+    return (outside(parts, points) <= 0).mean() * np.prod(high - low + 0.04 * size)
 
 
 def in_front(vertices, faces, size, rng):
