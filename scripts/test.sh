@@ -108,7 +108,7 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
 }
 
 stage_asan() { # the C++ tests under the address and undefined-behaviour sanitizers
-  export UBSAN_OPTIONS=print_stacktrace=1 ISIMP_FUZZ_CASES=100 # the stage cpp runs all of them
+  export UBSAN_OPTIONS=print_stacktrace=1 ISIMP_FUZZ_CASES=50 # the stage cpp runs all of them
   export CCACHE_SLOPPINESS=pch_defines,time_macros # else it keeps nothing that was compiled with precompiled headers
   cpp_tests build-asan -DISIMP_SANITIZE=ON -DISIMP_ASSERTIONS=ON -DISIMP_CUDA=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1
 }

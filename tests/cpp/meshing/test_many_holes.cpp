@@ -176,7 +176,7 @@ TEST(ManyHoles, WorkAHoleStaysTheSame) {
     const double all = static_cast<double>(work.faces + work.corners + work.polygons);
     return std::array{static_cast<double>(partitioning) / (n * n), all / (n * n)};
   };
-  const auto few = work_a_hole(20), many = work_a_hole(40);
+  const auto few = work_a_hole(15), many = work_a_hole(30);
   EXPECT_LE(many[0], 1.5 * few[0]);
   EXPECT_LE(many[1], 1.5 * few[1]);
 }

@@ -107,20 +107,19 @@ TEST(Planar, CurvedScansAreCut) {
 /// Rough balls, with polygons far from planar: much is given up, finally the planes themselves.
 TEST(Planar, RoughScansGetNoDefectThatTheyHadNot) {
   for (const std::uint32_t seed : {1U, 2U, 3U, 4U})
-    for (const double noise : {0.03, 0.06})
-      for (const int regions : {24, 60, 150}) {
-        const Mesh ball = shapes::mesh(shapes::noisy(shapes::sphere(3), noise, seed));
-        const Partition part = labelled::voronoi(ball, regions, seed);
-        const MeshingReport before = polygons(ball, part, {}).report, after = polygons(ball, part).report;
-        SCOPED_TRACE("noise " + std::to_string(noise) + ", seed " + std::to_string(seed) + ", regions " +
-                     std::to_string(regions));
-        EXPECT_TRUE(after.planar.planar);
-        EXPECT_LE(after.crossing, before.crossing);
-        EXPECT_LE(after.flipped, before.flipped);
-        EXPECT_LE(after.intersecting, before.intersecting);
-        EXPECT_TRUE(after.manifold && after.closed);
-        EXPECT_EQ(after.euler, before.euler);
-      }
+    for (const int regions : {24, 60, 150}) {
+      const double noise = seed % 2 == 0 ? 0.03 : 0.06;
+      const Mesh ball = shapes::mesh(shapes::noisy(shapes::sphere(3), noise, seed));
+      const Partition part = labelled::voronoi(ball, regions, seed);
+      const MeshingReport before = polygons(ball, part, {}).report, after = polygons(ball, part).report;
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", regions " + std::to_string(regions));
+      EXPECT_TRUE(after.planar.planar);
+      EXPECT_LE(after.crossing, before.crossing);
+      EXPECT_LE(after.flipped, before.flipped);
+      EXPECT_LE(after.intersecting, before.intersecting);
+      EXPECT_TRUE(after.manifold && after.closed);
+      EXPECT_EQ(after.euler, before.euler);
+    }
 }
 
 /// Crumpled balls, of which the repair's budget leaves a hundred polygons that cross themselves: planar ones are fewer.

@@ -56,10 +56,10 @@ TEST(Hybrid, CubeSplitsIntoItsSixSides) {
 }
 
 TEST(Hybrid, HasExactlyTheRequestedRegionsAndErrsLittle) {
-  const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::torus(80, 40), 0.002, 2), 3));
+  const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::torus(48, 24), 0.002, 2), 3));
   Job job;
   const double lloyd = partition(mesh, {.proxies = 100, .method = Method::lloyd}, job).error;
-  for (const std::int32_t proxies : {4, 100, 700}) {
+  for (const std::int32_t proxies : {4, 100, 250}) {
     const Partition p = run(mesh, {.proxies = proxies});
     expect_sound(mesh, p);
     EXPECT_EQ(p.region_count(), proxies);
@@ -71,7 +71,7 @@ TEST(Hybrid, HasExactlyTheRequestedRegionsAndErrsLittle) {
 }
 
 TEST(Hybrid, ErrsLessThanTheThesissOwn) {
-  const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::torus(80, 40), 0.001, 2), 3));
+  const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::torus(48, 24), 0.001, 2), 3));
   const Partition flooded = run(mesh, {.proxies = 100, .connect = Connect::flood});
   expect_sound(mesh, flooded);
   const Partition relaxed = run(mesh, {.proxies = 100, .threads = 1});
