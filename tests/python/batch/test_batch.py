@@ -17,7 +17,7 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 from batches import ODD, rows_by_name, scan, wait_for, whys
-from commands import ENVIRONMENT, isimp
+from commands import ENVIRONMENT, called, isimp
 from isimp_engine import batch
 from isimp_engine.batch import table
 from isimp_engine.children import local, process
@@ -35,7 +35,7 @@ def test_results_equal_simplify_in_the_folders_of_the_scans(scans, tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     assert "3 of 3 scans ok" in done.stdout
     alone = tmp_path / "alone.obj"
-    assert isimp("simplify", scans / "sub" / "c.ply", alone, "--proxies", 6).returncode == 0
+    assert called("simplify", scans / "sub" / "c.ply", alone, "--proxies", 6).returncode == 0
     assert (out / "sub" / "c.obj").read_bytes() == alone.read_bytes()
     assert len(np.load(out / "sub" / "c.labels.npy")) == 108
     assert json.loads((out / "sub" / "c.report.json").read_text())["options"]["proxies"] == 6
@@ -209,13 +209,13 @@ def test_failed_scans_are_repeated_only_on_request(scans, tmp_path, log):
 
 def test_the_command_ends_with_4_and_shows_failed_scans(scans, tmp_path):
     (scans / "bad.obj").write_text("v 0 0 0\nf 1 2 9\n")
-    done = isimp("batch", scans, tmp_path / "out", "--proxies", 6)
+    done = called("batch", scans, tmp_path / "out", "--proxies", 6)
     assert done.returncode == 4
     assert done.stdout.splitlines()[0].startswith("failed  bad.obj: ")
     assert "3 of 4 scans ok, 1 failed" in done.stdout
-    assert isimp("batch", scans, tmp_path / "out", "--proxies", 6, "--quiet").returncode == 4
+    assert called("batch", scans, tmp_path / "out", "--proxies", 6, "--quiet").returncode == 4
     (scans / "bad.obj").unlink()
-    done = isimp("batch", scans, tmp_path / "out", "--proxies", 6)
+    done = called("batch", scans, tmp_path / "out", "--proxies", 6)
     assert done.returncode == 0, "a row of a scan that is gone does not count"
     assert "bad.obj" in rows_by_name(tmp_path / "out"), "and is kept"
 
@@ -349,7 +349,7 @@ def test_one_driver_a_folder(scans, tmp_path):
         f"isimp: {out}: process {os.getpid()} on {os.uname().nodename} works on it; "
         "wait for its end or give another folder\n"
     )
-    assert isimp("batch", scans, out, "--proxies", 6, "--quiet").returncode == 0
+    assert called("batch", scans, out, "--proxies", 6, "--quiet").returncode == 0
 
 
 # The functions

@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import pytest
 
-from commands import isimp
+from commands import called
 from isimp_engine import batch
 from isimp_engine.children import clusters
 from test_batch_dask import ENVIRONMENT, make_scans
@@ -106,7 +106,7 @@ def test_an_absent_package_is_named(recorded, monkeypatch, kind, package):
 def test_the_commands_take_clusters_and_refuse_two(tmp_path):
     scans = make_scans(tmp_path / "in", "a.ply")
     for command in (("batch", scans, tmp_path / "out"), ("tiles", scans, tmp_path / "o.ply", "--proxies", 6)):
-        done = isimp(*command, "--cluster", "slurm", "--dask", "tcp://a:1")
+        done = called(*command, "--cluster", "slurm", "--dask", "tcp://a:1")
         assert (done.returncode, done.stderr.count("\n")) == (2, 1)
         assert "--dask and --cluster contradict each other" in done.stderr
 

@@ -10,7 +10,7 @@ import pytest
 import meshfiles
 import shapes
 from batches import ODD, scan, whys
-from commands import isimp
+from commands import called
 from isimp_engine import batch, machine
 from isimp_engine.children import local, process
 
@@ -158,7 +158,7 @@ def test_what_is_wrong_with_the_whole_is_2_and_changes_nothing(scans, tmp_path):
         ((tmp_path / "nowhere", out), ["there is no such file or folder"]),
         ((scans,), ["required: OUTPUT_FOLDER"]),
     ]:
-        done = isimp("batch", *arguments)
+        done = called("batch", *arguments)
         assert done.returncode == 2, arguments
         assert done.stdout == ""
         assert all(str(word) in done.stderr.splitlines()[-1] for word in words), done.stderr
@@ -176,7 +176,7 @@ def test_what_is_wrong_with_the_whole_is_2_and_changes_nothing(scans, tmp_path):
 
 
 def test_options_of_one_file_are_refused_for_a_batch():
-    done = isimp("batch", "in", "out", "--weights", "w.npy")
+    done = called("batch", "in", "out", "--weights", "w.npy")
     assert done.returncode == 2
     assert "--weights" in done.stderr
 
