@@ -2,7 +2,7 @@
 
 A scenario is a module with a function `run(hand)`, a generator: every `yield` lets Blender handle the events before it
 (`yield 0.5` waits that many seconds). Buttons are found by their action, not by their place. Ends Blender with 0 if the
-scenario came to its end.
+scenario came to its end. With ISIMP_WINDOW_QUICK set views are drawn plainly, and no pictures are made.
 """
 
 import os
@@ -19,9 +19,11 @@ import bpy  # noqa: E402  (after the folders above)
 
 bpy.context.preferences.view.show_splash = False
 bpy.context.preferences.view.show_tooltips = False
+bpy.context.preferences.view.smooth_view = 0
 # Mesa draws each pixel on the CPU: without these a view is drawn in a quarter of the time. Pictures are smoothed.
 bpy.context.preferences.system.viewport_aa = "OFF"
 bpy.context.preferences.system.use_region_overlap = False
+QUICK = "ISIMP_WINDOW_QUICK" in os.environ
 
 TICK = 0.02
 KEYS = {"0": "ZERO", "1": "ONE", "2": "TWO", "3": "THREE", "4": "FOUR", "5": "FIVE", "6": "SIX", "7": "SEVEN"}
@@ -85,21 +87,34 @@ class Hand:
     def undo(self):
         yield from self.into_view()
         yield from self.key("Z", ctrl=True)
-        yield 0.3
+        yield 0.1
 
     def redo(self):
         yield from self.into_view()
         yield from self.key("Z", ctrl=True, shift=True)
-        yield 0.3
+        yield 0.1
 
-    def open_tab(self):
-        """Makes the viewport fill the window, and opens the sidebar at the tab of the add-on."""
+    def open_view(self, hide=("header", "tool_header", "toolbar", "ui")):
+        """Makes the viewport fill the window, without some bars."""
         with bpy.context.temp_override(window=self.window, area=self.area, region=self.region("WINDOW")):
             bpy.ops.screen.screen_full_area(use_hide_panels=False)
         yield 0.5
         shown = self.area.spaces.active.overlay
         for name in ("show_floor", "show_ortho_grid", "show_axis_x", "show_axis_y", "show_outline_selected"):
             setattr(shown, name, False)
+        if QUICK:
+            for name in ("show_cursor", "show_extras", "show_object_origins", "show_relationship_lines"):
+                setattr(shown, name, False)
+            self.area.spaces.active.shading.light = "FLAT"
+            for name in ("use_overlay_smooth_wire", "use_edit_mode_smooth_wire"):
+                setattr(bpy.context.preferences.system, name, False)
+        for name in hide:
+            setattr(self.area.spaces.active, f"show_region_{name}", False)
+        yield
+
+    def open_tab(self):
+        """Makes the viewport fill the window, and opens the sidebar at the tab of the add-on."""
+        yield from self.open_view(hide=("header", "tool_header", "toolbar") if QUICK else ())
         self.area.spaces.active.show_region_ui = True
         yield 0.5
         side = self.region("UI")
@@ -164,12 +179,12 @@ class Hand:
     def settle(self, seconds=30):
         """Waits until no work is under way."""
         runtime = module("scene.runtime")
-        yield 0.3
+        yield 0.1
         end = time.time() + seconds
         while runtime.get().running is not None:
             assert time.time() < end, "the work takes too long"
-            yield 0.1
-        yield 0.2
+            yield 0.05
+        yield 0.1
 
     def type_into(self, path_end, text):
         """Types a number into the field of a property."""
@@ -185,6 +200,11 @@ class Hand:
         yield 0.2
 
     def shot(self, name):
+        """Makes a picture of the window; a quick run draws the view alone."""
+        if QUICK:
+            self.area.tag_redraw()
+            yield 0.1
+            return
         system = bpy.context.preferences.system
         system.viewport_aa = "8"
         self.area.tag_redraw()

@@ -22,7 +22,7 @@ def run(hand):
     isimp.register()
     make_scan(6)  # more faces than can be written one by one while a hand drags
     yield 0.5
-    yield from hand.open_tab()
+    yield from hand.open_view()
     yield from view(hand)
 
     from isimp.blender.scene import runtime

@@ -143,7 +143,7 @@ def left(hand):
 
 
 def run(hand):
-    yield from begin(hand, make=lambda: make_scan(4))
+    yield from begin(hand, make=lambda: make_scan(4), bars=True)
     yield from beside(hand)
     yield from on_the_result(hand)
     yield from left(hand)

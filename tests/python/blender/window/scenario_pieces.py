@@ -85,7 +85,7 @@ def run(hand):
     isimp.register()
     make_scan(5)
     yield 0.5
-    yield from hand.open_tab()
+    yield from hand.open_view()
     yield from view(hand)
     settings().outline = False
     yield from hand.into_view()

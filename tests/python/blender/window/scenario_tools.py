@@ -10,17 +10,23 @@ import isimp
 
 
 def tool(hand, name):
+    """Chooses a tool; its settings are drawn once where the bar is hidden."""
+    view, hidden = hand.area.spaces.active, not hand.area.spaces.active.show_region_tool_header
+    view.show_region_tool_header = True
     with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
         bpy.ops.wm.tool_set_by_id(name=name)
-    yield 0.3
+    yield 0.2
+    if hidden:
+        view.show_region_tool_header = False
+        yield 0.1
 
 
-def begin(hand, make=make_scan, proxies=14):
-    """A scan in its regions, viewed from the front."""
+def begin(hand, make=make_scan, proxies=14, bars=False):
+    """A scan in its regions, viewed from the front; bars: with the sidebar and the others."""
     isimp.register()
     make()
     yield 0.5
-    yield from hand.open_tab()
+    yield from hand.open_tab() if bars else hand.open_view()
     bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=proxies)
     yield from view(hand)
 
