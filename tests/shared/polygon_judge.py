@@ -307,7 +307,7 @@ def meeting(points, f, g):
 
 
 def not_apart(a, b, k, free):
-    """Those of the pairs k where neither triangle's `free` corners, which are not shared, all lie beside the other."""
+    """The pairs of k in which no triangle has all its `free` corners, those not shared, on one side of the other."""
     for x, y in ((a, b), (b, a)):
         sides = [signs_3d(*(x[k, i] for i in range(3)), y[k, j]) for j in range(3)]
         k = k[np.abs(np.sum(sides, axis=0)) < free]
