@@ -45,6 +45,14 @@ Eigen::Vector4d solve_definite(const Eigen::Matrix4d& matrix, const Eigen::Vecto
   return matrix.ldlt().solve(right);
 }
 
+Eigen::VectorXd solve_definite(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right) {
+  return matrix.ldlt().solve(right);
+}
+
+Eigen::MatrixXd inverse_of_definite(const Eigen::MatrixXd& matrix) {
+  return matrix.llt().solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
+}
+
 Vector6 solve_balanced(const Matrix6& matrix, const Vector6& right) { return balanced(matrix, right); }
 
 Eigen::Matrix3d balanced_inverse(const Eigen::Matrix3d& matrix) {

@@ -1,8 +1,9 @@
 // The corners of a profile that is cut into straight parts.
-#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "cells.h"
+#include "isimp/core/symmetric.h"
 #include "least.h"
 
 namespace isimp::curved {
@@ -42,7 +43,7 @@ std::vector<Vec2> fitted_corners(std::vector<Vec2> corners, bool closed, std::sp
     }
   }
   a.diagonal().array() += kDampingOfCorners * std::max(a.diagonal().maxCoeff(), kTiny);
-  const Eigen::VectorXd step = a.ldlt().solve(b);
+  const Eigen::VectorXd step = solve_definite(a, b);
   for (std::size_t k = 0; k < corners.size(); ++k) corners[k] += step[static_cast<Eigen::Index>(k % unknowns)] * way[k];
   return corners;
 }

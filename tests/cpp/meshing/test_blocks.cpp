@@ -1,7 +1,7 @@
 // The sparse systems of planes that share corners, against dense ones.
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "isimp/core/symmetric.h"
 #include "planar/blocks.h"
 
 namespace isimp::meshing::planar {
@@ -55,7 +56,7 @@ double error(std::int32_t count, const Pairs& pairs, std::uint32_t seed) {
   std::vector<Eigen::Vector3d> right(count);
   Eigen::VectorXd all(3 * count);
   for (std::int32_t k = 0; k < count; ++k) all.segment<3>(3 * k) = right[k] = block().col(0);
-  const Eigen::VectorXd truth = dense.ldlt().solve(all);
+  const Eigen::VectorXd truth = solve_definite(dense, all);
   double most = 0;
   const auto& found = system.solve(right);
   for (std::int32_t k = 0; k < count; ++k)

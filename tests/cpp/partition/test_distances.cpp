@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +11,7 @@
 #include "borders/distances.h"
 #include "borders/relax.h"
 #include "hierarchy/hierarchy.h"
+#include "isimp/core/symmetric.h"
 #include "isimp/partition/regions.h"
 #include "methods.h"
 #include "shapes.h"
@@ -58,7 +59,7 @@ double from_planes(const Mesh& mesh, const std::vector<std::int32_t>& label, int
       }
     }
     second -= first * first.transpose() / area;
-    sum += Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second).eigenvalues()[0];
+    sum += spectrum_of(second).values[0];
   }
   return sum * regions / (mesh.graph().area * 0.06 * 0.06);
 }

@@ -25,6 +25,10 @@ Spectrum<3> direct_spectrum_of(const Eigen::Matrix3d& symmetric);
 Eigen::Vector2d solve_definite(const Eigen::Matrix2d& matrix, const Eigen::Vector2d& right);
 Eigen::Vector3d solve_definite(const Eigen::Matrix3d& matrix, const Eigen::Vector3d& right);
 Eigen::Vector4d solve_definite(const Eigen::Matrix4d& matrix, const Eigen::Vector4d& right);
+Eigen::VectorXd solve_definite(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
+
+/// The inverse of a symmetric positive definite matrix, by Cholesky's factors. Cost: O(N^3).
+Eigen::MatrixXd inverse_of_definite(const Eigen::MatrixXd& matrix);
 
 /// As solve_definite, for unknowns of different units, such as turns and lengths. Rows and columns are scaled to a
 /// diagonal of 1 first. So the order of elimination, and with it every bit of the result, does not depend on the unit of

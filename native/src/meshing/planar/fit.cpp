@@ -1,10 +1,10 @@
 #include "planar/fit.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "isimp/core/symmetric.h"
 #include "planar/blocks.h"
 
 namespace isimp::meshing::planar {
@@ -130,7 +130,7 @@ class Solver {
       for (Eigen::Index j = 0; j <= i; ++j) form_(i, j) = form_(j, i) = normal(links[i]).dot(normal(links[j])) / cost;
       form_(i, i) += 1 / penalty;
     }
-    form_ = form_.llt().solve(Eigen::MatrixXd::Identity(n, n)).eval();
+    form_ = inverse_of_definite(form_);
     const Eigen::VectorXd pull = form_ * off_;
     Vec3 at = places_.start[c];
     for (Eigen::Index i = 0; i < n; ++i) at -= pull[i] / cost * normal(links[i]);

@@ -1,7 +1,6 @@
 #include "planar/meet.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -9,11 +8,13 @@
 #include <utility>
 
 #include "isimp/core/sorted.h"
+#include "isimp/core/symmetric.h"
 
 namespace isimp::meshing::planar {
 namespace {
 
 constexpr std::size_t kMostPlanes = 7;  ///< limit: planes at a corner that are tried in all combinations
+constexpr int kRefinements = 3;         ///< work: of a least squares point
 constexpr double kRank = 1e-7;          ///< rounding: singular values below this share of the largest fix nothing
 // tuned planar
 constexpr double kOfTriangle = 0.25;  ///< weight of the given plane of a triangle, which is planar without it
@@ -41,18 +42,19 @@ Vec3 nearest_on(std::span<const Unit* const> planes, const Vec3& from) {
     if (std::abs(det) > 1e-3)
       return from + (miss(planes[0]) * bc + miss(planes[1]) * c.cross(a) + miss(planes[2]) * a.cross(b)) / det;
   }
-  const auto n = static_cast<Eigen::Index>(planes.size());
-  constexpr int kMost = kMostPlanes;                                                // unit
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, 3>;  // thin only without fixed columns
-  Rows rows(n, 3);
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1> right(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    rows.row(i) = planes[i]->normal.transpose();
-    right[i] = miss(planes[i]);
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const Unit* u : planes) sum += u->normal * u->normal.transpose();
+  const Spectrum<3> spectrum = spectrum_of(sum);
+  // The squares of the singular values lose half of the digits. Each further step on what is left gains them back.
+  Vec3 at = from;
+  for (int step = 0; step < kRefinements; ++step) {
+    Vec3 pull = Vec3::Zero();
+    for (const Unit* u : planes) pull += (u->offset - u->normal.dot(at)) * u->normal;
+    for (int k = 0; k < 3; ++k)
+      if (spectrum.values[k] > kRank * kRank * spectrum.values[2])
+        at += spectrum.vectors.col(k).dot(pull) / spectrum.values[k] * spectrum.vectors.col(k);
   }
-  Eigen::JacobiSVD<Rows> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  svd.setThreshold(kRank);
-  return from + Vec3(svd.solve(right));
+  return at;
 }
 
 class Corner {
