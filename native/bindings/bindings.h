@@ -28,7 +28,7 @@ void bind_texture(py::module_& m);
 void bind_tiles(py::module_& m);
 
 /// Vertices (V, 3), the vertex of each corner (L,), and the first corner of each polygon (Q,).
-/// \throws InvalidInput  another shape or kind of number, or what PolygonSoup::check finds
+/// \throws InvalidInput  another shape or kind of number, or PolygonSoup::check refuses it
 PolygonSoup read_soup(const py::object& vertices, const py::object& loops, const py::object& loop_start);
 
 }  // namespace isimp::bindings

@@ -324,7 +324,7 @@ TEST(Curved, ABoundIsRefused) {
   Job job;
   PartitionOptions bound{.bound = 0.1};
   bound.curved = true;
-  EXPECT_THROW(Partitioner(mesh).run(bound, {}, job), InvalidInput);
+  EXPECT_THROW((void)Partitioner(mesh).run(bound, {}, job), InvalidInput);
 }
 
 TEST(Curved, SegmentsChangeOnePatchOnly) {

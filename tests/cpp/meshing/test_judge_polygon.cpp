@@ -4,7 +4,6 @@
 #include <numbers>
 #include <numeric>
 #include <random>
-#include <ranges>
 
 #include "judge/judge.h"
 
@@ -68,7 +67,8 @@ TEST(JudgePolygon, FindsWhetherManyEdgesCross) {
       ASSERT_EQ(facets.size(), p.size() - 2) << trial;
       std::int64_t area = 0, sum = 0;  // twice
       for (std::size_t i = 0; i < p.size(); ++i) area += turn(Vec3::Zero(), p[i], p[(i + 1) % p.size()]);
-      for (const auto& [a, b, c] : facets | std::views::transform(&Facet::corner)) {
+      for (const Facet& facet : facets) {
+        const auto& [a, b, c] = facet.corner;
         ASSERT_GE(turn(p[a], p[b], p[c]), 0) << trial;
         sum += turn(p[a], p[b], p[c]);
       }

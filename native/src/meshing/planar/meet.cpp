@@ -45,7 +45,7 @@ Vec3 nearest_on(std::span<const Unit* const> planes, const Vec3& from) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const Unit* u : planes) sum += u->normal * u->normal.transpose();
   const Spectrum<3> spectrum = spectrum_of(sum);
-  // The squares of the singular values lose half of the digits. Each further step on what is left gains them back.
+  // The squares of the singular values lose half of the digits. Each further step on the remainder gains them back.
   Vec3 at = from;
   for (int step = 0; step < kRefinements; ++step) {
     Vec3 pull = Vec3::Zero();
