@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "isimp/core/errors.h"
+#include "place.h"
 
 namespace isimp {
 namespace {
@@ -15,39 +15,6 @@ constexpr double kNear = 1e-9;  // rounding: share of the diagonal
 // tuned texture
 constexpr double kReach = 0.02;          // share of the diagonal by which a repair may have moved a corner
 constexpr std::int32_t kPoll = 1 << 16;  // work
-
-/// The closest place of a triangle to p: weights of corners 1 and 2, and the distance.
-struct Place {
-  float b = 0, c = 0;
-  double distance = 0;
-};
-
-Place on_segment(const Vec3& p, const Vec3& a, const Vec3& b, double& t) {
-  const Vec3 e = b - a;
-  const double length = e.squaredNorm();
-  t = length > 0 ? std::clamp((p - a).dot(e) / length, 0.0, 1.0) : 0;
-  return {0, 0, (a + t * e - p).norm()};
-}
-
-Place on_triangle(const Vec3& p, const std::array<Vec3, 3>& v) {
-  const Vec3 e1 = v[1] - v[0], e2 = v[2] - v[0], n = e1.cross(e2), d = p - v[0];
-  if (const double area = n.squaredNorm(); area > 0) {
-    const double b = d.cross(e2).dot(n) / area, c = e1.cross(d).dot(n) / area;
-    if (b >= 0 && c >= 0 && b + c <= 1)
-      return {static_cast<float>(b), static_cast<float>(c), std::abs(d.dot(n)) / std::sqrt(area)};
-  }
-  Place best{0, 0, std::numeric_limits<double>::infinity()};
-  for (int k = 0; k < 3; ++k) {
-    double t = 0;
-    const double distance = on_segment(p, v[k], v[(k + 1) % 3], t).distance;
-    if (!(distance < best.distance)) continue;
-    std::array<double, 3> w{};
-    w[k] = 1 - t;
-    w[(k + 1) % 3] = t;
-    best = {static_cast<float>(w[1]), static_cast<float>(w[2]), distance};
-  }
-  return best;
-}
 
 class Finder {
  public:
@@ -125,10 +92,10 @@ class Finder {
       std::array<float, 6> weight{};
       double away = 0;
       for (int k = 0; k < 3; ++k) {
-        const Place p = on_triangle(corner(f, k), v);
-        weight[2 * k] = p.b;
-        weight[2 * k + 1] = p.c;
-        away = std::max(away, p.distance);
+        const detail::Place p = detail::closest_on(corner(f, k), v[0], v[1] - v[0], v[2] - v[0]);
+        weight[2 * k] = static_cast<float>(p.b);
+        weight[2 * k + 1] = static_cast<float>(p.c);
+        away = std::max(away, std::sqrt(p.squared));
       }
       if (!(away < least) || away > least - near) continue;
       least = away;

@@ -46,8 +46,10 @@ Arrays sheets_with_tubes(int n, double gap, const std::vector<std::pair<int, int
   for (std::int32_t f = 0; f < upper; ++f) std::swap(a.triangles[f][1], a.triangles[f][2]);  // the lower one faces down
   const double cell = 1.0 / n;
   for (const auto& [i, j] : cells) {
-    const double x = i * cell, y = j * cell;
-    const auto inside = [&](const Vec3& c) { return c.x() > x && c.x() < x + cell && c.y() > y && c.y() < y + cell; };
+    const double left = i * cell, low = j * cell;
+    const auto inside = [&](const Vec3& c) {
+      return c.x() > left && c.x() < left + cell && c.y() > low && c.y() < low + cell;
+    };
     a = without(a, inside);
     const auto at = [&](int x, int y, double z) {
       for (std::size_t v = 0; v < a.vertices.size(); ++v)
