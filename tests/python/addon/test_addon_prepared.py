@@ -24,6 +24,8 @@ def test_the_cache_is_bounded_and_keeps_the_values_used_last():
     cache.put("e", "e", 2)
     cache.put("f", "F", 2)
     assert len(cache) == 2
+    cache.put("g", "G", 6)
+    assert len(cache) == 3, "the values are as large as the budget"
 
 
 def test_the_cache_keeps_the_newest_ones_however_large_they_are():

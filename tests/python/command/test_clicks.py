@@ -169,7 +169,8 @@ def test_places_are_written_on_one_line():
 
 def test_a_click_without_a_face_is_named_and_left_out(tmp_path, capsys):
     scan = scan_of(*shapes.bumpy(24))
-    recipe = rcp.Recipe((rcp.Partition(proxies=20), rcp.AddProxy(face=5), rcp.AddProxy(face=900), rcp.Mesh()))
+    clicks = rcp.AddProxy(face=5), rcp.AddProxy(face=900), rcp.AddProxy(face=5, enabled=False)
+    recipe = rcp.Recipe((rcp.Partition(proxies=20), *clicks, rcp.Mesh()))
     values = json.loads(exported(recipe, scan))
     values["places"]["points"][0] = [9.0, 9.0, 9.0]
     meshfiles.ply_binary(tmp_path / "scan.ply", scan.vertices, scan.triangles.tolist())

@@ -13,6 +13,7 @@ from commands import called, check_line
 from isimp_engine import pipeline, reports
 from isimp_engine import recipe as rcp
 from isimp_engine.lengths import length_of
+from isimp_engine.sizes import Measured
 from isimp_engine.snapping import snap_sizes
 from test_report import divided
 
@@ -142,6 +143,14 @@ def test_planes_are_held_where_a_caller_wants_them():
     assert np.array_equal(again.face_region, part.face_region)
     assert not np.array_equal(again.region_offset, part.region_offset)
     assert {row["snapped"] for row in reports.size_rows(mesh, again, 1.0)} >= {"yes", "no multiple is near"}
+
+
+def test_of_two_planes_the_surer_one_moves_less():
+    mesh = engine.clean(*bracket())
+    part = snap_sizes(mesh, engine.regularise(mesh, engine.partition(mesh)), 1.0)
+    planes, row = Measured(mesh, part).planes, lengths(reports.size_rows(mesh, part, 1.0))[6]
+    pulls = [(planes.offset[r] - planes.normal[r] @ planes.mean[r]) / planes.shift(r) for r in (row["of"], row["to"])]
+    assert pulls[0] == pytest.approx(pulls[1], rel=1e-6), "their normals are opposite"
 
 
 def test_one_known_length_scales_the_model_and_its_report(tmp_path):

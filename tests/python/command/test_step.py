@@ -301,6 +301,8 @@ def test_surfaces_that_touch_meet_where_their_normals_agree() -> None:
     near = np.array([[x, 0.2, -0.97] for x in (0.0, 0.5, 1.0)])
     assert touch(cylinder, floor, near)
     assert not touch(cylinder, Plane(X, X), np.array([[1.0, 0, 1], [1, 1, 0]]))
+    rim = np.array([[1.0, 0, 0], [0, 1, 0], [-1, 0, 0]])
+    assert not touch(Cylinder(ZERO, Z, X, 1.0), Cone(ZERO, Z, X, 1.0, 0.3), rim), "their normals agree nowhere"
     found = settle(near, [cylinder, floor], [(cylinder, floor)])
     assert np.abs(found[:, 1:] - [0, -1]).max() < 1e-6
 

@@ -220,6 +220,7 @@ def children(depth):
         (lambda text: text["nodes"][0].update(extensions={"EXT_mesh_gpu_instancing": {}}), "nodes 0 has EXT_mesh_gpu"),
         (lambda text: text["nodes"][0].update(scale=[1, 1, 10**400]), "nodes 0: scale must be 3 finite numbers, got "),
         (lambda text: text["nodes"][0].update(mesh="x"), "nodes 0: mesh must be a whole number, at least 0, got 'x'"),
+        (lambda text: text["nodes"][0].update(mesh=0.5), "nodes 0: mesh must be a whole number, at least 0, got 0.5"),
         (lambda text: text["meshes"].insert(0, 5), "meshes 0 must be an object, got 5"),
         (
             lambda text: text["meshes"][0]["primitives"].append([]),

@@ -304,7 +304,7 @@ def test_normals_of_a_flat_side_point_up_and_those_of_a_slope_lean():
 
 @pytest.fixture
 def made_plane(tmp_path):
-    picture(tmp_path, "t.png", ramp())
+    picture(tmp_path, "t.png", np.dstack([ramp(), ramp()[:, :, 0]]))
     soup = engine.read_textured(write_plane_obj(tmp_path, lambda p: p))
     middle = soup.vertices[soup.triangles].mean(1)
     _, _, poly, made = result(soup, (middle[:, 0] > 0.5).astype(int), size=64)
