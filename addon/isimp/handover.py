@@ -37,7 +37,7 @@ def _topology(loops: np.ndarray, start: np.ndarray) -> tuple[bool, bool]:
     ends = polygon_edges(loops, start)
     _, once = np.unique(ends, axis=0, return_counts=True)
     _, count = np.unique(np.sort(ends, axis=1), axis=0, return_counts=True)
-    return bool((count == 2).all()), bool((count <= 2).all() and (once == 1).all())
+    return bool((count == 2).all()), bool((once == 1).all())
 
 
 def planarity(vertices: np.ndarray, loops: np.ndarray, start: np.ndarray) -> np.ndarray:
