@@ -9,14 +9,19 @@ from isimp.border_drag import swept
 SIGHT = np.array([0.0, 0.0, -1.0])
 
 
-@pytest.fixture(scope="module")
-def square():
-    """A square of 20 x 20 cells of side .1, regions 0 and 1 left and right of its middle, as `swept` takes it."""
+def divided(left, right):
+    """A square of 20 x 20 cells of side .1, whose region 1 lies between two places, as `swept` takes it."""
     scan = session_scans.square()
     centers = scan.vertices[scan.triangles].mean(axis=1)
-    label = (centers[:, 0] > 0).astype(int)
+    label = ((centers[:, 0] > left) & (centers[:, 0] < right)).astype(int)
     pairs, edges = scan.edges
     return centers, label, scan.vertices[edges[label[pairs[:, 0]] != label[pairs[:, 1]]]], pairs
+
+
+@pytest.fixture(scope="module")
+def square():
+    """Regions 0 and 1 are left and right of the middle."""
+    return divided(0, 1)
 
 
 @pytest.mark.parametrize(("drag", "columns"), [(0.3, 3), (0.1, 1), (-0.3, 3)])
@@ -30,6 +35,15 @@ def test_a_border_moves_with_a_drag(square, drag, columns):
     assert np.all(taken[:, 0] * drag > 0)
     assert beside[-1] < abs(drag)
     assert np.abs(centers[found[taker[found]]][:, 0]).max() < 0.3  # no more than a strip
+
+
+@pytest.mark.parametrize(("drag", "side"), [(0.05, 0.0), (-0.05, 0.1)])
+def test_a_border_moves_into_a_region_of_one_column(drag, side):
+    """The growing region is on both sides of it."""
+    centers, label, border, pairs = divided(0, 0.1)
+    border = border[np.isclose(border[:, :, 0], side).all(axis=1)]
+    found = swept(centers, label == 0, border, pairs, np.array([drag, 0.0, 0.0]), SIGHT)
+    assert np.count_nonzero(label[found]) == 20
 
 
 def test_a_slanting_drag_moves_a_border_too(square):
