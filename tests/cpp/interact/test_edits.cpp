@@ -371,6 +371,18 @@ TEST(Heuristics, AddWhereASplitPaysNotWhereNoiseIsLarge) {
   EXPECT_EQ(faces, (std::vector<std::int32_t>{kOfSide, kOfSide, kOfSide, kOfSide, kOfSide, kOfSide, kOfGround}));
 }
 
+TEST(Heuristics, SplitTheFirstOfEqualRegions) {
+  Job job;
+  const shapes::Arrays cube = shapes::cube(4);
+  const Mesh mesh = shapes::mesh(shapes::both(cube, cube, {4, 0, 0}));
+  const std::int32_t half = mesh.face_count() / 2;
+  std::vector<std::int32_t> label(static_cast<std::size_t>(mesh.face_count()), 0);
+  std::fill(label.begin() + half, label.end(), 1);
+  const Partition after = add_worst(mesh, partition_from(mesh, label, job), 1, job);
+  ASSERT_EQ(after.region_count(), 3);
+  EXPECT_EQ(after.region_sum[1].faces, half);
+}
+
 TEST(Heuristics, MergePairsWithoutCostFirst) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::cube(6));

@@ -364,6 +364,34 @@ TEST(Clean, StitchesALongEdgeToVerticesThatAreVeryNear) {
   EXPECT_GE(repaired(mesh, "stitched_vertices"), 101);
 }
 
+/// Two strips of equal edges, the upper one moved along the border between them.
+Arrays two_strips(double shift) {
+  constexpr std::int32_t kEdges = 50;
+  Arrays a;
+  for (const double side : {-1.0, 1.0})
+    for (std::int32_t i = 0; i <= kEdges; ++i) {
+      const double x = 10.0 * i + (side > 0 ? shift : 0.0);
+      const auto k = static_cast<std::int32_t>(a.vertices.size());
+      a.vertices.emplace_back(x, side * 0.0025, 0);
+      a.vertices.emplace_back(x, side * 10, 0);
+      if (i == kEdges) continue;
+      const std::int32_t first = side > 0 ? k + 2 : k + 1, second = side > 0 ? k + 1 : k + 2;
+      a.triangles.push_back({k, first, second});
+      a.triangles.push_back({k + 3, second, first});
+    }
+  return a;
+}
+
+TEST(Clean, StitchesVerticesToTheEndsThatTheyAreNear) {
+  for (const double shift : {2.0, 8.0}) {
+    const Arrays a = two_strips(shift);
+    Job job;
+    const Mesh mesh = clean(a.vertices, a.triangles, {.stitch = 0.01}, job);
+    EXPECT_EQ(mesh.report().components, 1) << shift;
+    EXPECT_LE(mesh.face_count(), static_cast<std::int32_t>(a.triangles.size())) << shift << ": no edge is divided";
+  }
+}
+
 TEST(Clean, StitchesNothingWithinAVerySmallLength) {
   const Arrays a = sheet_and_strip(0.005);
   for (const double length : {1e-9, 1e-300, 5e-324}) {

@@ -139,6 +139,15 @@ TEST_P(Hubs, MergeAsInASearchOfAllPairs) {
   }
 }
 
+TEST(Greedy, PollsWhileItMerges) {
+  const Case c = houses(1, 5000, 0.0, 0.0, 1);
+  std::int64_t polls = 0;
+  Job job;
+  job.at_poll = [&] { ++polls; };
+  (void)merge_greedily(rows_of(c), c.sum, std::vector<std::int32_t>{1}, 2, job);
+  EXPECT_GE(polls, 4);
+}
+
 INSTANTIATE_TEST_SUITE_P(Greedy, Hubs,
                          testing::Values(Kind{1, 700, 0.0, 0.0}, Kind{1, 700, 0.0, 1e-4}, Kind{1, 500, 0.3, 1e-5},
                                          Kind{3, 350, 0.05, 0.0}, Kind{3, 350, 0.05, 1e-5}));
