@@ -236,6 +236,17 @@ TEST(ConvexParts, OfASmallHoleAreThoseWithoutIt) {
   EXPECT_NEAR(parts[0].volume, 1, 1e-9);
 }
 
+TEST(ConvexParts, OfAWallAreOneForEachRegion) {
+  Job job;
+  const shapes::Arrays plane = shapes::plane(2);
+  std::vector<std::int32_t> halves;
+  for (const auto& [a, b, c] : plane.triangles)
+    halves.push_back((plane.vertices[a] + plane.vertices[b] + plane.vertices[c]).x() > 1.5 ? 1 : 0);
+  const std::vector<std::int32_t> one(halves.size(), 0);
+  EXPECT_EQ(convex_parts(soup_of(plane), one, {}, {.thickness = kWall}, job).size(), 1);
+  EXPECT_EQ(convex_parts(soup_of(plane), halves, {}, {.thickness = kWall}, job).size(), 2);
+}
+
 TEST(ConvexParts, RefuseWhatIsNoSolid) {
   EXPECT_NE(refusal({}).find("no polygons"), std::string::npos);
   shapes::Arrays plate = shapes::plane(4);

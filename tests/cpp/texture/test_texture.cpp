@@ -152,6 +152,16 @@ TEST(Unwrap, FillsMoreThanHalfOfTheAtlas) {
   EXPECT_GE(unwrap(poly, {2048, 1, 40, 4}, job).fill, 0.55);
 }
 
+TEST(Unwrap, TakesAsManyTilesAsTheDensityNeedsWhereNoNumberIsGiven) {
+  Job job;
+  const PolygonMesh poly = cube(1).poly;
+  constexpr double kDensity = 10'000;  // 6e8 texels, which fill .55 of the tiles of 8192 x 8192
+  EXPECT_EQ(unwrap(poly, {.density = kDensity, .tiles = 0}, job).tiles, 17);
+  EXPECT_EQ(unwrap(poly, {.side = 64, .density = kDensity, .tiles = 0}, job).tiles, 1);
+  for (const std::int32_t tiles : {1, 3})
+    EXPECT_EQ(unwrap(poly, {.density = kDensity, .tiles = tiles}, job).tiles, tiles);
+}
+
 TEST(Unwrap, NamesTheSizeThatManyChartsNeed) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::sphere(3));

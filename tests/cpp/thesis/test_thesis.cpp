@@ -37,6 +37,11 @@ TEST(Thesis, EveryMethodIsThereOrRefused) {
   }
 }
 
+TEST(Thesis, TeleportsLowerTheErrorOfTheFlooding) {
+  if (!Thesis::is_built()) GTEST_SKIP() << "made with ISIMP_THESIS=OFF";
+  EXPECT_LT(run(ring(), {.method = Method::teleport}).error, run(ring(), {.method = Method::lloyd}).error);
+}
+
 TEST(Thesis, ABackEndThatIsNotHereIsRefused) {
   const std::string message = message_of([] { run(ring(), {.backend = "abacus"}); });
   EXPECT_NE(message.find("abacus"), std::string::npos) << message;

@@ -93,7 +93,7 @@ TEST(Thinning, MayBeCancelled) {
 
 TEST(Welding, TakesTheNearestPlaceOfAnEarlierTile) {
   Job job;
-  const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {1.0004, 0, 0}, {0.0001, 0, 0}, {0.0002, 0, 0}, {2, 0, 0}};
+  const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {1.00015, 0, 0}, {0.0001, 0, 0}, {0.0002, 0, 0}, {2, 0, 0}};
   const std::vector<std::int32_t> tile = {0, 0, 1, 1, 1, 2};
   EXPECT_EQ(tiles::weld(points, tile, 1e-3, job), (std::vector<std::int32_t>{0, 1, 1, 0, 4, 5}));
   EXPECT_EQ(tiles::weld(points, tile, 1e-5, job), (std::vector<std::int32_t>{0, 1, 2, 3, 4, 5}));
