@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "isimp/core/errors.h"
 #include "isimp/simplify/openings.h"
@@ -73,6 +76,23 @@ TEST(Openings, ThatAreNotThereNeedNoLength) {
   EXPECT_FALSE(has_openings(shapes::mesh(shapes::sphere(2))));
   EXPECT_TRUE(has_openings(shapes::mesh(shapes::plane(3))));
   EXPECT_TRUE(has_openings(shapes::mesh(shapes::torus(12, 6))));
+}
+
+TEST(Openings, AreMeasuredWithoutTheSmallestComponents) {
+  Job job;
+  const shapes::Arrays specks = shapes::both(shapes::cube(1), shapes::plane(1), {5, 0, 0});
+  shapes::Arrays scan = shapes::cube(4);
+  for (Vec3& v : scan.vertices) v *= 2;
+  const Mesh mesh = shapes::mesh(shapes::both(scan, specks, {0, 0, 5}));
+  const std::int32_t large = 12 * 16, all = large + 12 + 2;
+  ASSERT_EQ(mesh.face_count(), all);
+  for (const auto& [count, marked] : {std::pair(1, 2), std::pair(2, 14), std::pair(3, 14)}) {
+    const std::vector<std::uint8_t> is_small = smallest_components(mesh, count, job);
+    ASSERT_EQ(is_small.size(), static_cast<std::size_t>(all)) << count;
+    EXPECT_EQ(std::count(is_small.begin(), is_small.end(), 1), marked) << count;
+    EXPECT_EQ(is_small.back(), 1) << count;
+  }
+  EXPECT_TRUE(smallest_components(mesh, 0, job).empty());
 }
 
 TEST(Openings, NeedARegion) { EXPECT_THROW(length(shapes::plane(3), 0), InvalidInput); }
