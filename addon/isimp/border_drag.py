@@ -9,6 +9,15 @@ from . import view
 _STRIP = 3.0  # width of the strip of the growing region to which moved triangles are connected, in edges
 
 
+def one_border(edges: np.ndarray, vertex: int) -> np.ndarray:
+    """Return those of (K, 2) border edges between two regions that are connected to a vertex of one.
+
+    Two regions may have several borders: one around a hole, or one on each side of a strip.
+    """
+    found: np.ndarray = edges[np.isin(edges[:, 0], view.connected(np.unique(edges), edges, vertex))]
+    return found
+
+
 def swept(
     centers: np.ndarray,
     is_taker: np.ndarray,
@@ -23,7 +32,7 @@ def swept(
     same point moved by the drag, and is connected to the strip.
 
     centers: (T, 3) of the visible triangles of both regions. is_taker: (T,) whether one is of the growing region.
-    border: (K, 2, 3) the ends of the edges between both. pairs: (E, 2) of the T triangles that share an edge.
+    border: (K, 2, 3) the ends of the edges of `one_border`. pairs: (E, 2) of the T triangles that share an edge.
     drag, sight: (3,) the drag and the view direction. Returns (N,) numbers of triangles; empty if the border does not
     move into the neighbour.
     """

@@ -4,24 +4,29 @@ import numpy as np
 import pytest
 
 import session_scans
-from isimp.border_drag import swept
+from isimp.border_drag import one_border, swept
 
 SIGHT = np.array([0.0, 0.0, -1.0])
 
 
-def divided(left, right):
-    """A square of 20 x 20 cells of side .1, whose region 1 lies between two places, as `swept` takes it."""
+def divided(left, right, at):
+    """A square of 20 x 20 cells of side .1, whose region 1 lies between two places, as `swept` takes it.
+
+    at: the place of the border.
+    """
     scan = session_scans.square()
     centers = scan.vertices[scan.triangles].mean(axis=1)
     label = ((centers[:, 0] > left) & (centers[:, 0] < right)).astype(int)
     pairs, edges = scan.edges
-    return centers, label, scan.vertices[edges[label[pairs[:, 0]] != label[pairs[:, 1]]]], pairs
+    edges = edges[label[pairs[:, 0]] != label[pairs[:, 1]]]
+    first = edges[np.isclose(scan.vertices[edges, 0], at).all(axis=1)][0, 0]
+    return centers, label, scan.vertices[one_border(edges, first)], pairs
 
 
 @pytest.fixture(scope="module")
 def square():
     """Regions 0 and 1 are left and right of the middle."""
-    return divided(0, 1)
+    return divided(0, 1, 0)
 
 
 @pytest.mark.parametrize(("drag", "columns"), [(0.3, 3), (0.1, 1), (-0.3, 3)])
@@ -40,8 +45,7 @@ def test_a_border_moves_with_a_drag(square, drag, columns):
 @pytest.mark.parametrize(("drag", "side"), [(0.05, 0.0), (-0.05, 0.1)])
 def test_a_border_moves_into_a_region_of_one_column(drag, side):
     """The growing region is on both sides of it."""
-    centers, label, border, pairs = divided(0, 0.1)
-    border = border[np.isclose(border[:, :, 0], side).all(axis=1)]
+    centers, label, border, pairs = divided(0, 0.1, side)
     found = swept(centers, label == 0, border, pairs, np.array([drag, 0.0, 0.0]), SIGHT)
     assert np.count_nonzero(label[found]) == 20
 

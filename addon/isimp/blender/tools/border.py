@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 
 from ... import corner_drag
-from ...border_drag import swept
+from ...border_drag import one_border, swept
 from ...gestures import is_far
 from ...language import own, said
 from ..scene import runtime
@@ -98,11 +98,11 @@ class ISIMP_OT_drag_border(ModalTool, bpy.types.Operator):
         mine = (beside == region).any(axis=1) & (beside >= 0).all(axis=1)
         if region < 0 or not mine.any():
             return False
-        beside, ends = beside[mine], scan.vertices[edges[mine]]
-        place = np.array(self._hit.place)
-        first = int(np.argmin(np.linalg.norm(ends.mean(axis=1) - place, axis=1)))
+        beside, edges, place = beside[mine], edges[mine], np.array(self._hit.place)
+        first = int(np.argmin(np.linalg.norm(scan.vertices[edges].mean(axis=1) - place, axis=1)))
         other = int(beside[first].sum()) - region
-        ends, near = ends[(beside == other).any(axis=1)], ends[first].mean(axis=0)
+        near = scan.vertices[edges[first]].mean(axis=0)
+        ends = scan.vertices[one_border(edges[(beside == other).any(axis=1)], edges[first, 0])]
         triangles, centers = self.seen((region, other))
         number = np.full(len(scan.triangles), -1)
         number[triangles] = np.arange(len(triangles))
