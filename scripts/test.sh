@@ -108,7 +108,8 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
 }
 
 stage_asan() { # the C++ tests under the address and undefined-behaviour sanitizers
-  export UBSAN_OPTIONS=print_stacktrace=1 ISIMP_FUZZ_CASES=50 # the stage cpp runs all of them
+  export UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=$root/tests/cpp/leaks.txt
+  export ISIMP_FUZZ_CASES=50 # the stage cpp runs all of them
   export CCACHE_SLOPPINESS=pch_defines,time_macros # else it keeps nothing that was compiled with precompiled headers
   # clang compiles this in three quarters of the time of g++, and is a second compiler that must not warn. Its -O1 does
   # not inline, which makes the tests ten times as slow.

@@ -11,7 +11,7 @@ void sort_entries(std::uint64_t* begin, std::uint64_t* end) {
     std::sort(begin, end);
     return;
   }
-  for (std::uint64_t* i = begin + 1; i < end; ++i) {
+  for (std::uint64_t* i = begin; i < end; ++i) {
     const std::uint64_t x = *i;
     std::uint64_t* j = i;
     for (; j > begin && j[-1] > x; --j) *j = j[-1];
