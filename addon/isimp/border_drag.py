@@ -10,7 +10,7 @@ _STRIP = 3.0  # width of the strip of the growing region to which moved triangle
 
 
 def one_border(edges: np.ndarray, vertex: int) -> np.ndarray:
-    """Return the (K, 2) edges, of all between two regions, that are connected to a vertex of one.
+    """Return the edges of the border that has a vertex. edges: (K, 2) vertices of all edges between two regions.
 
     Two regions may have several borders: one around a hole, or one on each side of a strip.
     """

@@ -42,7 +42,7 @@ struct Columns {
   std::optional<std::vector<double>> uv;  ///< (L, 2) of each corner (PLY: from "texcoord"); zeros where it has none
   std::vector<std::string> files;         ///< PLY: textures that comments name; OBJ: material libraries
   std::vector<std::pair<std::int32_t, std::string>> materials;  ///< OBJ: each name with the first face behind it
-  /// Content of the file that the reader skipped, each once. PLY: properties of vertices and faces, and other elements with
+  /// Content that the reader skipped, each name once. PLY: properties of vertices and faces, and other elements with
   /// rows; OBJ: keywords other than o, g and s; OFF: "C" (colours), "N" (normals), "ST" (texture coordinates); STL: "C".
   std::vector<std::string> skipped;
 };
