@@ -98,7 +98,7 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
     export LIBRARY_PATH
   fi
   cmake -S . -B build-cuda -G Ninja -DISIMP_TESTS=ON -DISIMP_PYTHON=ON -DISIMP_WERROR=ON -DISIMP_CUDA=ON \
-    -Dpybind11_DIR="$("$tests_venv/bin/python" -m pybind11 --cmakedir)" -DPython_EXECUTABLE="$tools/bin/python"
+    -DCMAKE_UNITY_BUILD=ON -Dpybind11_DIR="$("$tests_venv/bin/python" -m pybind11 --cmakedir)" -DPython_EXECUTABLE="$tools/bin/python"
   local tests=(test_parallel test_thesis) test
   ninja -C build-cuda -j2 isimp_python test_stand_in "${tests[@]}"
   build-cuda/cuda/test_stand_in --gtest_output=xml:"$results/test_stand_in.xml"
@@ -110,7 +110,6 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
 stage_asan() { # the C++ tests under the address and undefined-behaviour sanitizers
   export UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=$root/tests/cpp/leaks.txt
   export ISIMP_FUZZ_CASES=50 # the stage cpp runs all of them
-  export CCACHE_SLOPPINESS=pch_defines,time_macros # else it keeps nothing that was compiled with precompiled headers
   # clang compiles this in three quarters of the time of g++, and is a second compiler that must not warn. Its -O1 does
   # not inline, which makes the tests ten times as slow.
   cpp_tests build-asan -DISIMP_SANITIZE=ON -DISIMP_ASSERTIONS=ON -DISIMP_CUDA=OFF -DCMAKE_CXX_COMPILER=clang++ \
@@ -134,13 +133,13 @@ stage_tidy() { # clang-tidy, on the sources and headers whose code changed in th
   local since sources
   since=${ISIMP_TIDY_SINCE:-$(git rev-list -1 --before='6 hours ago' HEAD)}
   prepare_tidy
-  mapfile -t sources < <("$python" scripts/tidy_sources.py build-test "$since")
-  [ ${#sources[@]} = 0 ] || run-clang-tidy -quiet -p build-test -j2 "${sources[@]/%/\$}"
+  mapfile -t sources < <("$python" scripts/tidy_sources.py "$since")
+  [ ${#sources[@]} = 0 ] || run-clang-tidy -quiet -p build-tidy -j2 "${sources[@]/%/\$}"
 }
 
 stage_all-tidy() { # clang-tidy, on all of the engine's own sources
   prepare_tidy
-  run-clang-tidy -quiet -p build-test -j2 "^$root/native/src/"
+  run-clang-tidy -quiet -p build-tidy -j2 "^$root/native/src/"
 }
 
 stage_bench() { # made scans, by the wheel; instructions are counted by valgrind, so times do not matter
@@ -149,8 +148,8 @@ stage_bench() { # made scans, by the wheel; instructions are counted by valgrind
   "$tests_venv/bin/python" -m bench.public small --against bench/public.json --json "$results/small.json"
 }
 
-prepare_tidy() {
-  cpp_build build-test -DISIMP_BENCH=ON -DISIMP_CUDA=OFF
+prepare_tidy() { # the compile commands of each source by itself, so that it must include what it uses
+  cmake -S . -B build-tidy -G Ninja -DISIMP_CUDA=OFF
 }
 
 stage_quick() { # the stage to run many times an hour while a change is made
@@ -198,18 +197,15 @@ use_tests_venv() { # without cjio, which makes all JSON of a process round its n
 }
 
 cpp_build() { # BUILD_DIR CMAKE_OPTION...
-  local build=$1 lock
+  local build=$1
   shift
-  exec {lock}>"$out/test/$build.lock" # tidy reads the folder that cpp builds
-  flock "$lock"
   cmake -S . -B "$build" -G Ninja -DISIMP_TESTS=ON -DISIMP_WERROR=ON \
     -DPython_EXECUTABLE="$tests_venv/bin/python" "$@"
   ninja -C "$build" -j2
-  exec {lock}>&-
 }
 
 cpp_tests() { # BUILD_DIR CMAKE_OPTION...
-  cpp_build "$@"
+  cpp_build "$@" -DCMAKE_UNITY_BUILD=ON
   local build=$1
   ctest --test-dir "$build" -j2 --timeout 600 --output-on-failure --output-junit "$results/ctest.xml"
 }

@@ -1,4 +1,4 @@
-"""The sources that clang-tidy checks after a change: BUILD_DIR COMMIT -> one path a line.
+"""The sources that clang-tidy checks after a change: COMMIT -> one path a line.
 
 Each source of native/src whose code has changed since COMMIT, and one source for each header whose code has changed.
 Comments, blank lines and includes are no code: clang-tidy finds nothing in them. Neither is it a change if names get
@@ -10,10 +10,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-from affected_sources import ROOT, output, read_by_source
+from affected_sources import ROOT, output
 from plain_words import OF_CPP
 
 SUFFIXES = (".cpp", ".h", ".cu")
+INSIDE = ROOT / "native" / "src"
+INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
 TOKEN = re.compile(r"(?:std|CGAL|Eigen)(?:::\w+)+|[A-Za-z_]\w*|\S")
 WORDS = """
 alignas auto bool break case catch char class concept const consteval constexpr constinit continue decltype default
@@ -80,10 +82,22 @@ def chosen(read: dict[Path, set[Path]], changed: set[Path]) -> list[Path]:
     return sorted(picked)
 
 
-def main(build: str, commit: str) -> None:
-    inside = ROOT / "native" / "src"
-    read = {source: files for source, files in read_by_source(ROOT / build).items() if source.is_relative_to(inside)}
-    for source in chosen(read, with_changed_code(commit)):
+def read_by(source: Path) -> set[Path]:
+    """A source, and our own headers that it includes, directly or through others."""
+    module = INSIDE / source.relative_to(INSIDE).parts[0]
+    folders = [module, ROOT / "native" / "include", ROOT / "cuda", *sorted(INSIDE.iterdir())]
+    read, todo = {source}, [source]
+    while todo:
+        for name in INCLUDE.findall(todo.pop().read_text()):
+            path = next((folder / name for folder in folders if (folder / name).exists()), None)
+            if path is not None and path not in read:
+                read.add(path)
+                todo.append(path)
+    return read
+
+
+def main(commit: str) -> None:
+    for source in chosen({source: read_by(source) for source in INSIDE.rglob("*.cpp")}, with_changed_code(commit)):
         print(source)
 
 

@@ -19,12 +19,8 @@ namespace {
 
 using checks::expect_sound;
 using checks::message_of;
+using checks::run;
 using Faces = std::vector<std::int32_t>;
-
-Partition run(const Mesh& mesh, std::int32_t proxies) {
-  Job job;
-  return partition(mesh, {.proxies = proxies}, job);
-}
 
 const Mesh& ball() {
   static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.002, 1));

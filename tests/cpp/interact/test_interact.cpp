@@ -19,11 +19,8 @@ namespace {
 
 using checks::expect_sound;
 using checks::message_of;
+using checks::run;
 
-Partition run(const Mesh& mesh, const PartitionOptions& options) {
-  Job job;
-  return partition(mesh, options, job);
-}
 Partition add(const Mesh& mesh, const Partition& p, std::int32_t face) {
   Job job;
   return add_proxy(mesh, p, face, job);

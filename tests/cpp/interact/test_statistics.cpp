@@ -15,11 +15,7 @@ namespace isimp {
 namespace {
 
 using checks::message_of;
-
-Partition run(const Mesh& mesh, std::int32_t proxies) {
-  Job job;
-  return partition(mesh, {.proxies = proxies}, job);
-}
+using checks::run;
 
 TEST(Statistics, FitACube) {
   Job job;

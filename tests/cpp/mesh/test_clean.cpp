@@ -9,25 +9,20 @@
 
 #include "isimp/core/errors.h"
 #include "isimp/mesh/clean.h"
+#include "mesh_checks.h"
 #include "shapes.h"
 
 namespace isimp {
 namespace {
 
+using checks::repair;
+using checks::repaired;
 using shapes::Arrays;
 
 Mesh cleaned(const Arrays& a, double weld = 0.0) {
   Job job;
   return clean(a.vertices, a.triangles, {.weld = weld}, job);
 }
-
-const Repair& repair(const Mesh& mesh, const std::string& key) {
-  for (const Repair& r : mesh.report().repairs)
-    if (r.what == key) return r;
-  throw std::out_of_range(key);
-}
-
-std::int64_t repaired(const Mesh& mesh, const std::string& key) { return repair(mesh, key).count; }
 
 std::int64_t all_repairs(const Mesh& mesh) {
   std::int64_t sum = 0;

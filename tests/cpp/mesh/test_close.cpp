@@ -10,22 +10,18 @@
 #include "cleaning/close.h"
 #include "isimp/core/errors.h"
 #include "isimp/mesh/clean.h"
+#include "mesh_checks.h"
 #include "shapes.h"
 
 namespace isimp {
 namespace {
 
+using checks::repaired;
 using shapes::Arrays;
 
 Mesh closed(const Arrays& a, const CleanOptions& options) {
   Job job;
   return clean(a.vertices, a.triangles, options, job);
-}
-
-std::int64_t repaired(const Mesh& mesh, const std::string& key) {
-  for (const Repair& r : mesh.report().repairs)
-    if (r.what == key) return r.count;
-  throw std::out_of_range(key);
 }
 
 /// The faces for which `gone` is false.

@@ -12,10 +12,14 @@
 #include "isimp/core/errors.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/io.h"
+#include "mesh_checks.h"
 #include "shapes.h"
 
 namespace isimp {
 namespace {
+
+using checks::kHouse;
+using checks::raw;
 
 namespace fs = std::filesystem;
 
@@ -54,18 +58,6 @@ class Io : public testing::Test {
   }
   fs::path folder_;
 };
-
-template <class T>
-std::string raw(T value, bool big = false) {
-  auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
-  if (big != (std::endian::native == std::endian::big)) std::reverse(bytes.begin(), bytes.end());
-  return {bytes.data(), bytes.size()};
-}
-
-/// Two quads and a triangle: a small house front.
-const PolygonSoup kHouse{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 1.5, 0.1}, {2, 0, 1e-3}, {2, 1, 1e-3}},
-                         {0, 1, 2, 3, 3, 2, 4, 1, 5, 6, 2},
-                         {0, 4, 7}};
 
 void expect_same(const PolygonSoup& a, const PolygonSoup& b) {
   EXPECT_EQ(a.vertices, b.vertices);

@@ -12,22 +12,18 @@
 
 #include "isimp/core/errors.h"
 #include "isimp/mesh/io.h"
+#include "mesh_checks.h"
 
 /// Binary PLY files large enough that threads share them: the arrays and the messages are right for any number of
 /// threads.
 namespace isimp {
 namespace {
 
+using checks::raw;
+
 namespace fs = std::filesystem;
 
 constexpr std::int32_t kVertices = 40'000, kFaces = 60'000;  // some pieces of 2^14 rows for each of three threads
-
-template <class T>
-std::string raw(T value, bool big) {
-  auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
-  if (big != (std::endian::native == std::endian::big)) std::reverse(bytes.begin(), bytes.end());
-  return {bytes.data(), bytes.size()};
-}
 
 PolygonSoup vertices_only(std::int32_t count = kVertices) {
   PolygonSoup soup;

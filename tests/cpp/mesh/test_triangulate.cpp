@@ -9,14 +9,12 @@
 #include <vector>
 
 #include "isimp/mesh/io.h"
+#include "mesh_checks.h"
 
 namespace isimp {
 namespace {
 
-/// Two quads and a triangle: a small house front.
-const PolygonSoup kHouse{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 1.5, 0.1}, {2, 0, 1e-3}, {2, 1, 1e-3}},
-                         {0, 1, 2, 3, 3, 2, 4, 1, 5, 6, 2},
-                         {0, 4, 7}};
+using checks::kHouse;
 
 /// The sum of the triangles' areas; it is the polygon's own only if they don't overlap.
 double total_area(const PolygonSoup& soup, const Triangulation& t) {

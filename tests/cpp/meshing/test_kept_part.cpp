@@ -14,15 +14,12 @@
 namespace isimp {
 namespace {
 
+using labelled::meshed;
+
 /// The regions of `labelled::planes`, with normals and sums.
 Partition planes_of(const Mesh& mesh) {
   Job job;
   return partition_from(mesh, labelled::planes(mesh).face_region, job);
-}
-
-PolygonMesh run(const Mesh& mesh, const Partition& partition, const MeshingOptions& options = {}) {
-  Job job;
-  return polygonize(mesh, partition, options, job);
 }
 
 /// A cube far from zero along one axis, its sides as regions, and the region that faces up.
@@ -47,7 +44,7 @@ struct Cube {
 
 TEST(KeptPart, ARegionThatIsLeftOutIsABorder) {
   const Cube cube;
-  const PolygonMesh p = run(cube.mesh, cube.without({cube.top}));
+  const PolygonMesh p = meshed(cube.mesh, cube.without({cube.top}));
   EXPECT_EQ(p.polygon_count(), 5);
   EXPECT_EQ(p.vertices.size(), 8U);
   EXPECT_EQ(std::ranges::count(p.polygon_region, cube.top), 0);
@@ -64,7 +61,7 @@ TEST(KeptPart, FacesWithoutARegionAreLeftOutToo) {
   Partition part = cube.sides;
   for (std::int32_t& r : part.face_region)
     if (r == cube.top) r = kNone;
-  const PolygonMesh p = run(cube.mesh, part), same = run(cube.mesh, cube.without({cube.top}));
+  const PolygonMesh p = meshed(cube.mesh, part), same = meshed(cube.mesh, cube.without({cube.top}));
   EXPECT_EQ(p.vertices, same.vertices);
   EXPECT_EQ(p.loops, same.loops);
   EXPECT_EQ(p.polygon_region, same.polygon_region);
@@ -76,7 +73,7 @@ TEST(KeptPart, SidesThatAreKeptNeedNotTouch) {
   std::vector<std::int32_t> around;
   for (std::int32_t r = 0; r < 6; ++r)
     if (std::abs(cube.sides.region_normal[r].z()) < 0.5) around.push_back(r);
-  const PolygonMesh p = run(cube.mesh, cube.without(around));
+  const PolygonMesh p = meshed(cube.mesh, cube.without(around));
   EXPECT_EQ(p.polygon_count(), 2);
   EXPECT_EQ(p.vertices.size(), 8U);
   EXPECT_TRUE(p.report.manifold);
@@ -92,7 +89,7 @@ TEST(KeptPart, PlanesThatAreHeldStayInPlace) {
     const Vec3 place = cube.mesh.vertices()[vertex] + cube.mesh.origin();
     part.region_offset[r] = part.region_normal[r].dot(place) + 0.01;
   }
-  const PolygonMesh p = run(cube.mesh, part);
+  const PolygonMesh p = meshed(cube.mesh, part);
   Vec3 low = Vec3::Constant(1e9), high = -low;
   for (const Vec3& v : p.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
   EXPECT_NEAR(low.x(), 999.99, 1e-6);
@@ -122,7 +119,7 @@ TEST(KeptPart, ABoxReplacesRegionsThatAreTurnedAsTheyStand) {
       part.region_locked[r] = kBoxed;
       lowest = std::min(lowest, r);
     }
-  const PolygonMesh p = run(mesh, part);
+  const PolygonMesh p = meshed(mesh, part);
   ASSERT_EQ(p.polygon_count(), 1 + 6);
   EXPECT_EQ(p.report.boxes, 1);
   EXPECT_EQ(p.report.polygons, 7);

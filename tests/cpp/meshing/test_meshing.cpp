@@ -13,10 +13,7 @@
 namespace isimp {
 namespace {
 
-PolygonMesh run(const Mesh& mesh, const Partition& partition, const MeshingOptions& options = {}) {
-  Job job;
-  return polygonize(mesh, partition, options, job);
-}
+using labelled::meshed;
 
 /// The numbers of polygons with 3, 4, ... corners.
 std::vector<int> corner_counts(const PolygonMesh& p) {
@@ -47,7 +44,7 @@ TEST(Polygonize, CubeComesBackAsSixQuadsInAnyFaceOrder) {
     const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::cube(8), order));
     const Partition sides = labelled::planes(mesh);
     ASSERT_EQ(sides.region_count(), 6);
-    const PolygonMesh p = run(mesh, sides);
+    const PolygonMesh p = meshed(mesh, sides);
     EXPECT_EQ(judge::defects_against(p, mesh, sides), "");
     EXPECT_EQ(corner_counts(p), std::vector<int>(6, 4));
     expect_vertices(p, box(Vec3::Zero(), Vec3::Ones()), 1e-12);
@@ -63,7 +60,7 @@ TEST(Polygonize, RotatedCubeIsExactToRounding) {
     for (Vec3& v : a.vertices) v = rotation * v;
     for (Vec3& v : corners) v = rotation * v;
     const Mesh mesh = shapes::mesh(shapes::shuffled(a, turn));
-    const PolygonMesh p = run(mesh, labelled::planes(shapes::mesh(shapes::shuffled(shapes::cube(6), turn))));
+    const PolygonMesh p = meshed(mesh, labelled::planes(shapes::mesh(shapes::shuffled(shapes::cube(6), turn))));
     EXPECT_EQ(corner_counts(p), std::vector<int>(6, 4));
     expect_vertices(p, corners, 1e-9);
   }
@@ -72,7 +69,7 @@ TEST(Polygonize, RotatedCubeIsExactToRounding) {
 TEST(Polygonize, TwoCubesAreTwelveQuads) {
   const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(5), shapes::cube(3), {3, 0.5, 0.25}));
   const Partition sides = labelled::planes(mesh);
-  const PolygonMesh p = run(mesh, sides);
+  const PolygonMesh p = meshed(mesh, sides);
   EXPECT_EQ(judge::defects_against(p, mesh, sides), "");
   EXPECT_EQ(corner_counts(p).size(), 12U);
   EXPECT_TRUE(p.report.closed);
@@ -80,7 +77,7 @@ TEST(Polygonize, TwoCubesAreTwelveQuads) {
 
 TEST(Polygonize, OneTriangleStaysOne) {
   const Mesh mesh = shapes::mesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
-  const PolygonMesh p = run(mesh, labelled::single(mesh));
+  const PolygonMesh p = meshed(mesh, labelled::single(mesh));
   EXPECT_EQ(judge::defects_against(p, mesh, labelled::single(mesh)), "");
   EXPECT_EQ(corner_counts(p), std::vector<int>{3});
   EXPECT_EQ(p.loops, (std::vector<std::int32_t>{0, 1, 2}));
@@ -88,12 +85,12 @@ TEST(Polygonize, OneTriangleStaysOne) {
 
 TEST(Polygonize, OpenPlaneKeepsItsCornersAndArea) {
   const Mesh mesh = shapes::mesh(shapes::plane(12));
-  const PolygonMesh whole = run(mesh, labelled::single(mesh));
+  const PolygonMesh whole = meshed(mesh, labelled::single(mesh));
   EXPECT_EQ(corner_counts(whole), std::vector<int>{4});
   expect_vertices(whole, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, 1e-12);
   for (const int regions : {2, 5, 20}) {
     const Partition parts = labelled::voronoi(mesh, regions, 5);
-    const PolygonMesh p = run(mesh, parts);
+    const PolygonMesh p = meshed(mesh, parts);
     EXPECT_EQ(judge::defects_against(p, mesh, parts), "");
     EXPECT_NEAR(judge::look_at(p).area, 1.0, 1e-9);
   }
@@ -106,14 +103,14 @@ TEST(Polygonize, AHalvedPlaneIsTwoRectangles) {
     const double x = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]).x() / 3;
     side.push_back(x < 0.5 ? 0 : 1);
   }
-  const PolygonMesh p = run(mesh, labelled::by(side));
+  const PolygonMesh p = meshed(mesh, labelled::by(side));
   EXPECT_EQ(corner_counts(p), (std::vector<int>{4, 4}));
 }
 
 TEST(Polygonize, SphereOfOneRegionBecomesFourPolygons) {
   const Mesh mesh = shapes::mesh(shapes::sphere(3));
   const Partition one = labelled::single(mesh);
-  const PolygonMesh p = run(mesh, one);
+  const PolygonMesh p = meshed(mesh, one);
   EXPECT_EQ(judge::defects_against(p, mesh, one), "");
   EXPECT_EQ(p.report.polygons, 4);
   EXPECT_EQ(p.report.regions, 1);
@@ -124,7 +121,7 @@ TEST(Polygonize, SphereOfOneRegionBecomesFourPolygons) {
 TEST(Polygonize, TorusOfOneRegionKeepsItsHandle) {
   const Mesh mesh = shapes::mesh(shapes::torus(40, 20));
   const Partition one = labelled::single(mesh);
-  const PolygonMesh p = run(mesh, one);
+  const PolygonMesh p = meshed(mesh, one);
   EXPECT_EQ(judge::defects_against(p, mesh, one), "");
   EXPECT_GT(p.report.split_for_handles, 0);
 }
@@ -133,7 +130,7 @@ TEST(Polygonize, WhatMeetsInTheScanIsExcusedByName) {
   // Two cubes that intersect: three sides of one pass through three of the other.
   const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(4), shapes::cube(4), {0.45, 0.3, 0.2}));
   const Partition sides = labelled::planes(mesh);
-  const PolygonMesh p = run(mesh, sides);
+  const PolygonMesh p = meshed(mesh, sides);
   EXPECT_EQ(corner_counts(p), std::vector<int>(12, 4));
   EXPECT_EQ(p.report.intersecting, 0);
   EXPECT_EQ(p.report.excused, 6);
@@ -155,7 +152,7 @@ TEST(Polygonize, APartLeftOutGetsNoPolygon) {
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
     if (mesh.component()[f] == 1) regions[f] = kNone;
   const Partition kept = labelled::by(regions);
-  const PolygonMesh p = run(mesh, kept);
+  const PolygonMesh p = meshed(mesh, kept);
   EXPECT_EQ(judge::defects_against(p, mesh, kept), "");
   EXPECT_EQ(p.report.polygons, 6);
 }
@@ -170,7 +167,7 @@ TEST(Polygonize, CornerCutByATriangle) {
     if (c.sum() < 0.475) regions[f] = 6;
   }
   const Partition cut = labelled::by(regions);
-  const PolygonMesh p = run(mesh, cut);
+  const PolygonMesh p = meshed(mesh, cut);
   EXPECT_EQ(judge::defects_against(p, mesh, cut), "");
   EXPECT_EQ(corner_counts(p), (std::vector<int>{3, 4, 4, 4, 5, 5, 5}));
 }
@@ -179,14 +176,14 @@ TEST(Polygonize, UnconnectedRegionsBecomeConnectedPolygons) {
   const Mesh mesh = shapes::mesh(shapes::sphere(3));
   for (const int count : {2, 10, 1000}) {
     const Partition noise = labelled::noise(mesh, count, 11);
-    const PolygonMesh p = run(mesh, noise);
+    const PolygonMesh p = meshed(mesh, noise);
     EXPECT_EQ(judge::defects_against(p, mesh, noise), "");
   }
 }
 
 TEST(Polygonize, EveryFaceARegionGivesTheMeshBack) {
   const Mesh mesh = shapes::mesh(shapes::torus(15, 9));
-  const PolygonMesh p = run(mesh, labelled::each(mesh));
+  const PolygonMesh p = meshed(mesh, labelled::each(mesh));
   EXPECT_EQ(judge::defects_against(p, mesh, labelled::each(mesh)), "");
   EXPECT_EQ(p.report.polygons, mesh.face_count());
   EXPECT_EQ(p.report.vertices, mesh.vertex_count());
@@ -197,7 +194,7 @@ TEST(Polygonize, ARegionWithoutAreaGoesToItsNeighbour) {
   const Mesh mesh = shapes::mesh(
       {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}}, {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}});
   const Partition each = labelled::each(mesh);
-  const PolygonMesh p = run(mesh, each);
+  const PolygonMesh p = meshed(mesh, each);
   EXPECT_EQ(judge::defects_against(p, mesh, each), "");
   EXPECT_EQ(p.report.merged_without_area, 1);
   EXPECT_EQ(p.report.polygons, 3);
@@ -210,7 +207,7 @@ TEST(Polygonize, NoCornerMovesFurtherThanTheReach) {
   for (const double reach : {0.0, 0.002, 0.01}) {
     MeshingOptions options;
     options.reach = reach;
-    const PolygonMesh p = run(mesh, parts, options);
+    const PolygonMesh p = meshed(mesh, parts, options);
     for (std::size_t i = 0; i < p.vertices.size(); ++i)
       EXPECT_LE((p.vertices[i] - mesh.vertices()[p.source_vertex[i]]).norm(), reach * mesh.diagonal() * (1 + 1e-9));
   }
@@ -226,13 +223,13 @@ double volume(const PolygonMesh& p) {
 
 TEST(Polygonize, PolygonsOfABulgeStayWhereTheScanIs) {
   const Mesh mesh = shapes::mesh(shapes::sphere(4));
-  const PolygonMesh p = run(mesh, labelled::voronoi(mesh, 80, 2));
+  const PolygonMesh p = meshed(mesh, labelled::voronoi(mesh, 80, 2));
   EXPECT_NEAR(volume(p) / (4.0 / 3 * 3.14159265), 1.0, 0.05);
 }
 
 std::string message_of(const Mesh& mesh, const Partition& partition, const MeshingOptions& options = {}) {
   try {
-    run(mesh, partition, options);
+    meshed(mesh, partition, options);
   } catch (const InvalidInput& e) {
     return e.what();
   }
@@ -264,7 +261,7 @@ TEST_P(Known, ComesBackExactly) {
   const std::string path = folder + "/known/" + GetParam();
   const Mesh mesh = labelled::read_ply(path + ".ply");
   const Partition truth = labelled::read_labels(path + ".lab");
-  const PolygonMesh p = run(mesh, truth);
+  const PolygonMesh p = meshed(mesh, truth);
   EXPECT_EQ(judge::defects_against(p, mesh, truth), "");
   EXPECT_NEAR(judge::look_at(p).area, mesh.report().area, 1e-6 * mesh.report().area);
   EXPECT_LT(p.report.planarity_max, 1e-6 * mesh.diagonal());

@@ -10,11 +10,14 @@
 #include <utility>
 #include <vector>
 
+#include "graphs.h"
 #include "hierarchy/greedy.h"
 #include "isimp/core/job.h"
 
 namespace isimp {
 namespace {
+
+using graphs::node;
 
 using Borders = std::map<std::pair<std::int32_t, std::int32_t>, double>;
 
@@ -26,15 +29,6 @@ struct Case {
   std::vector<RegionSum> sum;
   Borders border;  // by pair of neighbours, the lower one first
 };
-
-RegionSum node(double x, double y, double z) {
-  RegionSum s;
-  s.x = x;
-  s.y = y;
-  s.z = z;
-  s.faces = 1;
-  return s;
-}
 
 /// Some planes with many small nodes in a ring around each, like houses on the ground; some nodes lie between two.
 /// \param away    share of the small nodes that face away from their plane, so that it gets smaller by them

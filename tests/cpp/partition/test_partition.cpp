@@ -13,11 +13,7 @@ namespace {
 
 using checks::expect_sound;
 using checks::message_of;
-
-Partition run(const Mesh& mesh, const PartitionOptions& options) {
-  Job job;
-  return partition(mesh, options, job);
-}
+using checks::run;
 
 TEST(Partition, CubeSplitsIntoItsSixSides) {
   const Mesh mesh = shapes::mesh(shapes::cube(8));

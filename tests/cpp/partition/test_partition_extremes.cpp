@@ -12,11 +12,7 @@ namespace isimp {
 namespace {
 
 using checks::expect_sound;
-
-Partition run(const Mesh& mesh, const PartitionOptions& options) {
-  Job job;
-  return partition(mesh, options, job);
-}
+using checks::run;
 
 /// Sound, with the requested number of regions, and the same on two threads.
 Partition run_checked(const Mesh& mesh, PartitionOptions options) {

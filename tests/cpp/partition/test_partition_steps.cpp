@@ -24,16 +24,8 @@
 namespace isimp {
 namespace {
 
+using graphs::node;
 using graphs::strip;
-
-RegionSum node(double x, double y, double weight = 0) {
-  RegionSum s;
-  s.x = x;
-  s.y = y;
-  s.weight = weight;
-  s.faces = 1;
-  return s;
-}
 
 MergeGraph chain(std::int32_t n) {
   MergeGraph g;

@@ -5,8 +5,19 @@
 #include <vector>
 
 #include "isimp/mesh/face_graph.h"
+#include "isimp/partition/metric.h"
 
 namespace isimp::graphs {
+
+/// The sum of one face with this normal times its area.
+inline RegionSum node(double x, double y, double z = 0) {
+  RegionSum s;
+  s.x = x;
+  s.y = y;
+  s.z = z;
+  s.faces = 1;
+  return s;
+}
 
 /// A strip of faces of equal area, each joined to the one before, with normals at these angles in the x-y plane.
 inline FaceGraph strip(const std::vector<double>& degrees) {

@@ -89,6 +89,11 @@ Partition each(const Mesh& mesh) {
   return by(std::move(regions));
 }
 
+PolygonMesh meshed(const Mesh& mesh, const Partition& partition, const MeshingOptions& options) {
+  Job job;
+  return polygonize(mesh, partition, options, job);
+}
+
 std::string data_folder() {
   namespace fs = std::filesystem;
   if (const char* set = std::getenv("ISIMP_DATA")) return set;

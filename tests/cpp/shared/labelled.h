@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "isimp/mesh/mesh.h"
+#include "isimp/meshing/polygonize.h"
 #include "isimp/partition/partition.h"
 
 /// Partitions made by hand, and the meshes of the data folder.
@@ -22,6 +23,9 @@ Partition noise(const Mesh& mesh, int count, std::uint32_t seed);
 /// A partition of one region; a partition with a region for each face.
 Partition single(const Mesh& mesh);
 Partition each(const Mesh& mesh);
+
+/// The polygons of a partition.
+PolygonMesh meshed(const Mesh& mesh, const Partition& partition, const MeshingOptions& options = {});
 
 /// The folder of test scans, "" if there is none: the environment's ISIMP_DATA, else next to the source tree.
 std::string data_folder();

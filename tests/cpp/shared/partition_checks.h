@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "isimp/core/errors.h"
+#include "isimp/simplify/edges.h"
 #include "isimp/simplify/partitioner.h"
 #include "shapes.h"
 
@@ -19,11 +20,33 @@ inline const Mesh& bumpy() {
   return mesh;
 }
 
+/// A ring with noise.
+inline const Mesh& ring() {
+  static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.02, 5));
+  return mesh;
+}
+
 /// A cube, and a separate cube so small that it is left out.
 inline Mesh cube_and_speck() {
   shapes::Arrays speck = shapes::cube(2);
   for (Vec3& v : speck.vertices) v *= 0.02;
   return shapes::mesh(shapes::both(shapes::cube(6), speck, {3, 3, 3}));
+}
+
+inline Partition run(const Mesh& mesh, const PartitionOptions& options) {
+  Job job;
+  return partition(mesh, options, job);
+}
+inline Partition run(const Mesh& mesh, std::int32_t proxies) { return run(mesh, {.proxies = proxies}); }
+
+/// The inner edges both ends of which satisfy a condition.
+template <class Condition>
+std::vector<VertexPair> edges_where(const Mesh& mesh, Condition holds) {
+  Job job;
+  std::vector<VertexPair> edges = inner_edges(mesh, job).edges;
+  std::erase_if(edges,
+                [&](const VertexPair& e) { return !holds(mesh.vertices()[e[0]]) || !holds(mesh.vertices()[e[1]]); });
+  return edges;
 }
 
 /// The least area of a face over its longest edge squared with which it counts: see make_face_graph.

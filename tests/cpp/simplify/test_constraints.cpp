@@ -23,21 +23,12 @@ namespace isimp {
 namespace {
 
 using checks::bumpy;
+using checks::edges_where;
 using checks::message_of;
 
 Partition run(const Mesh& mesh, const PartitionOptions& options, const Constraints& constraints) {
   Job job;
   return Partitioner(mesh).run(options, constraints, job);
-}
-
-/// The inner edges both ends of which satisfy a condition.
-template <class Condition>
-std::vector<VertexPair> edges_where(const Mesh& mesh, Condition holds) {
-  Job job;
-  std::vector<VertexPair> edges = inner_edges(mesh, job).edges;
-  std::erase_if(edges,
-                [&](const VertexPair& e) { return !holds(mesh.vertices()[e[0]]) || !holds(mesh.vertices()[e[1]]); });
-  return edges;
 }
 
 /// Four edges on top of a cube of 8 by 8 squares, from the middle of a side to the middle of the top.

@@ -8,10 +8,13 @@
 #include "isimp/core/errors.h"
 #include "isimp/interact/interact.h"
 #include "isimp/simplify/partitioner.h"
+#include "partition_checks.h"
 #include "shapes.h"
 
 namespace isimp {
 namespace {
+
+using checks::edges_where;
 
 Partition run(const Surface& surface, const PartitionOptions& options) {
   Job job;
@@ -26,16 +29,6 @@ std::string message(const Mesh& mesh, const Guides& guides) {
     return e.what();
   }
   return "no error";
-}
-
-/// The edges of a mesh both ends of which satisfy a condition.
-template <class Condition>
-std::vector<std::array<std::int32_t, 2>> edges_where(const Mesh& mesh, Condition holds) {
-  std::vector<std::array<std::int32_t, 2>> edges;
-  for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h)
-    if (mesh.opposite(h) > h && holds(mesh.vertices()[mesh.from(h)]) && holds(mesh.vertices()[mesh.to(h)]))
-      edges.push_back({mesh.from(h), mesh.to(h)});
-  return edges;
 }
 
 bool kept(const Mesh& mesh, const Partition& part, const std::vector<std::array<std::int32_t, 2>>& barriers) {

@@ -15,8 +15,8 @@ namespace {
 
 using checks::message_of;
 
-/// A sphere with noise.
-const Mesh& bumpy() {
+/// A sphere with noise, a quarter of the faces of `checks::bumpy`.
+const Mesh& coarse() {
   static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(3), 0.003, 2));
   return mesh;
 }
@@ -56,8 +56,8 @@ void expect_same(const Partition& a, const Partition& b, const std::string& whic
 }
 
 TEST(Partitioner, EqualsAFreshOne) {
-  const Partitioner kept(bumpy());
-  const Guides heavy{std::vector<double>(static_cast<std::size_t>(bumpy().face_count()), 3.0), {{0, 1}}};
+  const Partitioner kept(coarse());
+  const Guides heavy{std::vector<double>(static_cast<std::size_t>(coarse().face_count()), 3.0), {{0, 1}}};
   Guides some = heavy;
   some.barriers.clear();
   for (std::size_t f = 0; f < some.weights.size(); f += 2) some.weights[f] = 0.5;
@@ -65,14 +65,14 @@ TEST(Partitioner, EqualsAFreshOne) {
   for (const Guides& guides : {Guides{}, some, Guides{}})
     for (const PartitionOptions& options : orders()) {
       Job job;
-      const Surface surface = guides.weights.empty() ? Surface(bumpy()) : Surface(bumpy(), guides, job);
+      const Surface surface = guides.weights.empty() ? Surface(coarse()) : Surface(coarse(), guides, job);
       expect_same(kept.run(options, {.guides = guides}, job), partition(surface, options, job),
                   std::to_string(number++));
     }
 }
 
 TEST(Partitioner, MayRunOnSeveralThreads) {
-  const Partitioner kept(bumpy());
+  const Partitioner kept(coarse());
   const std::vector<PartitionOptions> all = orders();
   std::vector<Partition> found(all.size());
   std::vector<std::thread> threads;
@@ -85,12 +85,12 @@ TEST(Partitioner, MayRunOnSeveralThreads) {
   for (std::thread& thread : threads) thread.join();
   for (std::size_t i = 0; i < all.size(); ++i) {
     Job job;
-    expect_same(found[i], partition(bumpy(), all[i], job), std::to_string(i));
+    expect_same(found[i], partition(coarse(), all[i], job), std::to_string(i));
   }
 }
 
 TEST(Partitioner, AFailedOrCancelledCallLeavesTheKeptData) {
-  const Partitioner kept(bumpy());
+  const Partitioner kept(coarse());
   Job job;
   const Partition before = kept.run({.proxies = 20}, {}, job);
   EXPECT_EQ(message_of([&] { (void)kept.run({.proxies = 0}, {}, job); }), "proxies must be in [1, 1280], got 0");

@@ -11,10 +11,7 @@
 namespace isimp {
 namespace {
 
-const Mesh& ring() {
-  static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.02, 5));
-  return mesh;
-}
+using checks::ring;
 
 std::vector<PartitionOptions> variants() {
   std::vector<PartitionOptions> all;

@@ -14,7 +14,7 @@ namespace {
 using checks::expect_sound;
 using checks::message_of;
 
-Partition run(const Surface& surface, PartitionOptions options) {
+Partition hybrid(const Surface& surface, PartitionOptions options) {
   Job job;
   options.method = Method::hybrid;
   return partition(surface, options, job);
@@ -49,7 +49,7 @@ TEST(Decimate, FlatSidesOfACubeAreReducedFirst) {
 
 TEST(Hybrid, CubeSplitsIntoItsSixSides) {
   const Mesh mesh = shapes::mesh(shapes::cube(16));
-  const Partition p = run(mesh, {.proxies = 6, .seeding = Seeding::farthest, .fraction = 0.1});
+  const Partition p = hybrid(mesh, {.proxies = 6, .seeding = Seeding::farthest, .fraction = 0.1});
   expect_sound(mesh, p);
   EXPECT_EQ(p.region_count(), 6);
   EXPECT_NEAR(p.error, 0.0, 1e-12);
@@ -60,24 +60,24 @@ TEST(Hybrid, HasExactlyTheRequestedRegionsAndErrsLittle) {
   Job job;
   const double lloyd = partition(mesh, {.proxies = 100, .method = Method::lloyd}, job).error;
   for (const std::int32_t proxies : {4, 100, 250}) {
-    const Partition p = run(mesh, {.proxies = proxies});
+    const Partition p = hybrid(mesh, {.proxies = proxies});
     expect_sound(mesh, p);
     EXPECT_EQ(p.region_count(), proxies);
     if (proxies == 100) {
       EXPECT_LT(p.error, 1.25 * lloyd);
     }
-    EXPECT_EQ(run(mesh, {.proxies = proxies}).face_region, p.face_region);
+    EXPECT_EQ(hybrid(mesh, {.proxies = proxies}).face_region, p.face_region);
   }
 }
 
 TEST(Hybrid, ErrsLessThanTheThesissOwn) {
   const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::torus(48, 24), 0.001, 2), 3));
-  const Partition flooded = run(mesh, {.proxies = 100, .connect = Connect::flood});
+  const Partition flooded = hybrid(mesh, {.proxies = 100, .connect = Connect::flood});
   expect_sound(mesh, flooded);
-  const Partition relaxed = run(mesh, {.proxies = 100, .threads = 1});
+  const Partition relaxed = hybrid(mesh, {.proxies = 100, .threads = 1});
   expect_sound(mesh, relaxed);
   EXPECT_LT(relaxed.error, flooded.error);
-  EXPECT_EQ(run(mesh, {.proxies = 100, .threads = 3}).face_region, relaxed.face_region);
+  EXPECT_EQ(hybrid(mesh, {.proxies = 100, .threads = 3}).face_region, relaxed.face_region);
 }
 
 TEST(Hybrid, ComponentsKeepTheirRegionsAndSpecksAreLeftOut) {
@@ -87,7 +87,7 @@ TEST(Hybrid, ComponentsKeepTheirRegionsAndSpecksAreLeftOut) {
   arrays = shapes::both(shapes::both(speck, arrays, {9, 0, 0}), shapes::plane(6), {0, 0, 5});
   const Mesh mesh = shapes::mesh(arrays);
   for (const std::int32_t proxies : {1, 9, 40}) {
-    const Partition p = run(mesh, {.proxies = proxies});
+    const Partition p = hybrid(mesh, {.proxies = proxies});
     expect_sound(mesh, p);
     EXPECT_EQ(p.region_count(), std::max(proxies, 9));
     EXPECT_EQ(p.parts_left_out, 1);
@@ -107,7 +107,7 @@ TEST(Hybrid, BarriersAndWeightsAreKept) {
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) guides.weights.push_back(f % 3 == 0 ? 2.0 : 1.0);
   Job job;
   const Surface surface(mesh, guides, job);
-  const Partition p = run(surface, {.proxies = 6, .fraction = 0.25});
+  const Partition p = hybrid(surface, {.proxies = 6, .fraction = 0.25});
   expect_sound(mesh, p);
   EXPECT_EQ(p.region_count(), 6);
   std::vector<std::set<bool>> sides(6);
@@ -122,7 +122,7 @@ TEST(Hybrid, BarriersAndWeightsAreKept) {
 
 TEST(Hybrid, BadInputIsNamedAndACancelStopsIt) {
   const Mesh mesh = shapes::mesh(shapes::sphere(3));
-  const auto message = [&](const PartitionOptions& options) { return message_of([&] { run(mesh, options); }); };
+  const auto message = [&](const PartitionOptions& options) { return message_of([&] { hybrid(mesh, options); }); };
   EXPECT_EQ(message({.proxies = 0}), "proxies must be in [1, 1280], got 0");
   EXPECT_EQ(message({.proxies = 6, .fraction = 0}).substr(0, 26), "fraction must be in (0, 1]");
   EXPECT_EQ(message({.proxies = 6, .fraction = 1.5}).substr(0, 26), "fraction must be in (0, 1]");

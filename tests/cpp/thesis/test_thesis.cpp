@@ -11,27 +11,23 @@ namespace isimp {
 namespace {
 
 using checks::message_of;
+using checks::ring;
 
-Partition run(const Mesh& mesh, PartitionOptions options) {
+Partition thirty(const Mesh& mesh, PartitionOptions options) {
   options.proxies = 30;
   Job job;
   return Partitioner(mesh).run(options, {}, job);
 }
 
-const Mesh& ring() {
-  static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.02, 5));
-  return mesh;
-}
-
-TEST(Thesis, TheDefaultMethodNeedsNoneOfIt) { EXPECT_EQ(run(ring(), {}).region_count(), 30); }
+TEST(Thesis, TheDefaultMethodNeedsNoneOfIt) { EXPECT_EQ(thirty(ring(), {}).region_count(), 30); }
 
 TEST(Thesis, EveryMethodIsThereOrRefused) {
   for (const Method method : {Method::lloyd, Method::teleport, Method::naive, Method::queued, Method::hybrid}) {
     const PartitionOptions options{.method = method};
     if (Thesis::is_built()) {
-      EXPECT_EQ(run(ring(), options).region_count(), 30);
+      EXPECT_EQ(thirty(ring(), options).region_count(), 30);
     } else {
-      EXPECT_EQ(message_of([&] { run(ring(), options); }),
+      EXPECT_EQ(message_of([&] { thirty(ring(), options); }),
                 "method hierarchy is the only one in this build, which was made with ISIMP_THESIS=OFF");
     }
   }
@@ -39,11 +35,11 @@ TEST(Thesis, EveryMethodIsThereOrRefused) {
 
 TEST(Thesis, TeleportsLowerTheErrorOfTheFlooding) {
   if (!Thesis::is_built()) GTEST_SKIP() << "made with ISIMP_THESIS=OFF";
-  EXPECT_LT(run(ring(), {.method = Method::teleport}).error, run(ring(), {.method = Method::lloyd}).error);
+  EXPECT_LT(thirty(ring(), {.method = Method::teleport}).error, thirty(ring(), {.method = Method::lloyd}).error);
 }
 
 TEST(Thesis, ABackEndThatIsNotHereIsRefused) {
-  const std::string message = message_of([] { run(ring(), {.backend = "abacus"}); });
+  const std::string message = message_of([] { thirty(ring(), {.backend = "abacus"}); });
   EXPECT_NE(message.find("abacus"), std::string::npos) << message;
   EXPECT_EQ(backends().front(), "cpu");
   EXPECT_TRUE(Thesis::is_built() || backends().size() == 1);

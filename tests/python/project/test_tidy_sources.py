@@ -57,6 +57,24 @@ def test_each_changed_header_is_read_once(tidy):
     assert tidy.chosen(read, set()) == []
 
 
+def test_a_source_reads_the_headers_that_its_headers_include(tidy, monkeypatch, tmp_path):
+    inside = tmp_path / "native" / "src"
+    monkeypatch.setattr(tidy, "ROOT", tmp_path)
+    monkeypatch.setattr(tidy, "INSIDE", inside)
+    files = {
+        "native/src/mesh/files/read.cpp": '#include <vector>\n#include "files/read.h"\n',
+        "native/src/mesh/files/read.h": '#include "isimp/core/job.h"\n#include "read.h"\n',
+        "native/src/other/files/read.h": "",
+        "native/include/isimp/core/job.h": "",
+        "native/include/isimp/core/array.h": "",
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    read = tidy.read_by(inside / "mesh" / "files" / "read.cpp")
+    assert {str(path.relative_to(tmp_path)) for path in read} == set(list(files)[:2]) | {list(files)[3]}
+
+
 def test_a_moved_file_is_compared_with_its_old_text(tidy, monkeypatch):
     monkeypatch.setattr(tidy, "output", lambda *command: "M\tnative/src/core/job.cpp\nR090\told.h\tnative/src/new.h\n")
     monkeypatch.setattr(tidy, "at", lambda commit, name: "int moved;" if name == "old.h" else "")

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <stdexcept>
+#include <string>
+
+#include "isimp/mesh/io.h"
+#include "isimp/mesh/mesh.h"
+
+namespace isimp::checks {
+
+/// Two quads and a triangle: a small house front.
+inline const PolygonSoup kHouse{
+    {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 1.5, 0.1}, {2, 0, 1e-3}, {2, 1, 1e-3}},
+    {0, 1, 2, 3, 3, 2, 4, 1, 5, 6, 2},
+    {0, 4, 7}};
+
+/// The bytes of a value as a file of this byte order has them.
+template <class T>
+std::string raw(T value, bool big = false) {
+  auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
+  if (big != (std::endian::native == std::endian::big)) std::reverse(bytes.begin(), bytes.end());
+  return {bytes.data(), bytes.size()};
+}
+
+/// A kind of repair of a cleaned mesh. \throws std::out_of_range if there was none of it.
+inline const Repair& repair(const Mesh& mesh, const std::string& key) {
+  for (const Repair& r : mesh.report().repairs)
+    if (r.what == key) return r;
+  throw std::out_of_range(key);
+}
+inline std::int64_t repaired(const Mesh& mesh, const std::string& key) { return repair(mesh, key).count; }
+
+}  // namespace isimp::checks
