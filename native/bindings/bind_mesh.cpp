@@ -23,7 +23,7 @@ using namespace py::literals;
 
 namespace {
 
-py::dict report_of(const MeshReport& report) {
+py::dict mesh_report_of(const MeshReport& report) {
   py::dict all("vertices"_a = report.vertices, "faces"_a = report.faces, "components"_a = report.components,
                "closed_components"_a = report.closed_components, "border_edges"_a = report.border_edges,
                "border_loops"_a = report.border_loops, "euler"_a = report.euler,
@@ -114,7 +114,8 @@ Raises InvalidInput, which names the first row that can't be used and why; `clea
       .def_property_readonly("component", viewer<KeptMesh>(&Mesh::component),
                              "(F,) int32: the component of each face, numbered by first face.")
       .def_property_readonly(
-          "report", [](const KeptMesh& mesh) { return report_of(mesh.report()); }, R"(Properties of the mesh, as a dict.
+          "report", [](const KeptMesh& mesh) { return mesh_report_of(mesh.report()); },
+          R"(Properties of the mesh, as a dict.
 
 vertices, faces, components, closed_components, border_edges, border_loops, euler, zero_area_faces, unused_vertices,
 area and diagonal (scene units), closed, cell (of the grid whose stair steps were smoothed, scene units; 0: none); after

@@ -49,7 +49,7 @@ py::list listed_defects(const MeshingReport& r) {
   return list;
 }
 
-py::dict report_of(const MeshingReport& r) {
+py::dict meshing_report_of(const MeshingReport& r) {
   py::dict report(
       "polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices, "regions"_a = r.regions,
       "regions_split"_a = r.regions_split, "merged_without_area"_a = r.merged_without_area,
@@ -83,7 +83,7 @@ py::dict expectation(const ExpectedPolygons& e) {
                   "split_for_repair"_a = e.split_for_repair);
 }
 
-void bind_result(py::module_& m) {
+void bind_polygon_mesh(py::module_& m) {
   py::class_<PolygonMesh>(m, "PolygonMesh", py::module_local(),
                           "A mesh of simple polygons without holes; polygon q has the corners "
                           "loops[loop_start[q] : loop_start[q + 1]], the last one the rest of `loops`.")
@@ -102,7 +102,7 @@ void bind_result(py::module_& m) {
                              "(K,) int32: the regions whose snapped plane the polygons do not use, rising: with it a "
                              "polygon would have a defect or, with options.planar, too many faces would be added.")
       .def_property_readonly(
-          "report", [](const PolygonMesh& poly) { return report_of(poly.report); },
+          "report", [](const PolygonMesh& poly) { return meshing_report_of(poly.report); },
           R"(Properties of the polygons, as a dict.
 
 polygons, corners, vertices, regions; regions_split (regions that became more than one polygon) and the causes;
@@ -170,7 +170,7 @@ void bind_meshing(py::module_& m) {
   OptionsClass<MeshingOptions>(m, "MeshingOptions", "How to make polygons of regions. All fields are keywords.");
   OptionsClass<RegulariseOptions>(m, "RegulariseOptions",
                                   "How planes of regions are snapped. All fields are keywords.");
-  bind_result(m);
+  bind_polygon_mesh(m);
   m.def(
       "regularise",
       [](const KeptMesh& mesh, const Partition& part, RegulariseOptions options, Job* job,

@@ -130,7 +130,7 @@ patches. Values are attributes, and items as of a dict.)");
       });
 }
 
-py::dict report_of(const Partition& part) {
+py::dict partition_report_of(const Partition& part) {
   py::dict report("regions"_a = part.region_count(), "proxies_asked"_a = part.proxies_asked,
                   "proxies_needed"_a = part.proxies_needed, "parts_left_out"_a = part.parts_left_out,
                   "area_left_out"_a = part.area_left_out, "error"_a = part.error, "rounds"_a = part.history.size(),
@@ -155,7 +155,7 @@ py::array region_left_out(const Partition& part) {
   return left_out;
 }
 
-void bind_result(py::module_& m) {
+void bind_partition_result(py::module_& m) {
   py::class_<Partition>(m, "Partition", py::module_local(), "A surface split into R connected, near-planar regions.")
       .def_property_readonly("face_region", viewer<Partition>(&Partition::face_region),
                              "(F,) int32 in [0, R), by face of mesh.triangles; -1 where a speck was left out.")
@@ -221,7 +221,7 @@ void bind_result(py::module_& m) {
             return all;
           },
           "The curved patches that have cells, as CurvedProxy; empty where PartitionOptions.curved was not set.")
-      .def_property_readonly("report", &report_of, "The numbers of this partition as a dict.")
+      .def_property_readonly("report", &partition_report_of, "The numbers of this partition as a dict.")
       .def(py::pickle([](const Partition& self) { return state_of(self); }, &partition_from_state))
       .def("__repr__", [](const Partition& part) {
         return py::str("<Partition: {} regions of {} faces, error {:.6g}>")
@@ -243,7 +243,7 @@ void bind_partition(py::module_& m) {
   OptionsClass<PartitionOptions>(m, "PartitionOptions",
                                  "How to split a surface into regions. All fields are keywords.");
   bind_curved_proxy(m);
-  bind_result(m);
+  bind_partition_result(m);
   m.def(
       "partition",
       [](const KeptMesh& mesh, PartitionOptions options, Job* job, const std::optional<py::object>& weights,

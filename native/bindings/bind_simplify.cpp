@@ -37,7 +37,7 @@ std::vector<VertexPair> to_pairs(const Given& pairs, const char* name) {
   return pairs ? read_pairs(*pairs, name) : std::vector<VertexPair>();
 }
 
-std::optional<std::vector<std::int32_t>> to_faces(const Given& faces) {
+std::optional<std::vector<std::int32_t>> to_optional_faces(const Given& faces) {
   return faces ? std::optional(read_indices(*faces, "faces", "(K,)")) : std::nullopt;
 }
 
@@ -136,7 +136,7 @@ void bind_constraints(py::module_& m) {
          const Given& cuts, const Given& faces, const Partition* before) {
         const Constraints constraints{.guides = read_guides(weights, barriers),
                                       .cuts = to_pairs(cuts, "cuts"),
-                                      .faces = to_faces(faces),
+                                      .faces = to_optional_faces(faces),
                                       .before = before};
         return call(job, [&](Job& j) { return mesh.partitioner().run(options, constraints, j); });
       },

@@ -13,7 +13,7 @@ namespace {
 // tuned colliders
 constexpr double kOutwards = 1e-3;  // weight of the distance from the middle among points that are as far out
 
-struct Facet {
+struct HullFacet {
   Triangle corners;
   Triangle beside;  // the facet across the edge from corner k to the next one
   Vec3 normal;
@@ -82,7 +82,7 @@ class Growing {
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const Triangle corners = facets_[seen[i]].corners, beside = facets_[seen[i]].beside;
       for (int k = 0; k < 3; ++k) {
-        Facet& next = facets_[beside[k]];
+        HullFacet& next = facets_[beside[k]];
         if (next.seen_from == p) continue;
         if (sees(beside[k], p)) {
           next.seen_from = p;
@@ -106,7 +106,7 @@ class Growing {
     for (std::size_t i = 0; i < horizon.size(); ++i) {
       const auto [a, b, beyond] = horizon[i];
       add({a, b, p}, {beyond, first + after[i], first + before[i]});
-      Facet& other = facets_[beyond];
+      HullFacet& other = facets_[beyond];
       for (int k = 0; k < 3; ++k)
         if (other.corners[k] == b && other.corners[(k + 1) % 3] == a)
           other.beside[k] = first + static_cast<std::int32_t>(i);
@@ -123,7 +123,7 @@ class Growing {
   [[nodiscard]] ConvexPart result() const {
     ConvexPart made;
     std::vector<std::int32_t> name(points_.size(), kNone);
-    for (const Facet& facet : facets_) {
+    for (const HullFacet& facet : facets_) {
       if (!facet.alive) continue;
       Triangle named{};
       for (int k = 0; k < 3; ++k) {
@@ -188,7 +188,7 @@ class Growing {
   }
 
   /// Adds a point to a facet, which may become its farthest one.
-  void give(Facet& facet, std::int32_t i, double distance) {
+  void give(HullFacet& facet, std::int32_t i, double distance) {
     facet.outside.push_back(i);
     // Many points of a side of a box are equally far; the one farthest out is a corner.
     const double rank = distance + kOutwards * (points_[i] - middle_).norm();
@@ -218,7 +218,7 @@ class Growing {
   std::span<const Vec3> points_;
   double tolerance_, grid_;
   Vec3 middle_ = Vec3::Zero();
-  std::vector<Facet> facets_;
+  std::vector<HullFacet> facets_;
 };
 
 }  // namespace

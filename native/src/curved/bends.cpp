@@ -15,7 +15,7 @@ namespace {
 // tuned round
 constexpr double kNoBend = 0.97;  ///< cosine between the axes
 constexpr double kWidest = 8;     ///< radius of a bend, over that of the pipe
-constexpr int kSteps = 80;        ///< work: number of tries of the radius
+constexpr int kRadiusSteps = 80;  ///< work: number of tries of the radius
 constexpr double kLeft = 0.5;     ///< least share of its area that a surface keeps, and least share outside the bend
 
 /// Two pipes whose axes meet, and the bend of one radius between them.
@@ -106,8 +106,8 @@ class Bends {
     bend.tube = (a.radius + b.radius) / 2;
     double most = 0;
     Bend best = bend;
-    for (int k = 0; k <= kSteps; ++k) {
-      bend.radius = bend.tube * std::pow(kWidest, static_cast<double>(k) / kSteps);
+    for (int k = 0; k <= kRadiusSteps; ++k) {
+      bend.radius = bend.tube * std::pow(kWidest, static_cast<double>(k) / kRadiusSteps);
       const double now = score(bend, i, j);
       if (now <= most) continue;
       most = now;

@@ -134,7 +134,6 @@ class Chooser {
   static bool is_bent(const CurvedProxy& p) {
     return p.full && (p.kind == CurvedKind::revolution || p.kind == CurvedKind::sphere);
   }
-  static bool is_straight(const CurvedProxy& p) { return p.kind == CurvedKind::cylinder || p.kind == CurvedKind::cone; }
 
   /// The parts of the cells of a patch that are no specks.
   double pieces_of(const RoundPatch& p) {

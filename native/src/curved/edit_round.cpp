@@ -12,10 +12,8 @@
 #include "patches.h"
 #include "rounding.h"
 
-namespace isimp {
+namespace isimp::curved {
 namespace {
-
-using namespace curved;
 
 void check_face(const Mesh& mesh, std::int32_t face) {
   if (face < 0 || face >= mesh.face_count())
@@ -93,8 +91,12 @@ std::optional<CurvedSurface> best_fit(const Faces& faces, const Some& some, std:
 }
 
 }  // namespace
+}  // namespace isimp::curved
+
+namespace isimp {
 
 std::int32_t patch_of(const Mesh& mesh, const Partition& part, std::int32_t face) {
+  using namespace curved;
   check_is_of(mesh, part);
   check_face(mesh, face);
   const std::int32_t region = part.face_region[face];
@@ -103,6 +105,7 @@ std::int32_t patch_of(const Mesh& mesh, const Partition& part, std::int32_t face
 
 Partition with_segments(const Mesh& mesh, const Partition& part, std::int32_t face, std::int32_t segments,
                         std::int32_t rings, Job& job) {
+  using namespace curved;
   const std::int32_t patch = patch_at(mesh, part, face);
   CurvedProxy proxy = part.curved[patch];
   const bool is_extrusion = proxy.kind == CurvedKind::extrusion;
@@ -120,6 +123,7 @@ Partition with_segments(const Mesh& mesh, const Partition& part, std::int32_t fa
 }
 
 Partition explode_round(const Mesh& mesh, const Partition& part, std::int32_t face, Job& job) {
+  using namespace curved;
   job.poll();
   const std::int32_t patch = patch_at(mesh, part, face);
   cells_of(part, patch, face);
@@ -142,6 +146,7 @@ Partition explode_round(const Mesh& mesh, const Partition& part, std::int32_t fa
 
 Partition make_round(const Mesh& mesh, const Partition& part, std::span<const std::int32_t> faces,
                      std::optional<CurvedKind> kind, Job& job) {
+  using namespace curved;
   check_is_of(mesh, part);
   if (faces.empty()) throw InvalidInput("no face is given");
   std::vector<bool> chosen(part.region_seed.size(), false);

@@ -48,9 +48,10 @@ struct Candidate {
   Found found;
 };
 
-class Search {
+class SurfaceSearch {
  public:
-  Search(const Points& points, const Nearness& near) : p_(points), near_(near), is_free_(points.area.size(), true) {
+  SurfaceSearch(const Points& points, const Nearness& near)
+      : p_(points), near_(near), is_free_(points.area.size(), true) {
     for (std::int32_t i = 0; i < points.count(); ++i)
       if (points.area[i] <= 0) is_free_[i] = false;
   }
@@ -268,7 +269,7 @@ bool is_seen(const CurvedSurface& surface, const Samples& samples) {
 }
 
 std::vector<Found> find_surfaces(const Points& points, const Nearness& near, Job& job) {
-  return Search(points, near).run(job);
+  return SurfaceSearch(points, near).run(job);
 }
 
 }  // namespace isimp::curved

@@ -12,21 +12,16 @@
 namespace isimp::curved {
 namespace {
 
-constexpr int kBins = 120;  ///< work: number of bins of the profile
-constexpr int kSteps = 72;  ///< work: number of steps of a full turn in the search for gaps
+constexpr int kBins = 120;      ///< work: number of bins of the profile
+constexpr int kTurnSteps = 72;  ///< work: number of steps of a full turn in the search for gaps
 // tuned round
-constexpr double kCapRadius = 0.12;  ///< share of the largest radius: an end nearer to the axis may be a cap
-constexpr double kStraight = 1e-6;   ///< rounding: radians: the turn of a strip of an extrusion
-constexpr double kLeastEdges = 2;    ///< edges of faces in the width of a segment: narrower ones have ragged borders
+constexpr double kCapRadius = 0.12;     ///< share of the largest radius: an end nearer to the axis may be a cap
+constexpr double kStraightTurn = 1e-6;  ///< rounding: radians: the turn of a strip of an extrusion
+constexpr double kLeastEdges = 2;       ///< edges of faces in the width of a segment: narrower ones have ragged borders
 constexpr double kShort =
     1e-9;  ///< rounding: share of its distance from 0 along the profile: a shorter range is one place
-constexpr double kNever = std::numeric_limits<double>::infinity();  // mark
 
 using Row = std::array<double, kBins + 1>;
-
-bool is_straight(const CurvedProxy& proxy) {
-  return proxy.kind == CurvedKind::cylinder || proxy.kind == CurvedKind::cone;
-}
 
 /// A quantile of some numbers.
 double quantile(std::vector<double> x, double share) {
@@ -133,7 +128,7 @@ class Profile {
   const Table& table_of(std::int32_t segments, bool low_cap, std::int32_t rings) {
     Table& t = table_[low_cap ? 1 : 0];
     if (t.segments != segments) {
-      const double d = proxy_.kind == CurvedKind::extrusion ? kStraight : proxy_.span / segments,
+      const double d = proxy_.kind == CurvedKind::extrusion ? kStraightTurn : proxy_.span / segments,
                    sinc = std::sin(d / 2) / (d / 2);
       t = {segments, low_cap, std::max(0.0, 0.5 + std::sin(d) / (2 * d) - sinc * sinc), {}, {}};
       t.least.emplace_back().fill(kNever);
@@ -172,10 +167,10 @@ namespace {
 
 /// The share of a full turn that the normals of an extrusion cover.
 double turn_of_normals(const PatchFaces& f) {
-  std::array<bool, kSteps> is_on{};
+  std::array<bool, kTurnSteps> is_on{};
   for (std::size_t i = 0; i < f.area.size(); ++i)
-    is_on[to_integer((std::atan2(f.up[i], f.out[i]) / kTurn + 0.5) * kSteps, 0, kSteps - 1)] = true;
-  return static_cast<double>(std::count(is_on.begin(), is_on.end(), true)) / kSteps;
+    is_on[to_integer((std::atan2(f.up[i], f.out[i]) / kTurn + 0.5) * kTurnSteps, 0, kTurnSteps - 1)] = true;
+  return static_cast<double>(std::count(is_on.begin(), is_on.end(), true)) / kTurnSteps;
 }
 
 /// The profile of an extrusion, a ring, with its first corner at a length along it.
@@ -233,22 +228,22 @@ void set_span(CurvedProxy& proxy, const PatchFaces& f) {
     proxy.span = proxy.full ? kTurn : kTurn * turn_of_normals(f);
     return;
   }
-  std::array<bool, kSteps> is_on{};
-  for (const double a : f.angle) is_on[to_integer(a / kTurn * kSteps, 0, kSteps - 1)] = true;
+  std::array<bool, kTurnSteps> is_on{};
+  for (const double a : f.angle) is_on[to_integer(a / kTurn * kTurnSteps, 0, kTurnSteps - 1)] = true;
   int run = 0, longest = 0, end = 0;
-  for (int k = 0; k < 2 * kSteps; ++k) {
-    run = is_on[k % kSteps] ? 0 : run + 1;
-    if (run > longest && run <= kSteps) {
+  for (int k = 0; k < 2 * kTurnSteps; ++k) {
+    run = is_on[k % kTurnSteps] ? 0 : run + 1;
+    if (run > longest && run <= kTurnSteps) {
       longest = run;
       end = k + 1;
     }
   }
   // A coarse mesh has steps without a face all over.
-  proxy.full = longest < (1 - kFullTurn) * kSteps;
+  proxy.full = longest < (1 - kFullTurn) * kTurnSteps;
   proxy.phase = 0;
   proxy.span = kTurn;
   if (proxy.full) return;
-  const double begin = end % kSteps * (kTurn / kSteps), width = kTurn - longest * (kTurn / kSteps);
+  const double begin = end % kTurnSteps * (kTurn / kTurnSteps), width = kTurn - longest * (kTurn / kTurnSteps);
   std::vector<double> on;
   for (const double a : f.angle) {
     const double t = std::fmod(a - begin + 2 * kTurn, kTurn);

@@ -17,9 +17,7 @@ namespace {
 constexpr double kOfTolerance = 0.3;  ///< times the tolerance: how near data is to its surface
 constexpr double kOfNoise = 2.5;      ///< times the noise: how near data is to its surface at the least
 constexpr double kNearTurn = 14 * std::numbers::pi / 180;  ///< between the normals of data and of its surface
-constexpr int kSteps = 3;                                  ///< steps of the last fit
-
-bool is_straight(const CurvedSurface& s) { return s.kind == CurvedKind::cylinder || s.kind == CurvedKind::cone; }
+constexpr int kFitSteps = 3;                               ///< steps of the last fit
 
 /// The regions of a partition, as patches are compared with them.
 class Before {
@@ -114,7 +112,7 @@ void set_tangents(const Scene& scene, const std::map<std::int32_t, int>& beside,
 CurvedSurface fitted(const Faces& faces, const CurvedSurface& surface, const Some& some) {
   if (!is_straight(surface) && surface.kind != CurvedKind::sphere) return surface;
   const Samples s = samples_of(faces, some);
-  CurvedSurface again = refined(surface, s, kSteps);
+  CurvedSurface again = refined(surface, s, kFitSteps);
   return again.radius > 0 && rms(again, s) < rms(surface, s) ? again : surface;
 }
 

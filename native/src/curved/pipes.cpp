@@ -51,7 +51,7 @@ void align(CurvedProxy& pipe, const CurvedProxy& bend, const Tube& tube) {
 }
 
 /// A bend and the straight pipes at its ends.
-struct Run {
+struct PipeRun {
   std::size_t bend = 0;
   std::vector<std::size_t> pipes;
 };
@@ -62,7 +62,7 @@ class Pipes {
 
   std::vector<bool> run() {
     std::vector<bool> done(s_.patches.size(), false);
-    for (const Run& r : runs()) {
+    for (const PipeRun& r : runs()) {
       const bool is_free =
           !done[r.bend] && std::none_of(r.pipes.begin(), r.pipes.end(), [&](std::size_t k) { return done[k]; });
       if (!is_free || r.pipes.empty() || !choose(r)) continue;
@@ -73,10 +73,10 @@ class Pipes {
   }
 
  private:
-  [[nodiscard]] std::vector<Run> runs() const {
+  [[nodiscard]] std::vector<PipeRun> runs() const {
     std::vector<std::int32_t> patch(s_.found.size(), kNone);
     for (std::size_t k = 0; k < s_.patches.size(); ++k) patch[s_.patches[k].found] = static_cast<std::int32_t>(k);
-    std::vector<Run> all;
+    std::vector<PipeRun> all;
     for (std::size_t k = 0; k < s_.patches.size(); ++k) {
       const CurvedProxy& bend = s_.patches[k].proxy;
       if (bend.kind != CurvedKind::revolution || !bend.closed || bend.full) continue;
@@ -84,7 +84,7 @@ class Pipes {
       for (const std::int32_t i : s_.patches[k].faces.face)
         for (const std::int32_t j : f_.graph().neighbours[i])
           if (j != f_.size() && s_.label[j] != kNone && patch[s_.label[j]] != kNone) beside.insert(patch[s_.label[j]]);
-      Run run{k, {}};
+      PipeRun run{k, {}};
       const double radius = tube_of(bend).radius;
       for (const std::int32_t other : beside) {
         const CurvedProxy& p = s_.patches[other].proxy;
@@ -104,7 +104,7 @@ class Pipes {
   }
 
   /// Makes the axis of a bend square to the axes of its pipes, which are longer.
-  void square_to_pipes(const Run& run) {
+  void square_to_pipes(const PipeRun& run) {
     if (run.pipes.size() < 2) return;
     CurvedProxy& bend = s_.patches[run.bend].proxy;
     const Vec3 axis = s_.patches[run.pipes[0]].proxy.axis.cross(s_.patches[run.pipes[1]].proxy.axis);
@@ -114,7 +114,7 @@ class Pipes {
   }
 
   /// Segments of the pipes, which are the rings of the bend, and segments of the bend.
-  bool choose(const Run& run) {
+  bool choose(const PipeRun& run) {
     RoundPatch& bend = s_.patches[run.bend];
     const Tube tube = tube_of(bend.proxy);
     double cells = bend.cells, all = area(run.bend);

@@ -13,8 +13,8 @@ namespace isimp::curved {
 namespace {
 
 // tuned round
-constexpr double kOff = 9;      ///< mean areas of its faces: a centre at a larger squared distance from them is off
-constexpr double kFlat = 0.98;  ///< least length of the mean normal: others are no rings on top of a round part
+constexpr double kOff = 9;  ///< mean areas of its faces: a centre at a larger squared distance from them is off
+constexpr double kRingNormal = 0.98;  ///< least length of the mean normal: others are no rings on top of a round part
 const double kJoins = std::cos(33 * std::numbers::pi / 180);  ///< least cosine between normals of joined points
 
 /// Splits flat regions that go far along a parallel, such as the top of a torus. Their centre is near the axis, off the
@@ -55,7 +55,7 @@ class Splitter {
       area += f_.area(i);
       normal += f_.area(i) * f_.normal(i);
     }
-    if (normal.norm() <= kFlat * area) return false;
+    if (normal.norm() <= kRingNormal * area) return false;
     const double far = kOff * area * f_.graph().area / static_cast<double>(some.size());
     const Vec3 middle = centre(some);
     return std::all_of(some.begin(), some.end(),

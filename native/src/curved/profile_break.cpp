@@ -10,9 +10,9 @@ namespace isimp::curved {
 namespace {
 
 /// Sums over corners of a profile, from which lines and circles are fitted.
-class Run {
+class ProfileSums {
  public:
-  explicit Run(const CurvedSurface& surface) : s_(surface) {}
+  explicit ProfileSums(const CurvedSurface& surface) : s_(surface) {}
 
   /// The least sum of squared distances of corners from a line, the profile of a cylinder or a cone, or from a circle
   /// about a point of the axis, that of a sphere.
@@ -60,12 +60,12 @@ class Run {
 std::optional<double> profile_break(const CurvedSurface& surface) {
   const std::size_t n = corners(surface);
   if (surface.closed) return std::nullopt;
-  const Run run(surface);
+  const ProfileSums sums(surface);
   // The first and the last corner are extrapolated.
   std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t at = 2; at + 1 < n; ++at) {
-    const double both = run.misfit(1, at) + run.misfit(at, n - 1);
+    const double both = sums.misfit(1, at) + sums.misfit(at, n - 1);
     if (both >= least) continue;
     least = both;
     best = at;

@@ -7,10 +7,9 @@
 
 namespace isimp {
 
-using namespace curved;
-
 Partition round_parts(const Surface& surface, Partition part, std::span<const std::int32_t> small,
                       const RoundLengths& lengths, std::span<const std::uint8_t> stays, Job& job) {
+  using namespace curved;
   check_is_of(surface.mesh(), part);
   const Faces faces(surface);
   Scene scene = [&] {

@@ -15,7 +15,6 @@ namespace {
 constexpr double kBeyond = 3;        ///< extension of an open profile at both ends, in lengths of its end edges
 constexpr std::size_t kBlock = 8;    ///< work: number of edges of a profile that are searched at once
 constexpr double kRounding = 1e-12;  ///< rounding: of a squared distance, over the largest square of its terms
-constexpr double kNever = std::numeric_limits<double>::infinity();  // mark
 
 }  // namespace
 

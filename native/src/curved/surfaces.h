@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -14,7 +15,8 @@ namespace isimp::curved {
 
 using Vec2 = Eigen::Vector2d;
 
-inline constexpr double kTurn = 2 * std::numbers::pi;  ///< unit: a full turn, radians
+inline constexpr double kTurn = 2 * std::numbers::pi;                      ///< unit: a full turn, radians
+inline constexpr double kNever = std::numeric_limits<double>::infinity();  ///< mark: the cost of what is not possible
 
 /// A point seen from the axis of a surface. For an extrusion, `out` and `up` are the directions of its profile.
 struct Polar {
@@ -30,6 +32,9 @@ struct Residual {
 
 /// Two unit vectors square to a unit vector, which they follow in a right-handed frame.
 std::array<Vec3, 2> frame(const Vec3& axis);
+
+/// Whether the profile is a straight line.
+inline bool is_straight(const CurvedSurface& s) { return s.kind == CurvedKind::cylinder || s.kind == CurvedKind::cone; }
 
 inline Polar polar(const CurvedSurface& surface, const Vec3& p) {
   const Vec3 v = p - surface.point;

@@ -12,7 +12,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 40;  // limit: sweeps of the borders after an edit
+constexpr int kEditSweeps = 40;  // limit: sweeps of the borders after an edit
 // tuned edits
 constexpr double kStays = 0.2;   // share of a region's area that an edit may change before the region loses its own
                                  // plane
@@ -148,7 +148,7 @@ std::vector<std::int32_t> Edit::relax(std::span<const std::int32_t> faces, std::
     for (const std::int32_t j : graph.neighbours[face])
       if (j != graph.size()) relaxation.push_if_border(j);
   }
-  relaxation.run(kSweeps, job);
+  relaxation.run(kEditSweeps, job);
   return relaxation.pushed();
 }
 

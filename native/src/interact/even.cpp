@@ -10,7 +10,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 200;  // limit: enough for a border that moves one face a sweep
+constexpr int kEvenSweeps = 200;  // limit: enough for a border that moves one face a sweep
 // tuned edits
 constexpr double kLeastError = 5e-3;  // share of the area: below it, borders of exact shapes would have no weight
 
@@ -34,7 +34,7 @@ Partition even_borders(const Mesh& mesh, const Partition& partition, double stre
   }
   for (std::int32_t i = 0; i < graph.size(); ++i)
     if (edit.labels.get(i) >= 0) relaxation.push_if_border(i);
-  if (relaxation.run(kSweeps, job) == 0) return partition;
+  if (relaxation.run(kEvenSweeps, job) == 0) return partition;
   edit.hints = relaxation.pushed();
   return edit.finish();
 }

@@ -13,7 +13,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 200;  // limit: sweeps of the borders before the first teleport
+constexpr int kImproveSweeps = 200;  // limit: sweeps of the borders before the first teleport
 // tuned edits
 constexpr int kTries = 50;  // teleports in a row without gain that end a round
 
@@ -59,7 +59,7 @@ Partition improve(const Mesh& mesh, const Partition& partition, Job& job) {
   Relaxation<GraphLabels> relaxation(graph, labels, regions.sum, border_weight_of(partition, graph), Threads(1),
                                      edit.surface.relative_weight());
   for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
-  relaxation.run(kSweeps, job);
+  relaxation.run(kImproveSweeps, job);
   job.report(0.3);
   Teleport(graph, components, regions, std::move(component), relaxation).run(kTries, 1.0, job);
   relax_by(partition.metric, edit.surface, labels, regions.sum, relaxation, partition.smooth, partition.region_count(),

@@ -22,14 +22,14 @@ constexpr std::array<std::array<int, 4>, 6> kSides{
     {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
 
 /// Regions that one box replaces.
-struct Group {
+struct BoxGroup {
   std::vector<std::int32_t> vertices;        ///< in rising order
   std::map<std::int32_t, double> neighbour;  ///< by region of which polygons are made: length of the common border
   std::int32_t largest = kNone;              ///< its region of the largest area
 };
 
 /// By lowest region.
-std::map<std::int32_t, Group> groups_of(const Mesh& mesh, const Partition& partition) {
+std::map<std::int32_t, BoxGroup> groups_of(const Mesh& mesh, const Partition& partition) {
   const auto boxed = [&](std::int32_t f) {
     const std::int32_t r = partition.face_region[f];
     return r != kNone && partition.region_locked[r] == kBoxed ? r : kNone;
@@ -40,10 +40,10 @@ std::map<std::int32_t, Group> groups_of(const Mesh& mesh, const Partition& parti
       const std::int32_t a = boxed(h / 3), b = boxed(o / 3);
       if (a != kNone && b != kNone && a != b) forest.join(a, b);
     }
-  std::map<std::int32_t, Group> groups;
+  std::map<std::int32_t, BoxGroup> groups;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     if (boxed(f) == kNone) continue;
-    Group& group = groups[forest.root(boxed(f))];
+    BoxGroup& group = groups[forest.root(boxed(f))];
     for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
       group.vertices.push_back(mesh.from(h));
       const std::int32_t o = mesh.opposite(h);
@@ -61,14 +61,14 @@ std::map<std::int32_t, Group> groups_of(const Mesh& mesh, const Partition& parti
 }
 
 /// The normal of the region that a box stands on; without one, of its own largest region.
-Vec3 up_of(const Group& group, const Partition& partition) {
+Vec3 up_of(const BoxGroup& group, const Partition& partition) {
   const auto longest = std::ranges::max_element(group.neighbour, {}, [](const auto& n) { return n.second; });
   const Vec3& up = partition.region_normal[longest == group.neighbour.end() ? group.largest : longest->first];
   return up.norm() > 0 ? up.normalized() : Vec3(Vec3::UnitZ());
 }
 
 /// The corners; bit k of a number is set if the corner is at the far end along axis k.
-std::array<Vec3, 8> corners_of(const Group& group, const Vec3& up, const Mesh& mesh) {
+std::array<Vec3, 8> corners_of(const BoxGroup& group, const Vec3& up, const Mesh& mesh) {
   Eigen::Matrix3d axes;  // in rows
   axes.row(0) = up.unitOrthogonal().transpose();
   axes.row(2) = up.transpose();

@@ -12,15 +12,13 @@
 #include "judge/defects.h"
 #include "kept_part.h"
 
-namespace isimp {
+namespace isimp::meshing {
 namespace {
-
-using namespace meshing;
 
 // tuned expected
 // Further polygons by cause. Source: least squares of the relative error over 21 scans at 30 to 1,000 regions.
 constexpr double kOfSplit = 0.4;      ///< for each polygon that the topology needs, except walls, which are flat
-constexpr double kOfBend = 1.4;       ///< times the root of the bend beyond the bound, in bounds
+constexpr double kOfBent = 1.4;       ///< times the root of the bend beyond the bound, in bounds
 constexpr double kOfCrossing = 0.35;  ///< for a polygon that crosses itself
 constexpr double kOfMeeting = 1.1;    ///< for a chart that meets others
 
@@ -41,14 +39,18 @@ double cost_of(const Defects& defects, std::int32_t chart) {
   double cost = (defects.kinds(chart) & kCrossing) != 0 ? kOfCrossing : 0;
   const double bound = defects.bounds().bend;
   for (const PolygonDefects& v : defects.of(chart).polygons)
-    if (bound > 0 && v.bend > bound) cost += kOfBend * std::sqrt(v.bend / bound - 1);
+    if (bound > 0 && v.bend > bound) cost += kOfBent * std::sqrt(v.bend / bound - 1);
   return cost;
 }
 
 }  // namespace
+}  // namespace isimp::meshing
+
+namespace isimp {
 
 ExpectedPolygons expected_polygons(const Mesh& mesh, const Partition& partition, const MeshingOptions& options,
                                    Job& job) {
+  using namespace meshing;
   check_input(mesh, partition, options);
   if (const auto part = kept_part(mesh, partition, job))
     return expected_polygons(part->mesh, part->partition, options, job);

@@ -16,10 +16,8 @@
 #include "kept_part.h"
 #include "repair/repair.h"
 
-namespace isimp {
+namespace isimp::meshing {
 namespace {
-
-using namespace meshing;
 
 constexpr double kOfPlanar = 0.6;  ///< work: progress of the planar attempt, if it may be discarded
 
@@ -126,8 +124,12 @@ PolygonMesh polygons_of(State& state, Job& job) {
 }
 
 }  // namespace
+}  // namespace isimp::meshing
+
+namespace isimp {
 
 PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job) {
+  using namespace meshing;
   check_input(mesh, partition, options);
   if (const std::optional<KeptPart> part = kept_part(mesh, partition, job)) {
     PolygonMesh result = polygonize(part->mesh, part->partition, options, job);

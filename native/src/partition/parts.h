@@ -9,6 +9,9 @@
 
 namespace isimp {
 
+/// work: a loop over faces or vertices polls where these bits of its number are 0.
+inline constexpr std::int32_t kPollMask = 0xffff;
+
 /// The connected parts of the faces of a label.
 struct Parts {
   std::vector<std::int32_t> of_face;  ///< by face of the mesh; kNone without a label
@@ -22,7 +25,7 @@ Parts parts_of(const FaceGraph& graph, Label label_of, const Job& job) {
   Parts parts{std::vector<std::int32_t>(static_cast<std::size_t>(graph.size()), kNone)};
   std::vector<std::int32_t> stack;
   for (std::int32_t first = 0; first < graph.size(); ++first) {
-    if ((first & 0xffff) == 0) job.poll();
+    if ((first & kPollMask) == 0) job.poll();
     const std::int32_t label = label_of(first);
     if (label == kNone || parts.of_face[first] != kNone) continue;
     parts.of_face[first] = parts.count;

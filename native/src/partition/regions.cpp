@@ -4,14 +4,14 @@
 #include <limits>
 
 #include "isimp/core/check.h"
+#include "parts.h"
 
 namespace isimp {
 namespace {
 
-constexpr std::int32_t kPollEvery = 0xffff;
 // work: sums are taken block by block and then added up, so that their rounding does not depend on the number of threads.
 constexpr std::int32_t kBlocks = 8;
-constexpr std::size_t kManyRegions = 1 << 14;  // work: from here on the blocks' own sums would cost more than they save
+constexpr std::size_t kManySums = 1 << 14;  // work: from here on the blocks' own sums would cost more than they save
 
 void sum_between(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::int32_t begin, std::int32_t end,
                  std::vector<RegionSum>& sums, Job& job) {
@@ -22,7 +22,7 @@ void sum_between(const FaceGraph& graph, const std::vector<std::int32_t>& label,
     run = RegionSum{};
   };
   for (std::int32_t i = begin; i < end; ++i) {
-    if ((i & kPollEvery) == 0) job.poll();
+    if ((i & kPollMask) == 0) job.poll();
     const std::int32_t r = label[i];
     ISIMP_ASSERT(r >= kNone && r < static_cast<std::int32_t>(sums.size()), "labels are of regions");
     if (r != of_run) {
@@ -44,7 +44,7 @@ struct Nearest {
 
 void sum_regions(const FaceGraph& graph, Regions& regions, Job& job, const Threads& threads) {
   const std::int32_t n = graph.size();
-  const std::int32_t blocks = regions.sum.size() < kManyRegions ? kBlocks : 1;
+  const std::int32_t blocks = regions.sum.size() < kManySums ? kBlocks : 1;
   std::vector<std::vector<RegionSum>> sums(static_cast<std::size_t>(blocks));
   threads.run(blocks, threads.pieces(n, n / blocks + 1), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     for (std::int32_t b = begin; b < end; ++b) {
@@ -69,7 +69,7 @@ std::vector<std::int32_t> nearest_faces(const FaceGraph& graph, const Regions& r
     Nearest nearest{std::vector<float>(count, std::numeric_limits<float>::infinity()),
                     std::vector<std::int32_t>(count, kNone)};
     for (std::int32_t i = begin; i < end; ++i) {
-      if ((i & kPollEvery) == 0) job.poll();
+      if ((i & kPollMask) == 0) job.poll();
       const std::int32_t r = regions.label[i];
       if (r == kNone) continue;
       const float error = NormalMetric::error(graph.faces[i], proxy[r]);

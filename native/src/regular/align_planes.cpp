@@ -13,10 +13,8 @@
 #include "kept_planes.h"
 #include "region_planes.h"
 
-namespace isimp {
+namespace isimp::regular {
 namespace {
-
-using namespace regular;
 
 // tuned regular
 constexpr double kAllowed = 0.01;    ///< share of the diagonal
@@ -177,25 +175,29 @@ Partition aligned(const Mesh& mesh, const Partition& partition, const Chosen& of
 }
 
 }  // namespace
+}  // namespace isimp::regular
+
+namespace isimp {
 
 Partition align_planes(const Mesh& mesh, const Partition& partition, std::span<const std::int32_t> faces, Align to,
                        const Vec3& up_direction, std::optional<double> length, Job& job) {
   check_is_of(mesh, partition);
-  const Vec3 up = unit_up(up_direction);
+  const Vec3 up = regular::unit_up(up_direction);
   if (length && !above(0).holds(*length))
-    throw InvalidInput("length must be " + words(above(0), Unit::length) + ", got " + in_short(*length));
-  const Chosen of = chosen(partition, faces);
-  if ((is_by_lead(to) || to == Align::coplanar) && of.regions.size() < 2)
+    throw InvalidInput("length must be " + words(above(0), Unit::length) + ", got " + regular::in_short(*length));
+  const regular::Chosen of = regular::chosen(partition, faces);
+  if ((regular::is_by_lead(to) || to == Align::coplanar) && of.regions.size() < 2)
     throw InvalidInput("all faces are in one region: name faces of two or more");
-  return on_kept_planes(
+  return regular::on_kept_planes(
       mesh, partition,
-      [&](const Mesh& kept, const Partition& part) { return aligned(kept, part, of, to, up, length, job); }, job);
+      [&](const Mesh& kept, const Partition& part) { return regular::aligned(kept, part, of, to, up, length, job); },
+      job);
 }
 
 std::vector<RegionFit> region_fits(const Mesh& mesh, const Partition& partition) {
   check_is_of(mesh, partition);
   std::vector<RegionFit> fits;
-  for (const RegionPlane& region : region_planes(mesh, partition))
+  for (const regular::RegionPlane& region : regular::region_planes(mesh, partition))
     fits.push_back({region.normal, region.scan.centre, region.scan.spread, region.scan.area});
   return fits;
 }

@@ -9,10 +9,8 @@
 #include "region_planes.h"
 #include "round_axes.h"
 
-namespace isimp {
+namespace isimp::regular {
 namespace {
-
-using namespace regular;
 
 void check_number(const char* what, std::int32_t number, std::size_t count) {
   if (number < 0 || static_cast<std::size_t>(number) >= count)
@@ -73,14 +71,17 @@ Partition held(const Mesh& mesh, const Partition& partition, std::span<const Hel
 }
 
 }  // namespace
+}  // namespace isimp::regular
+
+namespace isimp {
 
 Partition hold_planes(const Mesh& mesh, const Partition& partition, std::span<const HeldPlane> planes,
                       std::span<const HeldRound> round, Job& job) {
   check_is_of(mesh, partition);
-  check(partition, planes, round);
-  return on_kept_planes(
-      mesh, partition, [&](const Mesh& kept, const Partition& part) { return held(kept, part, planes, round, job); },
-      job);
+  regular::check(partition, planes, round);
+  return regular::on_kept_planes(
+      mesh, partition,
+      [&](const Mesh& kept, const Partition& part) { return regular::held(kept, part, planes, round, job); }, job);
 }
 
 }  // namespace isimp

@@ -14,10 +14,8 @@
 #include "round_axes.h"
 #include "snap_directions.h"
 
-namespace isimp {
+namespace isimp::regular {
 namespace {
-
-using namespace regular;
 
 // tuned regular
 constexpr double kOfMedian = 1.2;   ///< the default length, times the median distance of a region from its plane
@@ -279,16 +277,19 @@ Partition regularised(const Mesh& mesh, const Partition& partition, const Regula
 }
 
 }  // namespace
+}  // namespace isimp::regular
+
+namespace isimp {
 
 Partition regularise(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, Job& job,
                      const std::optional<Vec3>& up_direction) {
   check_fields(options);
   check_is_of(mesh, partition);
   const Vec3 ups[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), Vec3::Zero()};
-  const Vec3 up = up_direction ? unit_up(*up_direction) : ups[static_cast<int>(options.up)];
-  return on_kept_planes(
+  const Vec3 up = up_direction ? regular::unit_up(*up_direction) : ups[static_cast<int>(options.up)];
+  return regular::on_kept_planes(
       mesh, partition,
-      [&](const Mesh& kept, const Partition& part) { return regularised(kept, part, options, job, up); }, job);
+      [&](const Mesh& kept, const Partition& part) { return regular::regularised(kept, part, options, job, up); }, job);
 }
 
 }  // namespace isimp

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kNear = 1e-9;  // rounding: share of the diagonal
 // tuned texture
-constexpr double kReach = 0.02;          // share of the diagonal by which a repair may have moved a corner
+constexpr double kRepairReach = 0.02;    // share of the diagonal by which a repair may have moved a corner
 constexpr std::int32_t kPoll = 1 << 16;  // work
 
 class Finder {
@@ -84,7 +84,7 @@ class Finder {
 
   bool nearest(std::int32_t f, SourceCorners& found) {
     collect(f);
-    double least = kReach * mesh_.diagonal();
+    double least = kRepairReach * mesh_.diagonal();
     const double near = kNear * mesh_.diagonal();
     for (const std::int32_t t : candidates_) {
       const std::array<Vec3, 3> v = {place(t, 0), place(t, 1), place(t, 2)};

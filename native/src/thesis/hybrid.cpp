@@ -19,7 +19,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 60;  // limit: sweeps of the borders on the dense mesh
+constexpr int kDenseSweeps = 60;  // limit: sweeps of the borders on the dense mesh
 
 /// The coarse mesh without the components that are left out, and the way back to the dense one.
 struct Coarse {
@@ -214,7 +214,7 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
     // The borders are first those of the coarse faces, which were smoothed there; relaxing moves them on the dense
     // mesh.
     const BorderWeight weight{0.5 * light_border_weight(regions.error()).edge};
-    relax_borders(surface.graph(), regions, weight, kSweeps, threads, job);
+    relax_borders(surface.graph(), regions, weight, kDenseSweeps, threads, job);
   }
   return make_partition(surface, components, regions, {regions.error()}, threads, job);
 }

@@ -18,8 +18,8 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 200;  // limit: sweeps of the borders between flooding and teleports
-constexpr int kTries = 50;    // limit: teleports in a row without gain that end a round
+constexpr int kRoundSweeps = 200;  // limit: sweeps of the borders between flooding and teleports
+constexpr int kTries = 50;         // limit: teleports in a row without gain that end a round
 
 /// Teleports until none helps. The borders are relaxed before and after, so the input is returned if it was better.
 Regions teleport(const Surface& surface, const Components& components, Regions regions, std::vector<double>& history,
@@ -33,7 +33,7 @@ Regions teleport(const Surface& surface, const Components& components, Regions r
   }
   Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, light_border_weight(regions.error()));
   for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
-  relaxation.run(kSweeps, job);
+  relaxation.run(kRoundSweeps, job);
   Teleport moves(graph, components, regions, std::move(component), relaxation);
   moves.run(kTries, 1.0, job);
   if (regions.error() > before.error()) return before;

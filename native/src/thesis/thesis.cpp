@@ -10,7 +10,6 @@
 #include "rounds.h"
 
 namespace isimp {
-namespace {
 
 /// The decimated mesh of the latest surface.
 class KeptDecimated {
@@ -34,6 +33,8 @@ class KeptDecimated {
   const FaceGraph* graph_ = nullptr;
   std::shared_ptr<const Decimated> decimated_;
 };
+
+namespace {
 
 Partition on_decimated(const Surface& surface, KeptDecimated& kept, const PartitionOptions& options, Job& job) {
   std::shared_ptr<const Decimated> decimated = kept.find(surface, options.fraction);

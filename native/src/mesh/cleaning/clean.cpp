@@ -17,8 +17,7 @@
 #include "isimp/mesh/found_opening.h"
 #include "surface/soup.h"
 
-namespace isimp {
-namespace detail {
+namespace isimp::detail {
 
 /// Arrays that are sound, before small openings are closed.
 struct Cleaning {
@@ -30,8 +29,6 @@ struct Cleaning {
   /// Closes the openings that the options name, and makes the mesh.
   Cleaned finish(const CleanOptions& options, const std::vector<Vec3>& keep, const Threads& threads, Job& job) &&;
 };
-
-}  // namespace detail
 
 namespace {
 
@@ -45,7 +42,7 @@ void check(std::size_t vertices, const std::vector<Triangle>& triangles, const C
                        " vertices; at most 715,827,882 and 2,147,483,647 are supported");
   const auto n = static_cast<std::int32_t>(vertices);
   const auto out_of_range = [n](std::int32_t i) { return i < 0 || i >= n; };
-  const auto f = detail::find_first(threads, triangles.size(), [&](std::size_t i) {
+  const auto f = find_first(threads, triangles.size(), [&](std::size_t i) {
     return std::any_of(triangles[i].begin(), triangles[i].end(), out_of_range);
   });
   if (f == triangles.size()) return;
@@ -53,8 +50,6 @@ void check(std::size_t vertices, const std::vector<Triangle>& triangles, const C
   throw InvalidInput("face " + std::to_string(f) + " uses vertex " + std::to_string(v) + ", but there are " +
                      std::to_string(n) + " vertices");
 }
-
-using namespace detail;
 
 /// Makes the soup manifold and oriented: duplicates, welding, orientation, non-manifold edges and vertices.
 /// \param welded  whether borders were welded already
@@ -254,8 +249,8 @@ void check(const std::vector<Vec3>& keep) {
 
 }  // namespace
 
-Cleaned detail::Cleaning::finish(const CleanOptions& options, const std::vector<Vec3>& keep, const Threads& threads,
-                                 Job& job) && {
+Cleaned Cleaning::finish(const CleanOptions& options, const std::vector<Vec3>& keep, const Threads& threads,
+                         Job& job) && {
   std::vector<FoundOpening> found;
   const bool closing = options.fill_holes > 0 || options.fill_flat_holes > 0 || options.cut_handles > 0;
   if (closing) {
@@ -267,25 +262,29 @@ Cleaned detail::Cleaning::finish(const CleanOptions& options, const std::vector<
   return {Mesh(std::move(arrays), std::move(topology), log.take(), threads, job), std::move(found)};
 }
 
+}  // namespace isimp::detail
+
+namespace isimp {
+
 Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job) {
   return clean_keeping(std::move(vertices), std::move(triangles), options, {}, job).mesh;
 }
 
 Cleaned clean_keeping(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
                       const std::vector<Vec3>& keep, Job& job) {
-  check(keep);
+  detail::check(keep);
   const Threads threads(options.threads);
-  return make_sound(std::move(vertices), std::move(triangles), options, threads, job)
+  return detail::make_sound(std::move(vertices), std::move(triangles), options, threads, job)
       .finish(options, keep, threads, job);
 }
 
 Cleaned close_openings(const Mesh& mesh, const CleanOptions& options, const std::vector<Vec3>& keep, Job& job,
                        std::span<const std::uint8_t> aside) {
   check_fields(options);
-  check(keep);
+  detail::check(keep);
   ISIMP_ASSERT(aside.empty() || aside.size() == static_cast<std::size_t>(mesh.face_count()), "one mark a face");
   const Threads threads(options.threads);
-  return sound_of(mesh, aside, threads, job).finish(options, keep, threads, job);
+  return detail::sound_of(mesh, aside, threads, job).finish(options, keep, threads, job);
 }
 
 }  // namespace isimp

@@ -11,7 +11,7 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kPasses = 8;  // limit
+constexpr int kClosePasses = 8;  // limit
 // tuned real
 constexpr double kOffPlane = 0.1;    // deviation of a flat hole's border from its plane, share of sqrt(its area)
 constexpr double kFlatCosine = 0.9;  // the same for the angle between that plane and the faces around the hole
@@ -362,7 +362,7 @@ std::vector<FoundOpening> close_small(MeshArrays& arrays, Topology& topology, co
   }
   // Cutting one handle may leave another that was too near it, so that a few passes are made.
   HandleSearch search;
-  for (int pass = 0; options.cut_handles > 0 && pass < kPasses; ++pass) {
+  for (int pass = 0; options.cut_handles > 0 && pass < kClosePasses; ++pass) {
     Closer closer(arrays, topology, nullptr, threads, job);
     const Handles handles = close_handles(
         arrays, topology, options.cut_handles, pass == 0 ? nullptr : &search, keep,

@@ -8,12 +8,11 @@
 
 #include "cleaning/close.h"
 #include "isimp/core/to_integer.h"
+#include "isimp/mesh/face_graph.h"
 #include "isimp/mesh/meet.h"
 
 namespace isimp::detail {
 namespace {
-
-using Box = Eigen::AlignedBox3d;
 
 Box box_of(const Corners& t) { return {t[0].cwiseMin(t[1]).cwiseMin(t[2]), t[0].cwiseMax(t[1]).cwiseMax(t[2])}; }
 

@@ -17,7 +17,6 @@ constexpr std::array kKeys{
     "unused_vertices",  "inner_faces",          "stitched_vertices", "smoothed_vertices", "filled_holes",
     "cut_handles"};
 constexpr std::size_t kKeptPlaces = 16;  // limit
-constexpr double kFarthest = 1e30;       // rounding: areas, their squares and sums of them stay finite
 
 bool usable(const Vec3& p) { return p.cwiseAbs().maxCoeff() <= kFarthest && p.allFinite(); }
 

@@ -12,9 +12,9 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kRounds = 64;     // limit: a row of flat faces takes one round for each face
-constexpr double kThin = 2e-6;  // rounding: height over the diagonal: about the resolution of float32
-constexpr double kFlat = 1e-3;  // rounding: height over its longest edge: a face is not flat for being small
+constexpr int kFlipRounds = 64;       // limit: a row of flat faces takes one round for each face
+constexpr double kThin = 2e-6;        // rounding: height over the diagonal: about the resolution of float32
+constexpr double kFlatHeight = 1e-3;  // rounding: height over its longest edge: a face is not flat for being small
 
 /// Flips edges of a manifold mesh and updates its topology.
 class EdgeFlipper {
@@ -32,7 +32,7 @@ class EdgeFlipper {
         });
     std::vector<std::pair<double, std::int32_t>> order = by_length(flat);
     if (!order.empty()) touched_.assign(p_.vertices.size(), 0);
-    for (round_ = 0; round_ < kRounds && !order.empty(); ++round_) {
+    for (round_ = 0; round_ < kFlipRounds && !order.empty(); ++round_) {
       job.poll();
       changed_.clear();
       for (const auto& [length, f] : order)
@@ -98,7 +98,7 @@ class EdgeFlipper {
     const double longest_squared =
         std::max({(at(3 * f) - at(3 * f + 1)).squaredNorm(), (at(3 * f + 1) - at(3 * f + 2)).squaredNorm(),
                   (at(3 * f + 2) - at(3 * f)).squaredNorm()});
-    return twice_area <= kFlat * longest_squared && twice_area <= thin_ * std::sqrt(longest_squared);
+    return twice_area <= kFlatHeight * longest_squared && twice_area <= thin_ * std::sqrt(longest_squared);
   }
 
   [[nodiscard]] bool joined(std::int32_t a, std::int32_t b) const {

@@ -24,8 +24,6 @@
 namespace isimp::detail {
 namespace {
 
-using Loop = HandleLoop;
-
 class HandleLoops {
  public:
   HandleLoops(const MeshArrays& arrays, const Topology& topology, Job& job)
@@ -101,8 +99,8 @@ class HandleLoops {
 
   /// Loops of at most `longest` near each of some vertices.
   /// \param dual  near these at least, within half of that
-  std::vector<Loop> find(std::span<const std::int32_t> starts, const Dual& dual, double longest) {
-    std::vector<Loop> loops;
+  std::vector<HandleLoop> find(std::span<const std::int32_t> starts, const Dual& dual, double longest) {
+    std::vector<HandleLoop> loops;
     const EdgesAt at = edges_by_vertex(dual);
     const std::size_t most = kMostReached * (dual.edges.size() + starts.size());
     for (std::size_t begin = 0; begin < starts.size();) {
@@ -310,7 +308,7 @@ class HandleLoops {
 
   /// Finds the loops of some starts. Before one half of them, the edges that only the other half reaches are joined, and
   /// these joins are undone after it. So an edge is joined about log2(starts) times for each start that reaches it.
-  void halve(std::span<const Reached> some, Halving& h, std::vector<Loop>& loops) {
+  void halve(std::span<const Reached> some, Halving& h, std::vector<HandleLoop>& loops) {
     if (some.size() == 1) return find_at(some[0], h, loops);
     const auto first = some.first(some.size() / 2), second = some.subspan(some.size() / 2);
     const auto enter = [&](std::span<const Reached> half, std::span<const Reached> other) {
@@ -327,7 +325,7 @@ class HandleLoops {
   }
 
   /// Adds the loops of one start. All edges that it does not reach are joined.
-  void find_at(const Reached& reached, Halving& h, std::vector<Loop>& loops) {
+  void find_at(const Reached& reached, Halving& h, std::vector<HandleLoop>& loops) {
     forget();
     for (const auto& [distance, vertex, via, edge] : reached.tree) {
       distance_[vertex] = distance;
@@ -342,7 +340,7 @@ class HandleLoops {
     const std::size_t joins = h.forest.joins();
     for (const Edge& e : edges) {
       if (h.join(e.i)) continue;
-      if (Loop loop = loop_of(e.h); loop.length <= h.longest) loops.push_back(std::move(loop));
+      if (HandleLoop loop = loop_of(e.h); loop.length <= h.longest) loops.push_back(std::move(loop));
     }
     h.forest.undo(joins);
   }
@@ -388,7 +386,7 @@ class HandleLoops {
   }
 
   /// The loop that an edge closes over the tree, without the path that leads there.
-  [[nodiscard]] Loop loop_of(std::int32_t h) const {
+  [[nodiscard]] HandleLoop loop_of(std::int32_t h) const {
     std::vector<std::int32_t> a, b;
     for (std::int32_t v = from(h); v != kNone; v = via_[v]) a.push_back(v);
     for (std::int32_t v = to(h); v != kNone; v = via_[v]) b.push_back(v);
@@ -396,7 +394,7 @@ class HandleLoops {
       a.pop_back();
       b.pop_back();
     }
-    Loop loop;
+    HandleLoop loop;
     loop.vertices = std::move(a);
     loop.vertices.insert(loop.vertices.end(), b.rbegin() + 1, b.rend());
     loop.length = length(arrays_, loop.vertices);
@@ -436,14 +434,14 @@ std::vector<HandleLoop> find_loops(const MeshArrays& arrays, const Topology& top
   }
   if (starts.empty()) return {};
   const HandleLoops::Dual dual = finder.near_edges(starts, longest / 2);
-  std::array<std::vector<Loop>, 2> loops;
+  std::array<std::vector<HandleLoop>, 2> loops;
   const std::size_t half = starts.size() / 2;
   by_both([&](HandleLoops& each, std::int32_t k) {
     const std::span all(starts);
     loops[k] = each.find(k == 0 ? all.first(half) : all.subspan(half), dual, longest);
   });
   std::move(loops[1].begin(), loops[1].end(), std::back_inserter(loops[0]));
-  std::ranges::stable_sort(loops[0], {}, &Loop::length);
+  std::ranges::stable_sort(loops[0], {}, &HandleLoop::length);
   return std::move(loops[0]);
 }
 

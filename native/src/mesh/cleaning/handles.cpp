@@ -13,8 +13,6 @@
 namespace isimp::detail {
 namespace {
 
-using Loop = HandleLoop;
-
 constexpr int kAttempts = 8;  // limit: to close handles where the loops tried before could not be
 
 /// The faces that touch a loop, if they are a ring with two borders and the surface does not fall apart without them
@@ -30,7 +28,7 @@ class Rings {
         in_ring_(arrays.triangles.size(), 0) {}
 
   /// \return no loops if the faces along the loop are no ring, or reach a border of the mesh or an opening taken before
-  Opening take(const Loop& loop) { return take(ring_of(loop)); }
+  Opening take(const HandleLoop& loop) { return take(ring_of(loop)); }
 
   /// Makes an opening that was taken one that was not.
   void release(const Opening& o) {
@@ -42,7 +40,7 @@ class Rings {
 
   /// Calls `take` if one of the places selects the opening. Its faces count as removed for openings that are taken
   /// later, so that no other loop closes this opening: neither a loop that crosses it nor a loop in the same tunnel.
-  Opening hold(const Loop& loop, const std::vector<Vec3>& keep) {
+  Opening hold(const HandleLoop& loop, const std::vector<Vec3>& keep) {
     Opening o = ring_of(loop);
     return o.loops.empty() || !is_kept(arrays_, o, keep) ? Opening{} : take(std::move(o));
   }
@@ -51,7 +49,7 @@ class Rings {
   // tuned repairs
   static constexpr double kWider = 1.3;  // times the loop's length: a border beyond is no longer in the tunnel
 
-  [[nodiscard]] Opening ring_of(const Loop& loop) {
+  [[nodiscard]] Opening ring_of(const HandleLoop& loop) {
     Opening o;
     o.kind = RepairKind::cut_handles;
     o.length = loop.length;
@@ -72,7 +70,7 @@ class Rings {
   /// Adds the next faces on both sides to the ring, if they are in the same tunnel or on the same handle: a cut in the
   /// middle alone would leave a dent on both sides.
   /// \return whether there were any
-  bool widen(Opening& o, const Loop& loop) {
+  bool widen(Opening& o, const HandleLoop& loop) {
     bool any = false;
     for (int side = 0; side < 2; ++side) {
       Opening wider;
@@ -128,7 +126,7 @@ class Rings {
 
   /// Finds the border loops of the removed faces.
   /// \return whether there are two, with no vertex twice and no vertex of `loop`
-  [[nodiscard]] bool find_borders(Opening& o, const Loop& loop) {
+  [[nodiscard]] bool find_borders(Opening& o, const HandleLoop& loop) {
     ++ring_;
     for (const std::int32_t f : o.removed) in_ring_[f] = ring_;
     std::unordered_map<std::int32_t, std::int32_t> next;
@@ -200,18 +198,18 @@ Handles close_handles(const MeshArrays& arrays, const Topology& topology, double
                       const std::function<std::vector<Opening>(std::vector<Opening>, bool)>& close,
                       const Threads& threads, Job& job) {
   Handles handles;
-  std::vector<Loop> loops = find_loops(arrays, topology, longest, search, threads, job);
+  std::vector<HandleLoop> loops = find_loops(arrays, topology, longest, search, threads, job);
   Rings rings(arrays, topology);
-  for (const Loop& loop : loops) {
+  for (const HandleLoop& loop : loops) {
     if (keep.empty()) break;
     if (Opening o = rings.hold(loop, keep); !o.loops.empty()) handles.kept.push_back(std::move(o));
   }
-  for (const Loop& loop : loops) handles.loops.push_back(loop.vertices);
+  for (const HandleLoop& loop : loops) handles.loops.push_back(loop.vertices);
   using Failed = std::set<std::vector<std::int32_t>>;
   // Closes as many as it can, and returns whether another attempt may close more.
   const auto attempt = [&](bool meeting, Failed& failed) {
     std::vector<Opening> some;
-    for (const Loop& loop : loops) {
+    for (const HandleLoop& loop : loops) {
       if (failed.contains(rising(loop.vertices))) continue;
       if (Opening o = rings.take(loop); !o.loops.empty()) some.push_back(std::move(o));
     }

@@ -12,18 +12,18 @@
 #include "isimp/core/to_integer.h"
 #include "isimp/mesh/hash_grid.h"
 #include "isimp/mesh/mesh.h"
+#include "surface/parallel_loops.h"
 
 namespace isimp::detail {
 namespace {
 
 // tuned real
-constexpr double kEdges = 2.0;       // mean edges: the distance where none is given
-constexpr double kShare = 0.1;       // least share of the border near another component, if no distance is given
-constexpr double kLeast = 100;       // vertices that go to another component then: fewer are no chunks of a scan
-constexpr double kNearEnd = 0.35;    // share of an edge: a vertex nearer to its end is merged with the end
-constexpr double kFacing = 0.5;      // cosine of the angle between faces that are joined
-constexpr std::int32_t kApart = 12;  // places along a border from which it counts as another one
-constexpr std::uint32_t kPollEvery = 0xffff;  // work
+constexpr double kEdges = 2.0;        // mean edges: the distance where none is given
+constexpr double kNearShare = 0.1;    // least share of the border near another component, if no distance is given
+constexpr double kLeastJoined = 100;  // vertices that go to another component then: fewer are no chunks of a scan
+constexpr double kNearEnd = 0.35;     // share of an edge: a vertex nearer to its end is merged with the end
+constexpr double kFacing = 0.5;       // cosine of the angle between faces that are joined
+constexpr std::int32_t kApart = 12;   // places along a border from which it counts as another one
 
 /// The target of a border vertex.
 struct Hit {
@@ -123,7 +123,7 @@ class Stitcher {
   [[nodiscard]] Vec3 outward(std::int32_t h) const { return (at(to(h)) - at(from(h))).cross(normal(h)); }
 
   void poll_at_times() {
-    if ((steps_++ & kPollEvery) == 0) job_.poll();
+    if (steps_++ % kPollEvery == 0) job_.poll();
   }
 
   /// The border edges by points along them, at most the width of a cell apart: an edge within the distance of a vertex
@@ -208,7 +208,8 @@ std::optional<Stitched> stitch(const MeshArrays& arrays, const Topology& topolog
   Stitcher stitcher(arrays, topology, job);
   const std::vector<Hit> hits = stitcher.find(reach);
   const auto joining = std::count_if(hits.begin(), hits.end(), [](const Hit& h) { return h.joins_components; });
-  const double least = distance ? 1.0 : std::max(kLeast, kShare * static_cast<double>(topology.border.size()));
+  const double least =
+      distance ? 1.0 : std::max(kLeastJoined, kNearShare * static_cast<double>(topology.border.size()));
   if (hits.empty() || static_cast<double>(distance ? hits.size() : joining) < least) return std::nullopt;
   Stitched result = stitcher.join(hits, log);
   return result.triangles.empty() ? std::nullopt : std::optional(std::move(result));

@@ -55,7 +55,7 @@ std::optional<double> to_number(std::string_view word) {
   return value;
 }
 
-std::optional<std::int64_t> to_integer(std::string_view word) {
+std::optional<std::int64_t> to_whole_number(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);

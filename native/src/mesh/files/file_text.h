@@ -70,7 +70,7 @@ class Lines {
 /// The number a word spells, NaN and infinity included ("nan", "-inf", "1.#QNAN"); nothing if it spells none.
 std::optional<double> to_number(std::string_view word);
 /// The whole number a word spells ("3", "-1", "3.0").
-std::optional<std::int64_t> to_integer(std::string_view word);
+std::optional<std::int64_t> to_whole_number(std::string_view word);
 /// A word in the form for error messages: quoted, unprintable bytes replaced, at most 24 characters.
 std::string shown(std::string_view word);
 

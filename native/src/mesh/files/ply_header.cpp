@@ -54,7 +54,7 @@ PlyElement read_element(const FileText& file, std::string_view line, Words& word
   PlyElement element;
   element.name = words.next();
   const std::string_view count_word = words.next();
-  const auto count = to_integer(count_word);
+  const auto count = to_whole_number(count_word);
   if (!count || *count < 0)
     file.fail_at(line.data(), "element " + shown(element.name) + " needs its number of rows, got " + shown(count_word));
   element.count = static_cast<std::size_t>(*count);

@@ -59,7 +59,7 @@ template <class T>
 std::int64_t load_integer(const char* p, bool swap) {
   const T value = load_number<T>(p, swap);
   if constexpr (std::is_floating_point_v<T>)
-    return isimp::to_integer(value, std::int64_t{-1}, std::numeric_limits<std::int64_t>::max());
+    return to_integer(value, std::int64_t{-1}, std::numeric_limits<std::int64_t>::max());
   else
     return static_cast<std::int64_t>(value);
 }

@@ -40,7 +40,7 @@ class Look {
     const std::size_t slash = word.find('/');
     const std::string_view rest = slash == word.npos ? std::string_view() : word.substr(slash + 1);
     const std::string_view own = rest.substr(0, rest.find_first_of("/#"));
-    const auto number = own.empty() ? 0 : to_integer(own);
+    const auto number = own.empty() ? 0 : to_whole_number(own);
     const auto count = static_cast<std::int64_t>(uv_.size());
     if (!number || *number > 0x7fffffff || *number < -count)
       file_.fail_at(line.data(), "expected the number of a texture coordinate, got " + shown(word));
@@ -90,7 +90,7 @@ void read_face(const FileText& file, std::string_view line, Words& words, SoupBu
   soup.begin_polygon();
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
     if (word.starts_with('#')) return;
-    const auto number = to_integer(word.substr(0, word.find('/')));
+    const auto number = to_whole_number(word.substr(0, word.find('/')));
     if (!number || *number == 0)
       file.fail_at(line.data(), "expected the number of a vertex (1 is the first), got " + shown(word));
     const auto count = static_cast<std::int64_t>(soup.vertices().size());

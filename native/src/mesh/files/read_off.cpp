@@ -62,7 +62,7 @@ Counts read_counts(const FileText& file, OffLines& lines, std::vector<std::strin
     words = Words(line);
     word = words.next();
   }
-  const auto vertices = to_integer(word), faces = to_integer(words.next());
+  const auto vertices = to_whole_number(word), faces = to_whole_number(words.next());
   if (!vertices || !faces || *vertices < 0 || *faces < 0)
     file.fail_at(line.data(), "expected the number of vertices and of faces");
   const auto size = static_cast<std::int64_t>(file.bytes.size());
@@ -100,13 +100,13 @@ PolygonSoup read_off(const FileText& file, Columns* columns, const Threads& thre
     if (f % kPollEvery == 0) job.poll();
     const std::string_view line = lines.next("face", f);
     Words words(line);
-    const auto corners = to_integer(words.next());
+    const auto corners = to_whole_number(words.next());
     if (!corners || *corners < 0)
       file.fail_at(line.data(), "expected the number of corners of face " + std::to_string(f));
     soup.begin_polygon();
     for (std::int64_t k = 0; k < *corners; ++k) {
       const std::string_view word = words.next();
-      const auto vertex = to_integer(word);
+      const auto vertex = to_whole_number(word);
       if (!vertex)
         file.fail_at(line.data(), "expected " + std::to_string(*corners) + " vertices for face " + std::to_string(f) +
                                       ", got " + shown(word));

@@ -55,7 +55,7 @@ class Values {
   std::int64_t integer(PlyScalar type, const PlyElement& element, std::size_t row) {
     if (text_) {
       const std::string_view word = next_word(element, row);
-      const auto value = to_integer(word);
+      const auto value = to_whole_number(word);
       if (!value) wrong(word, element, row);
       return *value;
     }

@@ -18,7 +18,6 @@ namespace {
 using detail::for_each_index;
 
 const char* const kHint = "; clean(...) repairs this";
-constexpr double kFarthest = 1e30;  // rounding: areas, their squares and sums of them stay finite
 
 /// Bad input is reported even if the job was cancelled before the call, so that nothing is polled here.
 void check_arrays(std::span<const Vec3> vertices, std::span<const Triangle> triangles, const Threads& threads) {
@@ -28,7 +27,7 @@ void check_arrays(std::span<const Vec3> vertices, std::span<const Triangle> tria
     throw InvalidInput("the mesh has " + std::to_string(triangles.size()) + " faces and " +
                        std::to_string(vertices.size()) +
                        " vertices; at most 715,827,882 and 2,147,483,647 are supported");
-  const auto usable = [](const Vec3& p) { return p.cwiseAbs().maxCoeff() <= kFarthest && !p.hasNaN(); };
+  const auto usable = [](const Vec3& p) { return p.cwiseAbs().maxCoeff() <= detail::kFarthest && !p.hasNaN(); };
   const auto v = detail::find_first(threads, vertices.size(), [&](std::size_t i) { return !usable(vertices[i]); });
   if (v < vertices.size())
     throw InvalidInput("vertex " + std::to_string(v) + " has a coordinate that is " +

@@ -12,11 +12,11 @@ namespace {
 
 constexpr double kRounding =
     2e-14;  // rounding: rounding of twice an area, as a share of the largest coordinate squared
-constexpr std::size_t kFew = 1 << 12;  // work: keys that are sorted by comparisons
-constexpr int kDigitBits = 11;         // work
+constexpr std::size_t kFewKeys = 1 << 12;  // work: keys that are sorted by comparisons
+constexpr int kKeyDigitBits = 11;          // work
 
 /// Moves every bit of the lower sixteen to an even place.
-std::uint64_t spread_bits(std::uint64_t x) {
+std::uint64_t spread_to_even(std::uint64_t x) {
   x = (x | x << 8) & 0x00ff00ff;
   x = (x | x << 4) & 0x0f0f0f0f;
   x = (x | x << 2) & 0x33333333;
@@ -30,10 +30,10 @@ std::uint64_t cell(double x, double low, double scale) {
 
 /// Sorts by the upper half of each key.
 void sort_keys(std::vector<std::uint64_t>& keys, Job& job) {
-  if (keys.size() <= kFew) return std::sort(keys.begin(), keys.end());
+  if (keys.size() <= kFewKeys) return std::sort(keys.begin(), keys.end());
   std::vector<std::uint64_t> other(keys.size());
-  constexpr std::uint64_t kMask = (1 << kDigitBits) - 1;  // unit
-  for (int shift = 32; shift < 64; shift += kDigitBits) {
+  constexpr std::uint64_t kMask = (1 << kKeyDigitBits) - 1;  // unit
+  for (int shift = 32; shift < 64; shift += kKeyDigitBits) {
     std::array<std::size_t, kMask + 2> next{};
     for_each_index(keys.size(), job, [&](std::size_t i) { ++next[(keys[i] >> shift & kMask) + 1]; });
     for (std::size_t d = 1; d < next.size(); ++d) next[d] += next[d - 1];
@@ -68,7 +68,8 @@ void PointBoxes::sort(const std::vector<Vec2>& place, Job& job) {
   std::vector<std::uint64_t> keys(points_.size());
   for_each_index(keys.size(), job, [&](std::size_t i) {
     const Vec2& p = place[static_cast<std::size_t>(points_[i])];
-    const std::uint64_t at = spread_bits(cell(p.x(), low.x(), scale)) | spread_bits(cell(p.y(), low.y(), scale)) << 1;
+    const std::uint64_t x = cell(p.x(), low.x(), scale), y = cell(p.y(), low.y(), scale);
+    const std::uint64_t at = spread_to_even(x) | spread_to_even(y) << 1;
     keys[i] = at << 32 | static_cast<std::uint32_t>(points_[i]);
   });
   sort_keys(keys, job);

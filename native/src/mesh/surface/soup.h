@@ -13,6 +13,9 @@
 
 namespace isimp::detail {
 
+/// rounding: with coordinates up to here areas, their squares and sums of them stay finite.
+inline constexpr double kFarthest = 1e30;
+
 /// The kinds of repairs, in the order of the report. Its keys are older names: "flipped_faces" for reversed_faces and
 /// "turned_edges" for flipped_edges; else they are these names.
 enum class RepairKind {

@@ -29,7 +29,7 @@ struct HalfEdge {
 };
 
 /// Faces or vertices, from `begin` to before `end`.
-struct Range {
+struct Interval {
   std::int32_t begin, end;
   [[nodiscard]] bool has(std::int32_t i) const {
     return static_cast<std::uint32_t>(i - begin) < static_cast<std::uint32_t>(end - begin);
@@ -40,7 +40,7 @@ struct Range {
 /// which wanted(from) holds, or for all others; `soon` is one a little ahead. They are listed first, without a branch,
 /// since no processor can predict their directions.
 template <bool kRising, class Wanted, class Visit>
-void for_each_halfedge(std::span<const Triangle> triangles, Range faces, Job& job, Wanted wanted, Visit visit) {
+void for_each_halfedge(std::span<const Triangle> triangles, Interval faces, Job& job, Wanted wanted, Visit visit) {
   constexpr std::size_t kBunch = 512, kAhead = 12;  // work: faces
   std::array<HalfEdge, 3 * kBunch + 1> found;
   const auto first = static_cast<std::size_t>(faces.begin), last = static_cast<std::size_t>(faces.end);
@@ -70,7 +70,7 @@ class RisingHalfedges {
       : end_(vertex_count + 1, 0) {
     const auto vertices = static_cast<std::int32_t>(vertex_count);
     const std::int32_t pieces = std::min(kMostReaders, threads.pieces(static_cast<std::int32_t>(triangles.size())));
-    const auto for_each_from = [&](Range from, const auto& visit) { for_each_rising(triangles, from, job, visit); };
+    const auto for_each_from = [&](Interval from, const auto& visit) { for_each_rising(triangles, from, job, visit); };
     if (pieces == 1) {
       for_each_index(triangles.size(), job, [&](std::size_t f) {
         const auto& [a, b, c] = triangles[f];
@@ -129,8 +129,8 @@ class RisingHalfedges {
   static constexpr std::uint32_t kAtOnce = 4;  // work: entries compared before each decision
 
   template <class Visit>
-  static void for_each_rising(std::span<const Triangle> triangles, Range from, Job& job, const Visit& visit) {
-    const Range all{0, static_cast<std::int32_t>(triangles.size())};
+  static void for_each_rising(std::span<const Triangle> triangles, Interval from, Job& job, const Visit& visit) {
+    const Interval all{0, static_cast<std::int32_t>(triangles.size())};
     for_each_halfedge<true>(
         triangles, all, job, [&](std::int32_t v) { return from.has(v); }, visit);
   }
@@ -286,7 +286,7 @@ void find_leaving(Topology& topology, std::size_t vertex_count, std::span<const 
   const auto vertices = static_cast<std::int32_t>(vertex_count);
   const std::int32_t pieces = std::min(kMostReaders, threads.pieces(static_cast<std::int32_t>(triangles.size())));
   threads.run(vertices, pieces, [&](std::int32_t, std::int32_t first, std::int32_t last) {
-    const Range own{first, last};
+    const Interval own{first, last};
     std::fill(leaving.begin() + first, leaving.begin() + last, kNone);
     std::int32_t elsewhere = kNone;  // receives the results of other threads, so that there is no branch
     for_each_index(triangles.size(), job, [&](std::size_t f) {

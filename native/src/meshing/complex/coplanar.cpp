@@ -10,7 +10,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kStride = 1 << 10;  ///< work: charts from one poll to the next
+constexpr std::int32_t kChartsAPoll = 1 << 10;  ///< work: charts from one poll to the next
 
 class CoplanarJoiner {
  public:
@@ -25,7 +25,7 @@ class CoplanarJoiner {
       if (label[f] != kNone && onto_[label[f]] != kNone) faces_[label[f]].push_back(f);
     std::vector<std::int32_t> takers;
     for (std::size_t i = 0; i < order.size(); ++i) {
-      if (i % kStride == 0) job_.poll();
+      if (i % kChartsAPoll == 0) job_.poll();
       if (const std::int32_t l = order[i]; onto_[l] != kNone) give(l, takers);
     }
     sort_unique(takers);

@@ -13,18 +13,15 @@ namespace isimp::meshing {
 namespace {
 
 // tuned places
-/// Held planes whose eigenvalues have a smaller share of the largest fix no place.
-constexpr double kTruncate = 0.2;
-/// Planes of cells whose eigenvalues have a smaller share are parallel.
-constexpr double kParallel = 1e-6;
-/// rounding: shares of the shortest edge: the furthest move of a corner to where cells meet; the distance at which planes meet.
-constexpr double kOfShortest = 0.5, kMeets = 1e-6;
-/// The tie is this share of the usual one at a corner of more than three polygons: its vertex is one of two junctions.
+constexpr double kTruncate = 0.2;    ///< held planes whose eigenvalues have a smaller share of the largest fix no place
+constexpr double kOfShortest = 0.5;  ///< share of the shortest edge: the furthest move of a corner to where cells meet
+constexpr double kMeets = 1e-6;      ///< rounding: share of the shortest edge: the distance at which planes meet
 // tuned joins
-constexpr double kJoined = 0.5;
+constexpr double kJoined = 0.5;  ///< share of the usual tie at a corner of over three polygons, one of two junctions
+
 // The least work that is worth another thread:
-constexpr std::int32_t kTogether = 64;  ///< work: corners that are placed
-constexpr std::int32_t kFitted = 192;   ///< work: polygons that are fitted in a turn
+constexpr std::int32_t kPlaced = 64;   ///< work: corners that are placed
+constexpr std::int32_t kFitted = 192;  ///< work: polygons that are fitted in a turn
 
 /// The shortest edge at a corner.
 /// \param place  returns the place of a corner
@@ -64,7 +61,7 @@ struct Anchor {
 };
 
 /// Corners that depend on each other, and the polygons at these corners.
-struct Group {
+struct CornerGroup {
   std::vector<std::int32_t> corners, polygons;
   std::vector<Anchor> anchors;                      ///< by corner
   std::vector<double> weight;                       ///< by polygon: the area that each of its corners stands for
@@ -76,7 +73,7 @@ struct Group {
   }
 };
 
-std::vector<Group> groups_of(const Polygons& polygons, std::span<const std::int32_t> moving) {
+std::vector<CornerGroup> groups_of(const Polygons& polygons, std::span<const std::int32_t> moving) {
   std::vector<std::int32_t> all;  // in rising order; from here on polygons are named by their index
   for (const std::int32_t c : moving) all.insert(all.end(), polygons.at(c).begin(), polygons.at(c).end());
   sort_unique(all);
@@ -97,7 +94,7 @@ std::vector<Group> groups_of(const Polygons& polygons, std::span<const std::int3
       low = low == kNone ? other : std::min(low, other);
     }
   }
-  std::vector<Group> groups;
+  std::vector<CornerGroup> groups;
   std::vector<std::int32_t> group(all.size()), place(all.size());
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(all.size()); ++i) {
     const std::int32_t low = lowest(i);
@@ -107,12 +104,12 @@ std::vector<Group> groups_of(const Polygons& polygons, std::span<const std::int3
     groups[group[i]].polygons.push_back(all[i]);
   }
   for (const std::int32_t c : moving) {
-    Group& g = groups[group[index(polygons.at(c)[0])]];
+    CornerGroup& g = groups[group[index(polygons.at(c)[0])]];
     g.corners.push_back(c);
     for (const std::int32_t q : polygons.at(c)) g.round.push_back(place[index(q)]);
     g.round_start.push_back(static_cast<std::int32_t>(g.round.size()));
   }
-  for (Group& g : groups) g.fits.resize(g.polygons.size());
+  for (CornerGroup& g : groups) g.fits.resize(g.polygons.size());
   return groups;
 }
 
@@ -136,7 +133,7 @@ Anchor anchor_of(std::span<const Plane> planes, const Polygons& polygons, std::i
 }
 
 /// The place of least energy of corner i of a group for the planes of its polygons.
-Vec3 place_of_least(const Group& g, std::int32_t i) {
+Vec3 place_of_least(const CornerGroup& g, std::int32_t i) {
   const Anchor& anchor = g.anchors[i];
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
   Vec3 r = Vec3::Zero();
@@ -165,27 +162,27 @@ void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::sp
 
 void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
            std::span<const std::int32_t> moving, int rounds, const Threads& threads, Corners& corners) {
-  std::vector<Group> groups = groups_of(polygons, moving);
-  for (Group& g : groups)
+  std::vector<CornerGroup> groups = groups_of(polygons, moving);
+  for (CornerGroup& g : groups)
     for (const std::int32_t q : g.polygons) {
       const std::int32_t l = polygons.chart(q);
       g.weight.push_back(planes[l].area / static_cast<double>(polygons.count_of(l) * std::ssize(polygons.of(q))));
     }
-  for (Group& g : groups)
+  for (CornerGroup& g : groups)
     for (const std::int32_t c : g.corners)
       g.anchors.push_back(anchor_of(planes, polygons, c, mesh.vertices()[corners.vertex[c]], corners));
   const std::span<Vec3> position = corners.position.edit_all(moving);
   const double still = corners.still * corners.still;
   // Large groups come first, so that no thread is left with one at the end.
   std::stable_sort(groups.begin(), groups.end(),
-                   [](const Group& a, const Group& b) { return a.corners.size() > b.corners.size(); });
+                   [](const CornerGroup& a, const CornerGroup& b) { return a.corners.size() > b.corners.size(); });
   // The first turn has the planes of the charts, as noise of the vertices would turn planes of few corners.
-  const auto fit = [&](Group& g, std::int32_t begin, std::int32_t end, int turn) {
+  const auto fit = [&](CornerGroup& g, std::int32_t begin, std::int32_t end, int turn) {
     for (std::int32_t i = begin; i < end; ++i)
       g.fits[i].to(polygons.of(g.polygons[i]), position, planes[polygons.chart(g.polygons[i])],
                    turn == 0 ? 0 : kOfBend);
   };
-  const auto move = [&](Group& g, std::int32_t begin, std::int32_t end) {
+  const auto move = [&](CornerGroup& g, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i) {
       const std::int32_t c = g.corners[i];
       const Vec3 to = place_of_least(g, i);
@@ -194,7 +191,7 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
   };
   // All threads share a large group in each turn. One thread computes all turns of a smaller group.
   std::int32_t large = 0;
-  for (Group& g : groups) {
+  for (CornerGroup& g : groups) {
     const auto fits = static_cast<std::int32_t>(g.fits.size()), moves = static_cast<std::int32_t>(g.corners.size());
     if (fits < 2 * kFitted) break;
     ++large;
@@ -205,7 +202,7 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
     }
   }
   const auto small = static_cast<std::int32_t>(groups.size()) - large;
-  const std::int32_t together = moving.size() < kTogether ? std::max(small, 1) : 1;
+  const std::int32_t together = moving.size() < kPlaced ? std::max(small, 1) : 1;
   threads.blocks(small, together, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = large + begin; i < large + end; ++i)
       for (int turn = 0; turn < rounds; ++turn) {

@@ -12,8 +12,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kAhead = 12;  ///< work: faces between the current one and the one whose corners are prefetched
-constexpr std::int32_t kStride = 1 << 14;  ///< work: faces from one poll to the next
+constexpr std::int32_t kFacesAPoll = 1 << 14;  ///< work: faces from one poll to the next
 // tuned places
 constexpr double kOutlying = 6;  ///< medians of the distances from a region's plane, beyond which a face is an outlier
 constexpr double kOutlier = 1e-3;  ///< limit: weight of one, so that a chart of outliers alone has a plane
@@ -124,7 +123,7 @@ std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const
   const auto measure = [&](std::int32_t part, std::int32_t begin, std::int32_t end) {
     const auto mine = [&](std::int32_t f) { return labels.label[f] >= begin && labels.label[f] < end; };
     for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-      if (part == 0 && f % kStride == 0) job.poll();
+      if (part == 0 && f % kFacesAPoll == 0) job.poll();
       if (f + kAhead < mesh.face_count() && mine(f + kAhead))
         for (const std::int32_t v : mesh.triangles()[f + kAhead]) prefetch(&mesh.vertices()[v]);
       if (mine(f)) moments[labels.label[f]].add(mesh, f, origin[labels.label[f]], labels.outlying);

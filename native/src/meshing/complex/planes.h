@@ -73,6 +73,9 @@ Plane united(const Plane& a, const Plane& b);
 /// The plane of `chart` minus `part`. Pre: part.area < chart.area.
 Plane without(const Plane& chart, const Plane& part);
 
+/// rounding: planes of cells whose eigenvalues have a smaller share of the largest are parallel: see step_onto.
+constexpr double kParallel = 1e-6;
+
 /// The shortest step from a point to where planes meet, in the directions that they fix.
 /// \param fixed  share of the largest eigenvalue of the normals, below which a direction is not fixed
 /// \param free   projects to the directions in which the point may move; fixed directions are removed

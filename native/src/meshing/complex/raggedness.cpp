@@ -8,10 +8,10 @@ namespace isimp::meshing {
 namespace {
 
 // tuned real
-constexpr int kWindows = 16;         // least number per loop: a square has its corners in a quarter of them
-constexpr double kOfRagged = 2.0;    // times the raggedness: the reach
-constexpr double kRounding = 1e-12;  // rounding: share of the diagonal
-constexpr double kRagged = 0.8;      // mean edges of the border: one that is more ragged is straightened by itself
+constexpr int kWindows = 16;               // least number per loop: a square has its corners in a quarter of them
+constexpr double kOfRagged = 2.0;          // times the raggedness: the reach
+constexpr double kRoundingLength = 1e-12;  // rounding: share of the diagonal
+constexpr double kRagged = 0.8;  // mean edges of the border: one that is more ragged is straightened by itself
 
 /// The closed lines of the border, faces in no region left out.
 std::vector<std::vector<Vec3>> border_lines(const Mesh& mesh, std::span<const std::int32_t> face_region) {
@@ -96,7 +96,7 @@ double raggedness(const Mesh& mesh, std::span<const std::int32_t> face_region, d
 double rim_reach(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, double window) {
   if (mesh.report().border_loops == 0) return 0;
   if (options.straight_rims)  // a length that rounding would hide counts as none
-    return *options.straight_rims > kRounding * mesh.diagonal() ? *options.straight_rims : 0.0;
+    return *options.straight_rims > kRoundingLength * mesh.diagonal() ? *options.straight_rims : 0.0;
   const double ragged = raggedness(mesh, partition.face_region, window);
   return ragged > kRagged * mean_border_edge(mesh) ? kOfRagged * ragged : 0.0;
 }

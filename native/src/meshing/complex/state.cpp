@@ -33,7 +33,8 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
   return t;
 }
 
-constexpr double kFlat = 1e-12;  ///< rounding: share of the area: with a shorter vector area, faces define no direction
+constexpr double kNoDirection =
+    1e-12;  ///< rounding: share of the area: with a shorter vector area, faces define no direction
 
 /// A boundary half-edge of a chart, found from one of its faces.
 std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> faces) {
@@ -52,10 +53,8 @@ std::int32_t face_beside(const Labels& labels, std::span<const std::int32_t> fac
   return last;
 }
 
-using Loop = std::span<const std::int32_t>;
-
 /// Where a half-edge is in a loop, sought from a place on and round; the end if it is not there.
-Loop::iterator find_round(Loop loop, Loop::iterator from, std::int32_t h) {
+auto find_round(std::span<const std::int32_t> loop, std::span<const std::int32_t>::iterator from, std::int32_t h) {
   const auto at = std::find(from, loop.end(), h);
   if (at != loop.end()) return at;
   const auto before = std::find(loop.begin(), from, h);
@@ -234,7 +233,7 @@ void State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t
     Plane& plane = planes_.edit(kept);
     plane = united(plane, planes[gone]);
     hold_by_hand(plane, partition, kept_chart.region, mesh.origin());
-    if (plane.projected > kFlat * plane.area &&
+    if (plane.projected > kNoDirection * plane.area &&
         !pending_.known.try_emplace(kept, Known{1, false, std::move(loop)}).second)
       pending_.known[kept].touches = 0;
   }
@@ -264,10 +263,11 @@ void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const st
   if (mesh.face_count() / 60 < labels.chart_count()) return;  // it is as quick to measure all of them again
   pending_.handed_faces.insert(pending_.handed_faces.end(), faces.begin(), faces.end());
   const auto is_simple = [&](std::int32_t l) {  // neither held nor of a region that may change with its faces
-    return labels.charts[l].cause == Cause::region && !planes[l].held && planes[l].projected > kFlat * planes[l].area;
+    return labels.charts[l].cause == Cause::region && !planes[l].held &&
+           planes[l].projected > kNoDirection * planes[l].area;
   };
   const Plane part = plane_of(mesh, faces, labels.outlying);
-  const bool simple = part.projected > kFlat * part.area && is_simple(giver) && is_simple(taker);
+  const bool simple = part.projected > kNoDirection * part.area && is_simple(giver) && is_simple(taker);
   for (const std::int32_t l : charts)
     if (simple || (l != giver && l != taker)) ++pending_.known[l].touches;
   if (!simple) return;

@@ -8,16 +8,16 @@ namespace isimp::meshing {
 namespace {
 
 // tuned sides
-constexpr double kFlat = 0.03;       ///< roughness up to which a chart has one side
-constexpr double kExact = 1e-4;      ///< roughness of the sides up to which all of them are planes
-constexpr double kRounding = 1e-6;   ///< rounding: roughness that rounding makes
-constexpr double kCurve = 0.035;     ///< roughness of the sides beyond which they are a curve
+constexpr double kOneSide = 0.03;            ///< roughness up to which a chart has one side
+constexpr double kExact = 1e-4;              ///< roughness of the sides up to which all of them are planes
+constexpr double kRoundingRoughness = 1e-6;  ///< rounding: roughness that rounding makes
+constexpr double kCurve = 0.035;             ///< roughness of the sides beyond which they are a curve
 constexpr double kGain = 3;          ///< times the roughness of the sides: a chart that is less rough stays whole
 constexpr double kNear = 0.7071;     ///< cosine of 45 degrees: how near to a direction its faces look
 constexpr double kStraight = 0.999;  ///< cosine of 2.5 degrees: a face that is nearer to a direction is no speck
 constexpr double kRest = 0.01;       ///< share of the area that needs no direction of its own
 constexpr double kSmall = 0.5;       ///< share of the adjacent component: a smaller one is no side of its own
-constexpr int kDirections = 10;      ///< limit: at most
+constexpr int kMostDirections = 10;  ///< limit: at most
 constexpr int kRefinements = 3;      ///< rounds: each direction becomes the mean of the faces near it
 constexpr int kSmoothings = 2;       ///< rounds in which a face takes the direction of two of its neighbours
 
@@ -40,7 +40,7 @@ class Looks {
 
   /// 1 less the sum of the vector areas of the sides, one for each direction, over the area.
   [[nodiscard]] double roughness(const std::vector<std::uint8_t>& own) const {
-    std::array<Vec3, kDirections> sums;
+    std::array<Vec3, kMostDirections> sums;
     sums.fill(Vec3::Zero());
     for (std::size_t i = 0; i < own.size(); ++i) sums[own[i]] += looks_[i].area * looks_[i].normal;
     double length = 0;
@@ -133,7 +133,8 @@ class Looks {
   [[nodiscard]] std::vector<Vec3> find(double share) const {
     std::vector<Vec3> found;
     std::vector<Look> rest = looks_;
-    for (double left = area_; static_cast<int>(found.size()) < kDirections && !rest.empty() && left > share * area_;) {
+    for (double left = area_;
+         static_cast<int>(found.size()) < kMostDirections && !rest.empty() && left > share * area_;) {
       Vec3 d = fullest(rest);
       for (int i = 0; i < kRefinements; ++i) d = mean_near(rest, d);
       found.push_back(d);
@@ -201,8 +202,8 @@ std::int32_t cut_by_direction(Cutter& cutter, std::int32_t chart) {
   const double before = looks.roughness();
   // In a plate with holes, few faces of another side would tilt the polygon, its neighbours and their neighbours. Only
   // where all sides are planes can these faces be distinguished from roughness.
-  const bool few = before <= kFlat;
-  if (few && (!cutter.perforated || before <= kRounding)) return 0;
+  const bool few = before <= kOneSide;
+  if (few && (!cutter.perforated || before <= kRoundingRoughness)) return 0;
   const std::vector<std::uint8_t> own = looks.nearest_directions(few ? 0 : kRest);
   const double after = looks.roughness(own);
   if (after > (few ? kExact : kCurve) || kGain * after > before) return 0;
@@ -216,7 +217,7 @@ bool has_flat_sides(const Cutter& cutter, const Job& job) {
     job.poll();
     const std::vector<std::int32_t> faces = cutter.labels.faces_of(l);
     const Looks looks(cutter, faces);
-    if (looks.roughness() > kRounding && looks.roughness(looks.nearest_directions(0)) > kExact) return false;
+    if (looks.roughness() > kRoundingRoughness && looks.roughness(looks.nearest_directions(0)) > kExact) return false;
   }
   return true;
 }

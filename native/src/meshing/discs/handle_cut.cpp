@@ -9,9 +9,9 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr int kTries = 200;  ///< limit: loops that do not lower genus, before the others are left alone
+constexpr int kLoopTries = 200;  ///< limit: loops that do not lower genus, before the others are left alone
 
-struct Loop {
+struct HandleLoop {
   double length = 0;
   std::vector<std::int32_t> vertices;
 };
@@ -23,16 +23,17 @@ class Trees {
   Trees(Cutter& cutter, std::int32_t chart, std::span<const std::int32_t> faces, const Shape& shape)
       : cutter_(cutter), mesh_(cutter.labels.mesh), chart_(chart), faces_(faces), shape_(shape) {}
 
-  std::vector<Loop> handle_loops() {
+  std::vector<HandleLoop> handle_loops() {
     grow_vertex_tree();
     grow_face_tree();
-    std::vector<Loop> loops;
+    std::vector<HandleLoop> loops;
     for (const std::int32_t f : faces_)
       for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
         const bool first = !cutter_.labels.inner(h) || h < mesh_.opposite(h);
         if (first && !in_tree(h) && !cutter_.halfedge_marks.has(h)) loops.push_back(loop_of(h));
       }
-    std::stable_sort(loops.begin(), loops.end(), [](const Loop& a, const Loop& b) { return a.length < b.length; });
+    std::stable_sort(loops.begin(), loops.end(),
+                     [](const HandleLoop& a, const HandleLoop& b) { return a.length < b.length; });
     return loops;
   }
 
@@ -108,13 +109,13 @@ class Trees {
   }
 
   /// The loop that edge h closes over the tree.
-  [[nodiscard]] Loop loop_of(std::int32_t h) const {
+  [[nodiscard]] HandleLoop loop_of(std::int32_t h) const {
     std::vector<std::int32_t> a = path_to_root(mesh_.from(h)), b = path_to_root(mesh_.to(h));
     while (a.size() > 1 && b.size() > 1 && a[a.size() - 2] == b[b.size() - 2]) {
       a.pop_back();
       b.pop_back();
     }
-    Loop loop;
+    HandleLoop loop;
     loop.length = edge_length(a.front(), b.front());
     for (const auto* path : {&a, &b})
       for (std::size_t i = 1; i < path->size(); ++i) loop.length += edge_length((*path)[i - 1], (*path)[i]);
@@ -131,7 +132,7 @@ class Trees {
 };
 
 /// The faces of the chart that touch the loop.
-std::vector<std::int32_t> strip_along(Cutter& cutter, std::int32_t chart, const Loop& loop) {
+std::vector<std::int32_t> strip_along(Cutter& cutter, std::int32_t chart, const HandleLoop& loop) {
   std::vector<std::int32_t> strip;
   cutter.face_marks.clear();
   for (const std::int32_t v : loop.vertices)
@@ -179,8 +180,8 @@ class HandleCutter {
   void run(Job& job) {
     int tries = 0;
     cutter_.blocked.clear();
-    for (const Loop& loop : loops_) {
-      if (genus_ == 0 || tries == kTries) return;
+    for (const HandleLoop& loop : loops_) {
+      if (genus_ == 0 || tries == kLoopTries) return;
       if (std::any_of(loop.vertices.begin(), loop.vertices.end(), [&](auto v) { return cutter_.blocked.has(v); }))
         continue;
       job.poll();
@@ -190,7 +191,7 @@ class HandleCutter {
 
  private:
   /// \return whether genus has fallen
-  bool cut_along(const Loop& loop) {
+  bool cut_along(const HandleLoop& loop) {
     std::vector<std::int32_t> strip = strip_along(cutter_, chart_, loop);
     if (strip.size() >= faces_.size()) return false;
     cutter_.face_marks.clear();
@@ -216,8 +217,8 @@ class HandleCutter {
   Labels& labels_;
   const std::int32_t chart_;
   std::int32_t genus_;
-  std::vector<std::int32_t> faces_;  // faces of the rest of the chart
-  const std::vector<Loop> loops_;    // the shortest first
+  std::vector<std::int32_t> faces_;      // faces of the rest of the chart
+  const std::vector<HandleLoop> loops_;  // the shortest first
 };
 
 }  // namespace

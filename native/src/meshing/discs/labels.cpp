@@ -15,9 +15,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kStride = 1 << 13;  ///< work: faces or vertices from one poll to the next
-constexpr std::int32_t kAhead =
-    12;  ///< work: faces between the current one and the one whose neighbours are prefetched
+constexpr std::int32_t kLabelsAPoll = 1 << 13;  ///< work: faces or vertices from one poll to the next
 
 /// Whether faces of one label can be reached from each other by way of each other. Uses no marks, which callers may.
 [[maybe_unused]] bool hang_together(const Labels& labels, std::span<const std::int32_t> faces) {
@@ -196,7 +194,7 @@ std::vector<std::int32_t> hang(const Mesh& mesh, std::span<const std::int32_t> f
                                std::int32_t last, std::vector<Hung>& faces, Bits& between, const Job& job) {
   std::vector<std::int32_t> outside;
   for (std::int32_t f = first; f < last; ++f) {
-    if (f % kStride == 0) job.poll();
+    if (f % kLabelsAPoll == 0) job.poll();
     if (f + kAhead < last)
       for (std::int32_t h = 3 * (f + kAhead), end = h + 3; h < end; ++h)
         if (mesh.opposite(h) < h) prefetch(&faces[std::max(mesh.opposite(h), 0) / 3]);
@@ -303,7 +301,7 @@ std::vector<std::int32_t> find_non_discs(Labels& labels, const Outlines& outline
   });
   threads.run(mesh.vertex_count(), parts, [&](std::int32_t part, std::int32_t begin, std::int32_t end) {
     for (std::int32_t v = begin; v < end; ++v) {
-      if (v % kStride == 0) job.poll();
+      if (v % kLabelsAPoll == 0) job.poll();
       const std::int32_t h = mesh.vertex_halfedge()[v];
       if (h == kNone || labels.label[h / 3] == kNone || labels.vertex_marks.has(v)) continue;
       inside[part][labels.label[h / 3]] += 2;

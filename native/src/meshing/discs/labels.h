@@ -16,6 +16,9 @@ namespace isimp::meshing {
 /// rounding: smallest share of the diagonal that float32 resolves. A thinner polygon counts as one without area.
 constexpr double kThickness = 1e-6;
 
+/// work: faces between the current one and the one whose corners or neighbours are prefetched.
+constexpr std::int32_t kAhead = 12;
+
 /// The reason for a chart.
 enum class Cause : std::uint8_t { region, unconnected, pinch, hole, wall, handle, closed, repair };  ///< wall: of holes
 

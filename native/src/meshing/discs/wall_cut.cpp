@@ -13,17 +13,17 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kTogether =
+constexpr std::int32_t kOrderedHoles =
     8;  ///< limit: holes up to which all orders are tried; with more, a chain follows a row
 constexpr std::size_t kMostLoops = 64;  ///< limit: with more, the choice of cuts takes too long
 // tuned walls
 constexpr double kThrough = 0.1;      ///< cost of the way across a hole, relative to a cut of that length
 constexpr double kCostLeftOut = 0.3;  ///< cost of a hole that the chain leaves out, in sqrt(area)
 constexpr double kOverlap = 0.5;      ///< least overlap of two holes of a row, as a share of the smaller one
-constexpr double kWide = 0.2;  ///< distance of a path from its straight cut at most, as a share of its length ...
-constexpr double kEdges = 3;   ///< ... but at least this number of edges of the mesh
-constexpr double kOff = 3;     ///< extra cost of each step of a path, times its distance from the straight cut
-constexpr int kTries = 4;      ///< limit: chains that are tried, each without the cuts that the mesh has no path for
+constexpr double kWide = 0.2;   ///< distance of a path from its straight cut at most, as a share of its length ...
+constexpr double kEdges = 3;    ///< ... but at least this number of edges of the mesh
+constexpr double kOffCut = 3;   ///< extra cost of each step of a path, times its distance from the straight cut
+constexpr int kChainTries = 4;  ///< limit: chains that are tried, each without the cuts that the mesh has no path for
 
 /// A chain of cuts from the outline over holes back to it, as the two ends of each.
 using Chain = std::vector<std::array<LoopPlace, 2>>;
@@ -222,7 +222,7 @@ class Paths {
         if (w != to && cutter_.vertex_marks.has(w)) return;
         const double edge = (mesh_.vertices()[w] - mesh_.vertices()[v]).norm(), away = off(w);
         if (away > std::max(kWide * length, kEdges * edge)) return;
-        search.reach(w, search.distance[v] + edge + kOff * away, h);
+        search.reach(w, search.distance[v] + edge + kOffCut * away, h);
       });
     }
     if (!search.reached.has(to)) return false;
@@ -249,12 +249,12 @@ std::int32_t cut_wall(Cutter& cutter, std::int32_t chart, const Shape& shape, co
   const std::vector<std::int32_t> faces = cutter.labels.faces_of(chart);
   const std::optional<Wall> wall = Wall::find(cutter.labels, faces, shape);
   if (!wall) return 0;
-  const bool few = wall->holes() <= kTogether;
+  const bool few = wall->holes() <= kOrderedHoles;
   const std::vector<std::int32_t> row = few ? numbers_below(wall->holes()) : fullest_row(*wall);
   if (!few && row.size() < 2) return 0;
   Chains chains(*wall);
   Paths paths(cutter, chart, shape);
-  for (int go = 0; go < kTries; ++go) {
+  for (int go = 0; go < kChainTries; ++go) {
     job.poll();
     const Chain chain = few ? chains.over_all(row) : chains.in_order(row);
     if (chain.empty()) return 0;

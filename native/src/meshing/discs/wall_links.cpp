@@ -11,15 +11,13 @@ namespace isimp::meshing {
 namespace {
 
 // tuned walls
-constexpr double kFlat = 0.9;     ///< vector area over area, below which a chart is no wall
-constexpr double kMain = 0.5;     ///< share of the boundary, by square length, that must follow the main directions
-constexpr double kReach = 0.015;  ///< distance of a boundary from the edges between its corners, in sqrt(area)
-constexpr double kOfHole = 0.15;  ///< the same distance at most, as a share of the smaller side of a hole
-constexpr double kSlant = 6;      ///< extra cost per unit of the shorter of a cut's two extents
-constexpr double kFoot = 0.03;    ///< cost of a corner within an edge of the outline, in sqrt(area)
-constexpr double kSame = 0.03;    ///< sine of a slant that costs nothing: noise makes it
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+constexpr double kFlatWall = 0.9;  ///< vector area over area, below which a chart is no wall
+constexpr double kMain = 0.5;      ///< share of the boundary, by square length, that must follow the main directions
+constexpr double kReach = 0.015;   ///< distance of a boundary from the edges between its corners, in sqrt(area)
+constexpr double kOfHole = 0.15;   ///< the same distance at most, as a share of the smaller side of a hole
+constexpr double kSlant = 6;       ///< extra cost per unit of the shorter of a cut's two extents
+constexpr double kFoot = 0.03;     ///< cost of a corner within an edge of the outline, in sqrt(area)
+constexpr double kSame = 0.03;     ///< sine of a slant that costs nothing: noise makes it
 
 }  // namespace
 
@@ -32,7 +30,7 @@ std::optional<Wall> Wall::find(const Labels& labels, std::span<const std::int32_
     sum += r.area * Vec3(r.nx, r.ny, r.nz);
     area += r.area;
   }
-  if (!(sum.norm() > kFlat * area) || shape.loops.size() < 2) return {};
+  if (!(sum.norm() > kFlatWall * area) || shape.loops.size() < 2) return {};
   Wall wall(labels);
   const Vec3 normal = sum.normalized();
   int axis = 0;

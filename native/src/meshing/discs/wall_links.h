@@ -10,10 +10,9 @@
 #include <vector>
 
 #include "discs/discs.h"
+#include "discs/vec2.h"
 
 namespace isimp::meshing {
-
-using Vec2 = Eigen::Vector2d;
 
 /// A place on a boundary loop of a wall where a cut may end.
 struct LoopPlace {

@@ -10,8 +10,8 @@
 namespace isimp::meshing {
 
 namespace {
-constexpr std::size_t kFew = 32,
-                      kShare = 4;  ///< work: kFew + all / kShare boxes may be new before the tree is rebuilt
+constexpr std::size_t kFewNew = 32,
+                      kShareNew = 4;  ///< work: kFewNew + all / kShareNew boxes may be new before the tree is rebuilt
 }  // namespace
 
 BoxTree::BoxTree(std::vector<NumberedBox> all, const Job* job) : all_(std::move(all)), leaf_(all_.size()) {
@@ -88,7 +88,7 @@ void MovingBoxes::settle() {
   }
   sort_unique(fresh_);
   // If many boxes have moved, a new tree costs less than the moves.
-  if (fresh_.size() > kFew + boxes_.size() / kShare || moved_.size() > kFew + boxes_.size() / kShare) {
+  if (fresh_.size() > kFewNew + boxes_.size() / kShareNew || moved_.size() > kFewNew + boxes_.size() / kShareNew) {
     std::vector<NumberedBox> all;
     for (std::size_t i = 0; i < boxes_.size(); ++i)
       if (!boxes_[i].apart(boxes_[i])) all.push_back({boxes_[i], static_cast<std::int32_t>(i)});

@@ -14,14 +14,14 @@
 namespace isimp::meshing {
 namespace {
 
-Corners corners_of(const Mesh& mesh, std::int32_t face) {
+isimp::Corners corners_of(const Mesh& mesh, std::int32_t face) {
   const Triangle& t = mesh.triangles()[face];
   return {rounded_to_float(mesh.vertices()[t[0]]), rounded_to_float(mesh.vertices()[t[1]]),
           rounded_to_float(mesh.vertices()[t[2]])};
 }
 
 /// The box of a triangle whose coordinates are float32.
-Box box_of(const Corners& t) {
+Box box_of(const isimp::Corners& t) {
   Box box;
   for (int k = 0; k < 3; ++k) {
     box.low[k] = static_cast<float>(std::min({t[0][k], t[1][k], t[2][k]}));
@@ -36,7 +36,7 @@ struct Meeting {
   auto operator<=>(const Meeting&) const = default;
 };
 
-Facing facing_of(const Corners& t) {
+Facing facing_of(const isimp::Corners& t) {
   // rounding: A side is a sum of six products of three differences each, rounded by less than this in all.
   constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
   const Vec3 u = t[1] - t[0], v = t[2] - t[0];
@@ -46,7 +46,7 @@ Facing facing_of(const Corners& t) {
 /// A triangle with the data of a quick test whether another lies to one side of it.
 struct Placed {
   const std::array<std::int32_t, 3>& corner;
-  const Corners& at;
+  const isimp::Corners& at;
   const Facing& facing;
 };
 
@@ -120,7 +120,7 @@ bool any_meeting(const FacetSet& a, const FacetSet& b, Function fn) {
   return false;
 }
 
-constexpr std::int32_t kTogether = 16;  ///< work: charts that one thread searches at a time
+constexpr std::int32_t kChartsATime = 16;  ///< work: charts that one thread searches at a time
 
 /// All pairs of facets that meet, searched in pairs of charts whose boxes meet, as these are few.
 std::vector<Meeting> find_meetings(std::span<const FacetSet* const> charts, const Arounds& arounds,
@@ -129,8 +129,8 @@ std::vector<Meeting> find_meetings(std::span<const FacetSet* const> charts, cons
   std::vector<std::int32_t> moved;
   for (std::int32_t l = 0; l < static_cast<std::int32_t>(charts.size()); ++l)
     if (changed[l] && !charts[l]->solid.empty()) moved.push_back(l);
-  std::vector<std::vector<Meeting>> met(moved.size() / kTogether + 1);  // by block
-  threads.blocks(static_cast<std::int32_t>(moved.size()), kTogether,
+  std::vector<std::vector<Meeting>> met(moved.size() / kChartsATime + 1);  // by block
+  threads.blocks(static_cast<std::int32_t>(moved.size()), kChartsATime,
                  [&](std::int32_t block, std::int32_t begin, std::int32_t end) {
                    for (std::int32_t i = begin; i < end; ++i) {
                      job.poll();
@@ -231,13 +231,12 @@ GivenHits find_given_hits(std::span<const FacetSet* const> charts, const Arounds
 }
 
 ScanPart::ScanPart(const Mesh& mesh, std::span<const std::int32_t> faces) {
-  constexpr std::size_t kAhead = 12;  // work: faces between the current one and the one whose vertices are prefetched
   std::vector<NumberedBox> boxes;
   boxes.reserve(faces.size());
   for (std::size_t i = 0; i < faces.size(); ++i) {
     if (i + kAhead < faces.size())
       for (const std::int32_t v : mesh.triangles()[faces[i + kAhead]]) prefetch(&mesh.vertices()[v]);
-    const Corners at = corners_of(mesh, faces[i]);
+    const isimp::Corners at = corners_of(mesh, faces[i]);
     if (has_area(at)) boxes.push_back({box_of(at), faces[i]});
   }
   tree = BoxTree(std::move(boxes));
@@ -245,7 +244,7 @@ ScanPart::ScanPart(const Mesh& mesh, std::span<const std::int32_t> faces) {
 
 bool scan_intersects(const Mesh& mesh, const ScanPart& some, const ScanPart& others) {
   std::int32_t last = kNone;  // many pairs in a row have the same first face
-  Corners a;
+  isimp::Corners a;
   Facing facing;
   return some.tree.any_pair(others.tree, [&](const NumberedBox& x, const NumberedBox& y) {
     if (x.index == y.index) return false;
@@ -254,7 +253,7 @@ bool scan_intersects(const Mesh& mesh, const ScanPart& some, const ScanPart& oth
       a = corners_of(mesh, last);
       facing = facing_of(a);
     }
-    const Corners b = corners_of(mesh, y.index);
+    const isimp::Corners b = corners_of(mesh, y.index);
     const Triangle &s = mesh.triangles()[x.index], &t = mesh.triangles()[y.index];
     if (beside({s, a, facing}, {t, b, facing})) return false;  // needs the plane of one triangle only
     return meet({s, a, facing}, {t, b, facing_of(b)});

@@ -138,9 +138,9 @@ std::array<std::int32_t, 2> find_crossing(const std::vector<Point>& p) {
 /// not convex, and such a corner is not cut.
 /// Cost: O(n (log n + k)) for k corners that are not convex and whose x lies within that of an ear, and moves of O(n^2)
 /// numbers.
-class Ears {
+class EarClipper {
  public:
-  Ears(const std::vector<Point>& points, std::span<const std::int32_t> polygon)
+  EarClipper(const std::vector<Point>& points, std::span<const std::int32_t> polygon)
       : p_(points), polygon_(polygon), is_ear_(points.size(), Ear::unknown) {
     left_.resize(p_.size());
     std::iota(left_.begin(), left_.end(), std::size_t{0});
@@ -344,7 +344,7 @@ void triangulate(const FlatPolygon& view, std::span<const std::int32_t> polygon,
   if (n <= 3 || n > LeastSurface::kMost ||
       !LeastSurface(view.points, view.convex, polygon, position, bounds.no_slivers ? 4 * bounds.thickness : 0)
            .cut(like, facets))
-    Ears(view.points, polygon).cut(like, facets);
+    EarClipper(view.points, polygon).cut(like, facets);
 }
 
 }  // namespace isimp::meshing

@@ -8,17 +8,17 @@
 namespace isimp::meshing {
 namespace {
 
-struct Edge {
+struct LoopEdge {
   std::int32_t a, b;    // a < b
   std::int32_t corner;  // where in `loops` it starts
   bool forward;         // from a to b
-  auto operator<=>(const Edge&) const = default;
+  auto operator<=>(const LoopEdge&) const = default;
 };
 
 }  // namespace
 
 void judge_topology(PolygonMesh& mesh) {
-  std::vector<Edge> edges;
+  std::vector<LoopEdge> edges;
   std::vector<std::int32_t> next(mesh.loops.size());
   for (std::int32_t q = 0; q < mesh.polygon_count(); ++q) {
     const std::int32_t begin = mesh.loop_start[q], end = mesh.loop_end(q);

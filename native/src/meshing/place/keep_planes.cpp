@@ -11,7 +11,7 @@ namespace isimp::meshing {
 namespace {
 
 // tuned regular
-constexpr int kPasses = 2;  ///< a plane may be met only after its neighbours have moved
+constexpr int kKeepPasses = 2;  ///< a plane may be met only after its neighbours have moved
 
 class Keeper {
  public:
@@ -25,7 +25,7 @@ class Keeper {
   std::vector<std::int32_t> run() {
     std::vector<std::int32_t> left = by_area();
     keep_parts(left);
-    for (int pass = 0; pass < kPasses && !left.empty(); ++pass)
+    for (int pass = 0; pass < kKeepPasses && !left.empty(); ++pass)
       std::erase_if(left, [&](std::int32_t r) {
         job_.poll();
         return keeps({&r, 1}, true) || keeps({&r, 1}, false);
@@ -61,7 +61,7 @@ class Keeper {
     for (const auto& [part, cells] : parts) {
       job_.poll();
       bool is_kept = cells.size() > 1;
-      for (int pass = 0; pass < kPasses && is_kept; ++pass) is_kept = keeps(cells, true);
+      for (int pass = 0; pass < kKeepPasses && is_kept; ++pass) is_kept = keeps(cells, true);
       if (is_kept) kept.insert(kept.end(), cells.begin(), cells.end());
     }
     sort_unique(kept);

@@ -7,7 +7,7 @@ namespace isimp::meshing {
 namespace {
 
 constexpr std::array kShares{1.0, 0.5, 0.2};  ///< shares of a way; the first accepted one is used
-constexpr std::size_t kStride = 64;           ///< work: corners from one poll to the next
+constexpr std::size_t kCornersAPoll = 64;     ///< work: corners from one poll to the next
 
 /// Moves corners to the given places, and returns the moves back.
 std::vector<Move> carry_out(State& state, std::span<const Move> moves) {
@@ -53,7 +53,7 @@ bool attempt_moves(State& state, Defects& defects, std::span<const Move> moves) 
 void move_corners(State& state, Defects& defects, std::span<const Move> moves, Job& job) {
   if (moves.empty() || move_all(state, defects, moves)) return;
   for (std::size_t i = 0; i < moves.size(); ++i) {
-    if (i % kStride == 0) job.poll();
+    if (i % kCornersAPoll == 0) job.poll();
     const std::int32_t c = moves[i].corner;
     const Vec3 from = state.corners.position[c];
     for (const double share : kShares) {

@@ -14,7 +14,7 @@ namespace {
 
 // tuned real
 constexpr double kEnds = 0.1;            // share of a border at each end that does not count for its line
-constexpr double kLeastSine = 0.35;      // sine of 20 degrees: lines that meet at less count as one line
+constexpr double kOneLineSine = 0.35;    // sine of 20 degrees: lines that meet at less count as one line
 constexpr std::size_t kLeastPoints = 4;  // vertices of a border that has a line
 
 /// The border along a chord of a chart, in the order of the loop.
@@ -113,7 +113,7 @@ class Straightener {
     const Vec3 &at = s_.corners.position[c], across = n.cross(b.direction);
     const double sine = a.direction.dot(across);
     const auto onto = [&](const Line& l) -> Vec3 { return l.point + l.direction * l.direction.dot(at - l.point); };
-    if (std::abs(sine) < kLeastSine) return (onto(a) + onto(b)) / 2;
+    if (std::abs(sine) < kOneLineSine) return (onto(a) + onto(b)) / 2;
     return a.point + a.direction * ((b.point - a.point).dot(across) / sine);
   }
 
@@ -134,7 +134,7 @@ class Straightener {
       numerator += step.dot(off);
       denominator += step.squaredNorm();
     }
-    if (denominator < 2 * kLeastSine * kLeastSine) return std::nullopt;
+    if (denominator < 2 * kOneLineSine * kOneLineSine) return std::nullopt;
     return at + edge * (numerator / denominator);
   }
 

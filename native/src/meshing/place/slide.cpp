@@ -15,33 +15,33 @@ namespace isimp::meshing {
 namespace {
 
 // tuned shapes
-constexpr int kRounds = 2;                  // passes over all corners
-constexpr int kDirections = 8;              // directions in which each is tried
+constexpr int kSlideRounds = 2;             // passes over all corners
+constexpr int kSlideDirections = 8;         // directions in which each is tried
 constexpr std::array kSteps = {0.2, 0.08};  // largest move of a corner in a round, in sqrt(area / charts)
-constexpr double kFar = 0.3;                // largest move in all, in the same unit
-constexpr double kOff = 0.4;                // distance from its planes, in deviations of the scan from them
+constexpr double kSlideReach = 0.3;         // largest move in all, in the same unit
+constexpr double kOffPlanes = 0.4;          // distance from its planes, in deviations of the scan from them
 // tuned needles
-constexpr double kOfSharp = 4;  // degrees above kReflex that one below kNeedle counts as
-constexpr double kBend = 1200;  // degrees that a bend of sqrt(area / charts) counts as
+constexpr double kOfNeedle = 4;  // degrees above kReflex that one below kNeedle counts as
+constexpr double kBend = 1200;   // degrees that a bend of sqrt(area / charts) counts as
 // tuned shapes
-constexpr double kShort = 0.3;   // edges shorter than this, in sqrt(area / charts), do not become shorter
-constexpr double kFacing = 0.9;  // cosine of how far a polygon may turn from its chart by a move
+constexpr double kShortEdge = 0.3;  // edges shorter than this, in sqrt(area / charts), do not become shorter
+constexpr double kFacing = 0.9;     // cosine of how far a polygon may turn from its chart by a move
 // tuned needles
 constexpr double kWorth = 1;    // degrees that a move has to gain
 constexpr double kTiny = 1e-6;  // rounding: share of the shortest edge: a corner with less freedom gains nothing
 
-class Slider {
+class CornerSlider {
  public:
-  Slider(State& state, Job& job) : s_(state), home_(state.corners.position), job_(job) {
+  CornerSlider(State& state, Job& job) : s_(state), home_(state.corners.position), job_(job) {
     const Scale scale = s_.scale();
     size_ = scale.size;
-    off_ = kOff * scale.deviation + kNoLength * s_.mesh.diagonal();
+    off_ = kOffPlanes * scale.deviation + kNoLength * s_.mesh.diagonal();
     bend_ = kBend / size_;
   }
 
   /// \return the moves that make corners less reflex and sharp
   std::vector<Move> run() {
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kSlideRounds; ++round) {
       job_.poll();
       for (std::int32_t c = 0; c < s_.corners.count(); ++c)
         if (may_slide(c)) slide(c);
@@ -82,7 +82,7 @@ class Slider {
   }
 
   [[nodiscard]] double shortest_round(const Vec3& at) const {
-    double shortest = kShort * size_;
+    double shortest = kShortEdge * size_;
     for (const Beside& b : beside_) shortest = std::min(shortest, (s_.corners.position[b.after[0]] - at).norm());
     return shortest;
   }
@@ -91,7 +91,7 @@ class Slider {
   [[nodiscard]] double angles_round(const Vec3& at) const {
     const auto& position = s_.corners.position;
     const auto cost = [](double angle) {
-      return std::max(0.0, angle - kReflex) + kOfSharp * std::max(0.0, kNeedle - angle);
+      return std::max(0.0, angle - kReflex) + kOfNeedle * std::max(0.0, kNeedle - angle);
     };
     double sum = 0;
     for (const auto& [before, after, polygon, normal, facing] : beside_) {
@@ -136,7 +136,7 @@ class Slider {
     const auto [values, vectors] = direct_spectrum_of(a);
     Freedom free;
     for (int k = 0; k < 2; ++k) {  // the third direction is normal to the planes
-      const double away = std::sqrt(std::max(0.0, values[k])), reach = kFar * size_;
+      const double away = std::sqrt(std::max(0.0, values[k])), reach = kSlideReach * size_;
       free.along[k] = vectors.col(k);
       free.most[k] = away * reach > off_ ? off_ / away : reach;
     }
@@ -155,8 +155,8 @@ class Slider {
     double least = now + bend_round() - kWorth;
     Vec3 best = at;
     for (const double step : kSteps)
-      for (int d = 0; d < kDirections; ++d) {
-        const double turn = 2 * std::numbers::pi * d / kDirections;
+      for (int d = 0; d < kSlideDirections; ++d) {
+        const double turn = 2 * std::numbers::pi * d / kSlideDirections;
         Vec3 to = home;
         for (int k = 0; k < 2; ++k) {
           const double by = (at - home).dot(free.along[k]) + step * size_ * (k == 0 ? std::cos(turn) : std::sin(turn));
@@ -184,7 +184,7 @@ class Slider {
 }  // namespace
 
 void slide_corners(State& state, Defects& defects, Job& job) {
-  const std::vector<Move> moves = Slider(state, job).run();
+  const std::vector<Move> moves = CornerSlider(state, job).run();
   move_corners(state, defects, moves, job);
 }
 

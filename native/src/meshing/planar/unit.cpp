@@ -13,10 +13,10 @@ namespace isimp::meshing::planar {
 namespace {
 
 // tuned planar
-constexpr double kOfEdge = 0.5;    ///< largest move of a corner, as a share of its shortest edge
-constexpr double kLeast = 0.3;     ///< largest move of a corner at the least, as a share of the reach of the options
-constexpr double kMost = 1.5;      ///< largest move of a corner at the most, as a share of the reach of the options
-constexpr double kMostToHeld = 6;  ///< replaces kMost if given planes are further off
+constexpr double kMoveOfEdge = 0.5;  ///< largest move of a corner, as a share of its shortest edge
+constexpr double kLeast = 0.3;       ///< largest move of a corner at the least, as a share of the reach of the options
+constexpr double kMost = 1.5;        ///< largest move of a corner at the most, as a share of the reach of the options
+constexpr double kMostToHeld = 6;    ///< replaces kMost if given planes are further off
 /// A spread whose smallest eigenvalue is above this share of the next fixes no plane.
 constexpr double kThin = 0.25;
 
@@ -62,7 +62,8 @@ void Places::limit(std::span<const Unit> units) {
     if (u.held)
       for (const std::int32_t c : u.loop) to_held[c] += std::abs(u.normal.dot(start[c]) - u.offset);
   for (std::size_t c = 0; c < reach.size(); ++c)
-    reach[c] = std::min(reach[c], std::max(kMost * base, std::min(to_held[c] + kOfEdge * base, kMostToHeld * base)));
+    reach[c] =
+        std::min(reach[c], std::max(kMost * base, std::min(to_held[c] + kMoveOfEdge * base, kMostToHeld * base)));
 }
 
 bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double diagonal) {
@@ -107,7 +108,7 @@ Places places_of(const State& state, const std::vector<Unit>& units, double base
       p.reach[a] = std::min(p.reach[a], length);
       p.reach[b] = std::min(p.reach[b], length);
     }
-  for (double& reach : p.reach) reach = std::max(kOfEdge * reach, kLeast * base);
+  for (double& reach : p.reach) reach = std::max(kMoveOfEdge * reach, kLeast * base);
   p.limit(units);
   return p;
 }

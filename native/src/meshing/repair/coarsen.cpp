@@ -15,7 +15,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kTogether = 256;  ///< work: charts in which one thread searches for candidates
+constexpr std::int32_t kChartsAThread = 256;  ///< work: charts in which one thread searches for candidates
 // Deviation that a union of two regions may add, as shares of the mean deviation of a region. Source: own trials, 15
 // scans, buildings and nasty meshes at 50 to 1,000 regions.
 // tuned unions
@@ -69,9 +69,9 @@ class Coarsener {
   /// Queues the candidates of all charts.
   void queue_all() {
     const std::int32_t count = s_.labels.chart_count();
-    std::vector<std::vector<Candidate>> by_block(count / kTogether + 1);
+    std::vector<std::vector<Candidate>> by_block(count / kChartsAThread + 1);
     version_.resize(count, 0);
-    s_.threads.blocks(count, kTogether, [&](std::int32_t block, std::int32_t begin, std::int32_t end) {
+    s_.threads.blocks(count, kChartsAThread, [&](std::int32_t block, std::int32_t begin, std::int32_t end) {
       job_.poll();
       for (std::int32_t l = begin; l < end; ++l) {
         add_unions(l, by_block[block]);

@@ -11,27 +11,24 @@
 #include <utility>
 #include <vector>
 
+#include "discs/vec2.h"
 #include "isimp/core/sorted.h"
 #include "judge/trials.h"
 
 namespace isimp::meshing {
 namespace {
 
-using Point = Eigen::Vector2d;
-
 /// rounding: depth of a corner below the line between its neighbours up to which it counts as straight, as a share of the
 /// diagonal: corners of planar polygons are on their planes, and so on straight lines, to this much.
-constexpr double kStraight = 1e-7;
+constexpr double kStraightDepth = 1e-7;
 
 constexpr std::size_t kTried = 64;        ///< limit: cuts of a polygon that are tried to their end
 constexpr std::size_t kMostPlanned = 64;  ///< limit: corners of a polygon for which they are
 
-double cross(const Point& a, const Point& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 /// A polygon seen along its normal.
 class View {
  public:
-  View(const State& state, std::int32_t polygon) : slack_(kStraight * state.mesh.diagonal()) {
+  View(const State& state, std::int32_t polygon) : slack_(kStraightDepth * state.mesh.diagonal()) {
     const auto loop = state.polygons.of(polygon);
     const auto& at = state.corners.position;
     const Vec3 area = vector_area(loop, at);
@@ -95,16 +92,16 @@ class View {
   }
   /// Whether a diagonal meets no edge and no corner but its ends.
   [[nodiscard]] bool is_free(const Cut& c) const {
-    const Point &a = points_[c.i], &b = points_[c.j], way = b - a;
+    const Vec2 &a = points_[c.i], &b = points_[c.j], way = b - a;
     const double length = way.norm();
     for (std::size_t k = 0; k < size(); ++k) {
-      const Point& p = points_[k];
+      const Vec2& p = points_[k];
       if (k == c.i || k == c.j) continue;
       const double along = way.dot(p - a), off = cross(way, p - a);
       if (along >= 0 && along <= length * length && std::abs(off) <= slack_ * length) return false;
       const std::size_t next = after(k);
       if (next == c.i || next == c.j) continue;
-      const Point& q = points_[next];
+      const Vec2& q = points_[next];
       if ((off > 0) != (cross(way, q - a) > 0) && (cross(q - p, a - p) > 0) != (cross(q - p, b - p) > 0)) return false;
     }
     return true;
@@ -114,19 +111,19 @@ class View {
   explicit View(double slack) : slack_(slack) {}
   /// Whether the diagonal from one corner to another begins inside the polygon.
   [[nodiscard]] bool is_within(std::size_t i, std::size_t j) const {
-    const Point to = points_[after(i)] - points_[i], from = points_[before(i)] - points_[i],
-                way = points_[j] - points_[i];
+    const Vec2 to = points_[after(i)] - points_[i], from = points_[before(i)] - points_[i],
+               way = points_[j] - points_[i];
     const bool left = cross(to, way) > 0, right = cross(way, from) > 0;
     return cross(to, from) > 0 ? left && right : left || right;
   }
   /// 1 - cos of the angle, and beyond 180 degrees more.
   [[nodiscard]] double width(std::size_t from, std::size_t at, std::size_t to) const {
-    const Point a = (points_[to] - points_[at]).normalized(), b = (points_[from] - points_[at]).normalized();
+    const Vec2 a = (points_[to] - points_[at]).normalized(), b = (points_[from] - points_[at]).normalized();
     return cross(a, b) < 0 ? 3 + a.dot(b) : 1 - a.dot(b);
   }
 
   double slack_;
-  std::vector<Point> points_;
+  std::vector<Vec2> points_;
   std::vector<std::int32_t> corner_;
 };
 

@@ -20,16 +20,15 @@ namespace isimp::meshing {
 namespace {
 
 // tuned joins
-constexpr int kPasses = 2;  ///< over all chords
-constexpr double kParallel = 1e-6,
-                 kMeets = 1e-6;  ///< rounding: of cells' planes: see step_onto; how far they may miss, of the size
-// The energy of polygons, in edges: an edge is worth a mean square distance of kOfEdge square deviations of the scan along
+constexpr int kChordPasses = 2;     ///< over all chords
+constexpr double kCellMiss = 1e-6;  ///< rounding: how far cells' planes may miss a place, of the size
+// The energy of polygons, in edges: an edge is worth a mean square distance of kEdgePrice square deviations of the scan along
 // the side of a chart. A full turn by which reflex corners open too far is worth kOfReflex edges, and a full turn that sharp
 // corners lack is worth kOfSharp edges.
-constexpr double kOfEdge = 15;    ///< price of an edge, in square deviations of the scan
-constexpr double kOfReflex = 15;  ///< price of a full turn of reflex corners, in edges
-constexpr double kOfSharp = 300;  ///< price of a full turn that sharp corners lack, in edges
-constexpr double kMisses = 1.5;   ///< bounds of bent polygons: planes that a place misses by more do not meet there
+constexpr double kEdgePrice = 15;  ///< price of an edge, in square deviations of the scan
+constexpr double kOfReflex = 15;   ///< price of a full turn of reflex corners, in edges
+constexpr double kOfSharp = 300;   ///< price of a full turn that sharp corners lack, in edges
+constexpr double kMisses = 1.5;    ///< bounds of bent polygons: planes that a place misses by more do not meet there
 /// The price of an edge where cells of several round parts meet, in edges, so that these cells are quads. At any cell the
 /// side is sqrt(area / charts).
 // tuned round
@@ -37,8 +36,8 @@ constexpr double kOfCell = 2;
 /// A chord is short up to this times sqrt(area / charts). At cells of round parts longer ones stay. Elsewhere borders that
 /// move by the removal of a longer one count where both planes are one too, by this square sine.
 // tuned joins
-constexpr double kShort = 0.4;       ///< of sqrt(area / charts): longer chords stay at cells
-constexpr double kLeastSine = 0.02;  ///< least square sine at the moved borders of long chords
+constexpr double kShortChord = 0.4;        ///< of sqrt(area / charts): longer chords stay at cells
+constexpr double kLeastSquareSine = 0.02;  ///< least square sine at the moved borders of long chords
 
 using Charts = std::vector<std::int32_t>;  ///< in rising order
 
@@ -210,7 +209,7 @@ class Joiner {
     const double deviation = scale.deviation + kNoLength * s_.mesh.diagonal();
     const double bend = bounds_of(s_).bend;
     gap_ = bend > 0 ? kMisses * bend : std::numeric_limits<double>::infinity();
-    edge_ = kOfEdge * deviation * deviation;
+    edge_ = kEdgePrice * deviation * deviation;
   }
 
   bool run() {
@@ -249,7 +248,7 @@ class Joiner {
       for (const std::int32_t l : charts)
         if (planes_[l].round) cells.push_back(&planes_[l]);
       at += step_onto(cells, kParallel, near, free);
-      const auto misses = [&](const Plane* p) { return std::abs(p->normal.dot(at - p->centre)) > kMeets * size_; };
+      const auto misses = [&](const Plane* p) { return std::abs(p->normal.dot(at - p->centre)) > kCellMiss * size_; };
       if (std::any_of(cells.begin(), cells.end(), misses)) return {};
     }
     Eigen::Matrix3d a = kOfTie / kOfBend * Eigen::Matrix3d::Identity();
@@ -294,7 +293,7 @@ class Joiner {
     const Vec3 &from = net_.position(a), &to = net_.position(b);
     const double length = (from - to).norm();
     const bool any_cell = std::any_of(all.begin(), all.end(), [&](std::int32_t l) { return planes_[l].round; });
-    if (any_cell && length > kShort * size_) return;  // a long way would turn the edges of a ring
+    if (any_cell && length > kShortChord * size_) return;  // a long way would turn the edges of a ring
     std::vector<JunctionNet::Spoke> spokes = net_.spokes(a);
     for (const JunctionNet::Spoke& s : net_.spokes(b))
       if (s.to != a) spokes.push_back(s);
@@ -310,8 +309,8 @@ class Joiner {
       const std::optional<Vec3> place = place_of_least(all, near);
       if (!place) continue;
       const double change =
-          (distances(spokes, place, length > kShort * size_ ? kLeastSine : 0) - distances_before) / edge - 1 -
-          angles_before;
+          (distances(spokes, place, length > kShortChord * size_ ? kLeastSquareSine : 0) - distances_before) / edge -
+          1 - angles_before;
       if (change >= least) continue;
       const std::optional<Angles> angles = net_.angles_joined(all, a, b, *place);
       if (!angles || change + price(*angles) >= least) continue;
@@ -393,7 +392,7 @@ class Joiner {
 std::vector<Join> join_junctions(State& state, Job& job) {
   std::vector<Join> joins;
   if (!(state.options.join_junctions > 0)) return joins;
-  for (int pass = 0; pass < kPasses && Joiner(state, joins, job).run(); ++pass) state.update({});
+  for (int pass = 0; pass < kChordPasses && Joiner(state, joins, job).run(); ++pass) state.update({});
   return joins;
 }
 

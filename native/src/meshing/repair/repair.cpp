@@ -25,14 +25,14 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr int kRounds = 40;  // limit
+constexpr int kMendRounds = 40;  // limit
 // tuned unrecorded
 constexpr double kPull = 0.5;               ///< share of a corner's distance from its vertex that a pull leaves
 constexpr double kLeastPull = 0.1;          ///< share of its radius below which a pull returns the corner to its vertex
 constexpr std::size_t kShard = 16;          ///< faces of a chart that falls apart into them where nothing else helped
 constexpr std::int32_t kLeastBudget = 100;  ///< splits that are always allowed
 constexpr double kOfOpening = 4;            ///< polygons that a border or handle of the scan may take
-constexpr int kPasses = 4;                  ///< passes that join split polygons
+constexpr int kJoinPasses = 4;              ///< passes that join split polygons
 constexpr double kManyMore = 1.05;          ///< times the regions: fewer polygons are not joined in further passes
 constexpr double kWorthwhile = 0.97;        ///< a pass that leaves more of the polygons is the last
 
@@ -77,7 +77,7 @@ class Mender {
   /// Acts and looks again, until nothing is defective, nothing helps or the rounds are over.
   /// \param may_split  else corners move only
   void mend(bool may_split = true) {
-    for (int round = 0; round < kRounds; ++round, ++outcome_.rounds) {
+    for (int round = 0; round < kMendRounds; ++round, ++outcome_.rounds) {
       job_.report(std::min(0.95, round / 20.0));
       if (!act(may_split)) break;
       bring_up_to_date();
@@ -246,7 +246,7 @@ void take_back_joins(State& state, Defects& defects, Mender& mender, std::vector
 /// Joins split polygons and mends the result, in turn, while there are many more polygons than regions. Each join may
 /// make others possible.
 void join_again(State& state, Defects& defects, Mender& mender, const Scale& usual, Job& job) {
-  for (int pass = 0; pass < kPasses; ++pass) {
+  for (int pass = 0; pass < kJoinPasses; ++pass) {
     const double from = 0.75 - 0.5 * std::pow(0.4, pass);  // most meshes need one pass
     const Job::Stage stage(job, "repairing", from, 0.75 - 0.2 * std::pow(0.4, pass));
     const std::int32_t before = state.polygons.count();

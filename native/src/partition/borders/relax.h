@@ -349,16 +349,16 @@ template <class Labels>
 double relax_by(Metric metric, const Surface& surface, Labels labels, std::vector<RegionSum>& sums,
                 Relaxation<Labels>& relaxation, double smooth, std::int64_t count, Job& job) {
   // tuned distances
-  constexpr int kRounds = 2, kSweeps = 60;  // of planes that are fitted again; the most of a round
+  constexpr int kFitRounds = 2, kFitSweeps = 60;  // of planes that are fitted again; the most of a round
   if (metric == Metric::normals) return 0.0;
   Distances distances(surface, metric, count);
   distances.sum_up(labels, sums, job);
   relaxation.weigh(border_weight(error_by(distances, sums), smooth, surface.graph().size(), count));
   relaxation.measure(&distances);
-  for (int k = 0; k < kRounds; ++k) {
+  for (int k = 0; k < kFitRounds; ++k) {
     const std::vector<std::int32_t> faces = relaxation.pushed();
     for (const std::int32_t face : faces) relaxation.push_if_border(face);
-    if (relaxation.run(kSweeps, job) == 0) break;
+    if (relaxation.run(kFitSweeps, job) == 0) break;
   }
   relaxation.measure(nullptr);
   return distances.error();

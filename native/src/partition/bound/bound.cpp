@@ -15,11 +15,11 @@ namespace {
 using detail::Corners;
 
 // tuned bound
-constexpr std::int32_t kFacesAProxy = 96;  // gives patches of 6 faces
-constexpr double kLeastLength = 0.5;       // share of a region's area: where normals cancel more there is no plane
-constexpr int kSweeps = 30;                // limit
+constexpr std::int32_t kFacesABoundProxy = 96;  // gives patches of 6 faces
+constexpr double kLeastLength = 0.5;            // share of a region's area: where normals cancel more there is no plane
+constexpr int kBoundSweeps = 30;                // limit
 constexpr double kFirstWidth = 0.4;  // share of the width that nodes of the hierarchy may take up: merging finds better
-constexpr int kRounds = 3;           // rounds of squeezing, merging, dissolving and relaxing
+constexpr int kBoundRounds = 3;      // rounds of squeezing, merging, dissolving and relaxing
 
 /// The nodes of a hierarchy with their faces in a row: the faces of a node are a stretch of it.
 class Nodes {
@@ -251,7 +251,7 @@ void relax(const Surface& surface, const Corners& corners, double bound, Bounded
     if ((i & 0xffff) == 0) job.poll();
     relaxation.push_if_border(i);
   }
-  relaxation.run(kSweeps, job);
+  relaxation.run(kBoundSweeps, job);
 }
 
 /// Makes the slabs as narrow as the regions' vertices allow; in the end across the mean normals where these fit.
@@ -271,7 +271,7 @@ void tighten(const Corners& corners, double width, bool is_end, BoundedRegions& 
 }  // namespace
 
 Hierarchy hierarchy_for_bound(const Surface& surface, Job& job, std::int32_t threads) {
-  return build_hierarchy(surface, std::max(1, surface.face_count() / kFacesAProxy), job, {.threads = threads});
+  return build_hierarchy(surface, std::max(1, surface.face_count() / kFacesABoundProxy), job, {.threads = threads});
 }
 
 BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarchy, const Components& components,
@@ -282,7 +282,7 @@ BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarch
   const Corners corners(surface, job);
   BoundedRegions bounded = Cutting(surface, corners, hierarchy, components, kFirstWidth * width, job).run(job);
   job.report(0.2);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kBoundRounds; ++round) {
     BoundedRegions fewer = bounded;
     if (round > 0) {
       detail::squeeze(surface, corners, need, width, fewer, job);
@@ -294,7 +294,7 @@ BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarch
     relax(surface, corners, bound, fewer, job);
     tighten(corners, width, false, fewer, job);
     bounded = std::move(fewer);
-    job.report(0.2 + 0.8 * (round + 1) / kRounds);
+    job.report(0.2 + 0.8 * (round + 1) / kBoundRounds);
   }
   tighten(corners, width, true, bounded, job);
   return bounded;

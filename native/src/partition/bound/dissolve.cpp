@@ -10,9 +10,9 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kPasses = 6;                 // limit
-constexpr std::size_t kPollEvery = 0x7ff;  // work
-constexpr std::size_t kProbes = 16;        // work: faces tested before a whole region is
+constexpr int kPasses = 6;                        // limit
+constexpr std::size_t kDissolvePollMask = 0x7ff;  // work
+constexpr std::size_t kProbes = 16;               // work: faces tested before a whole region is
 
 /// The faces of each region, in rising order.
 std::vector<std::vector<std::int32_t>> faces_of(const BoundedRegions& bounded) {
@@ -218,7 +218,7 @@ Corners::Corners(const Surface& surface, Job& job)
   std::vector<std::int32_t> number(mesh.vertices().size(), kNone);
   vertex_.reserve(number.size());
   for (std::int32_t i = 0; i < graph_.size(); ++i) {
-    if ((i & kPollEvery) == 0) job.poll();
+    if ((i & kDissolvePollMask) == 0) job.poll();
     const Triangle& t = mesh.triangles()[graph_.mesh_face[i]];
     for (int k = 0; k < 3; ++k) {
       std::int32_t& v = number[t[k]];
@@ -235,7 +235,7 @@ std::vector<std::vector<std::int32_t>> Corners::points_of(const BoundedRegions& 
   std::vector<std::vector<std::int32_t>> points(bounded.slab.size());
   std::vector<std::int32_t> latest(vertex_.size(), kNone);  // the last region with each vertex
   for (std::size_t i = 0; i < corner_.size(); ++i) {
-    if ((i & kPollEvery) == 0) job.poll();
+    if ((i & kDissolvePollMask) == 0) job.poll();
     const std::int32_t r = bounded.regions.label[i];
     if (r == kNone) continue;
     for (const std::int32_t v : corner_[i])

@@ -9,7 +9,7 @@ namespace isimp::detail {
 namespace {
 
 // tuned bound
-constexpr int kRounds = 12;         // rounds of reweighting the points
+constexpr int kSlabRounds = 12;     // rounds of reweighting the points
 constexpr double kLeastTurn = 0.8;  // cosine: planes stay nearer than that to the mean normal
 constexpr double kHopeless = 1.5;   // times the allowed width: no turning mends that
 constexpr int kLooks = 5;           // passes over all points to make them fit
@@ -68,7 +68,7 @@ Slab narrowest(std::span<const Vec3> points, const Vec3& from, double enough) {
   for (const Vec3& p : points) reach = std::max(reach, (p - middle).norm());
   if (!(reach > 0)) return best;
   std::vector<double> weight(points.size(), 1.0);
-  for (int round = 0; round < kRounds && best.width() > enough; ++round) {
+  for (int round = 0; round < kSlabRounds && best.width() > enough; ++round) {
     Eigen::Matrix3d normal_matrix = 1e-9 * Eigen::Matrix3d::Identity();
     Vec3 rhs = Vec3::Zero();
     double total = 0.0;

@@ -23,14 +23,14 @@ constexpr double kFloor = 0.1;          // share of the mean that is added to ea
 constexpr double kMost = 8.0;           // largest factor on the density
 
 /// Faces, or clusters of a few, that normals spread over.
-struct Field {
+struct NormalField {
   MergeGraph graph;  ///< its sums: of area * normal
   std::vector<float> area;
   std::vector<std::int32_t> cluster;  ///< (n) of each face
 };
 
-Field faces_of(const FaceGraph& faces, Job& job) {
-  Field field;
+NormalField faces_of(const FaceGraph& faces, Job& job) {
+  NormalField field;
   const Array<FaceRecord> filtered =
       filtered_faces(faces, kFilterPasses, filter_range(median_bend(faces)), Threads(1), job);
   const std::int32_t n = faces.size();
@@ -50,7 +50,7 @@ Field faces_of(const FaceGraph& faces, Job& job) {
 }
 
 /// Joins each cluster with a neighbour that is still alone, the smallest.
-void join_pairs(Field& field, const Threads& threads, Job& job) {
+void join_pairs(NormalField& field, const Threads& threads, Job& job) {
   const std::int32_t n = field.graph.size();
   std::vector<std::int32_t> map(static_cast<std::size_t>(n), kNone);
   std::int32_t count = 0;
@@ -71,7 +71,7 @@ void join_pairs(Field& field, const Threads& threads, Job& job) {
 }
 
 /// The deviation of the normals around each cluster: 1 - the length of their mean.
-std::vector<double> roughness(const Field& field, int steps, Job& job) {
+std::vector<double> roughness(const NormalField& field, int steps, Job& job) {
   const MergeGraph& graph = field.graph;
   std::vector<Vec3> now(graph.sum.size()), next(graph.sum.size());
   for (std::size_t u = 0; u < now.size(); ++u)
@@ -114,7 +114,7 @@ double quantile(const std::vector<double>& values, const std::vector<float>& are
 
 std::vector<float> adaptive_weights(const Surface& surface, double adaptivity, const Threads& threads, Job& job) {
   const Mesh& mesh = surface.mesh();
-  Field field = [&] {
+  NormalField field = [&] {
     const Job::Stage smoothing(job, "finding details", 0.0, 0.6);
     return faces_of(surface.graph(), job);
   }();

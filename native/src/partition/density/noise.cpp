@@ -8,17 +8,18 @@
 #include <utility>
 #include <vector>
 
+#include "parts.h"
+
 namespace isimp {
 namespace {
 
 constexpr double kMedianOfNormal = 0.6745;  // unit: median of |x|, x normal with deviation 1
 constexpr double kTwiceUmbrella = 1.359;    // unit: deviation of the remainder of such noise where six edges meet
 // tuned noise
-constexpr double kMostNoise = 0.5;           // share of an edge's length
-constexpr std::size_t kFewest = 250;         // vertices; a mesh of fewer is no scan
-constexpr std::int32_t kPollEvery = 0xffff;  // work
-constexpr std::int32_t kSample = 20000;      // work: vertices that show whether there is noise
-constexpr double kClear = 2;                 // the sample decides if it differs from the limit by this factor
+constexpr double kMostNoise = 0.5;       // share of an edge's length
+constexpr std::size_t kFewest = 250;     // vertices; a mesh of fewer is no scan
+constexpr std::int32_t kSample = 20000;  // work: vertices that show whether there is noise
+constexpr double kClear = 2;             // the sample decides if it differs from the limit by this factor
 // tuned grids
 constexpr double kOfCell = 0.12;  // share of the cell of a grid that is left of its steps
 
@@ -89,7 +90,7 @@ double median_along(const Mesh& mesh, std::int32_t step, const Value& value, con
   std::vector<double> lengths(static_cast<std::size_t>((mesh.vertex_count() - 1) / step + 1), kOutside);
   threads.run(static_cast<std::int32_t>(lengths.size()), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i) {
-      if ((i & kPollEvery) == 0) job.poll();
+      if ((i & kPollMask) == 0) job.poll();
       const std::int32_t v = i * step;
       if (!is_inner(mesh, v)) continue;
       const Vec3 normal = normal_at(mesh, v);
@@ -107,7 +108,7 @@ template <class Value>
 double growth_of(const Mesh& mesh, const Value& value, Job& job) {
   std::vector<std::pair<double, double>> found;  // mean edge, length along the normal
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
-    if ((v & kPollEvery) == 0) job.poll();
+    if ((v & kPollMask) == 0) job.poll();
     if (!is_inner(mesh, v)) continue;
     const Vec3 normal = normal_at(mesh, v);
     if (!(normal.norm() > 0)) continue;
@@ -168,7 +169,7 @@ double estimate_noise(const Mesh& mesh, const Threads& threads, Job& job) {
   std::vector<Vec3> once(vertices.size(), Vec3::Zero());
   threads.run(mesh.vertex_count(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     for (std::int32_t v = begin; v < end; ++v) {
-      if ((v & kPollEvery) == 0) job.poll();
+      if ((v & kPollMask) == 0) job.poll();
       if (mesh.vertex_halfedge()[v] != kNone) once[v] = umbrella_at(mesh, v, place);
     }
   });

@@ -16,7 +16,7 @@ constexpr double kSlack = 16.0;  // a gap counts no further than this factor of 
 constexpr double kRatio = 2.0;     // least ratio of costs
 constexpr double kSurprise = 4.0;  // excess over ln(W + 1), about the largest of W + 1 exponential draws
 // tuned counts
-constexpr double kSpread = 1.2;  // the number of regions is a mean over tolerances from t / kSpread to t kSpread
+constexpr double kAround = 1.2;  // the number of regions is a mean over tolerances from t / kAround to t kAround
 constexpr int kSamples = 8;      // tolerances on either side of t
 constexpr double kFew = 20;      // fewer regions may be the shape's own number, and no mean is computed
 
@@ -28,7 +28,7 @@ double mean_cut(std::span<const double> falling, std::int32_t components, double
     const auto end = std::lower_bound(falling.begin(), falling.end(), cost, std::greater<>());
     return components + static_cast<double>(end - falling.begin());
   };
-  const double spread = std::min(std::log(kSpread), std::log(tolerance / std::max(finest, kNoise * noise)));
+  const double spread = std::min(std::log(kAround), std::log(tolerance / std::max(finest, kNoiseDeviations * noise)));
   if (!(spread > 0) || regions(limit) < kFew) return limit;
   double sum = 0;
   for (int i = -kSamples; i <= kSamples; ++i)

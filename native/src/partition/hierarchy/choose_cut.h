@@ -8,7 +8,7 @@ namespace isimp {
 
 // tuned houses
 /// Deviations of the noise that count as tolerance: regions that differ by less are one.
-inline constexpr double kNoise = 2.4;
+inline constexpr double kNoiseDeviations = 2.4;
 /// Deviations below which all is noise: faces merge up to here by their filtered normals, and the search for gaps
 /// begins here.
 // tuned found
@@ -22,7 +22,7 @@ inline constexpr double kNoCost = 1e-9;  // rounding
 /// plane is off by at most L a / 8, a quarter of the root. t does not fall below `deviations` of the noise.
 /// \param tolerance, noise  t and the noise's standard deviation, scene units
 /// \return scene units squared
-double merge_limit(double tolerance, double noise, double deviations = kNoise);
+double merge_limit(double tolerance, double noise, double deviations = kNoiseDeviations);
 
 /// The cut of a merge tree.
 struct Cut {

@@ -19,7 +19,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 30;  // limit: sweeps of relaxation
+constexpr int kTreeSweeps = 30;  // limit: sweeps of relaxation
 // tuned found
 constexpr double kBorder = 0.018;       // weight of an edge between regions, in mean face areas
 constexpr double kNoisyBorder = 0.115;  // added to it where normals are all noise
@@ -28,9 +28,9 @@ constexpr double kFaded = 0.25;             // share of its cost that the smooth
 constexpr std::size_t kMostCosts = 20000;   // limit
 constexpr std::int32_t kManyFaces = 50000;  // work: from here on many small patches merge at once
 // tuned found
-constexpr std::int32_t kFacesAProxy = 96;  // for patches of 6 faces
-constexpr double kUsual = 0.7;             // quantile of the best prices of neighbours: twice that merges at once
-constexpr double kFar = 1.0 / 16;          // share of the limit up to which faces merge by that
+constexpr std::int32_t kFacesATreeProxy = 96;  // for patches of 6 faces
+constexpr double kUsual = 0.7;                 // quantile of the best prices of neighbours: twice that merges at once
+constexpr double kFar = 1.0 / 16;              // share of the limit up to which faces merge by that
 
 std::vector<std::int32_t> components_of_faces(const Surface& surface) {
   std::vector<std::int32_t> component;
@@ -78,7 +78,7 @@ double usual_price(const MergeGraph& graph) {
 /// merge at once, in the hierarchy of the smooth surface, until most merges cost a good part of the limit.
 Start start_from_patches(const Surface& surface, std::span<const FaceRecord> smooth, double limit, std::int32_t threads,
                          Job& job) {
-  const Hierarchy h = build_hierarchy(surface, surface.face_count() / kFacesAProxy, job,
+  const Hierarchy h = build_hierarchy(surface, surface.face_count() / kFacesATreeProxy, job,
                                       {.threads = threads, .faces = smooth, .most = limit});
   std::size_t level = 0;
   while (level + 1 < h.level.size() && usual_price(h.level[level + 1]) < kFar * limit) ++level;
@@ -237,7 +237,7 @@ void DetailTree::make_patches(const Surface& surface, std::int32_t thread_count,
 void DetailTree::relax_patches(const FaceGraph& graph, Job& job) {
   Relaxation<GraphLabels> relaxation(graph, {patches_.label.data()}, patches_.sum, border_weight_of(bend_));
   for (const std::int32_t i : borders_) relaxation.push(i);
-  relaxation.run(kSweeps, job);
+  relaxation.run(kTreeSweeps, job);
   borders_.clear();
   for (const std::int32_t i : relaxation.pushed())
     if (relaxation.on_border(i)) borders_.push_back(i);
@@ -291,7 +291,7 @@ Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Thread
   for (bool merges = true; merges;) {
     Relaxation<GraphLabels> relaxation(graph, {result.label.data()}, result.sum, border, threads);
     near = push_beside(graph, result.label, near, changed, relaxation);
-    relaxation.run(kSweeps, job);
+    relaxation.run(kTreeSweeps, job);
     near.insert(near.end(), relaxation.pushed().begin(), relaxation.pushed().end());
     const MergeTree more =
         merge_all(clusters_of(graph, result, component, near, threads), {.cost = cut.cost / area_, .need = need_}, job);

@@ -14,8 +14,8 @@ namespace {
 // work: A cluster with at least this many neighbours is a hub. All values from 32 to 1024 are about as fast; a scan without
 // such clusters merges as if there were none.
 constexpr std::int32_t kManyAround = 256;
-constexpr double kMargin = 0.125;    // work: share of the price, by which a lower bound is below it
-constexpr double kRounding = 4e-16;  // rounding: share of the lengths in a price
+constexpr double kPriceMargin = 0.125;  // work: share of the price, by which a lower bound is below it
+constexpr double kRounding = 4e-16;     // rounding: share of the lengths in a price
 
 /// Greedy merging. Every cluster stores its cheapest partner, and a heap holds one live entry a cluster.
 ///
@@ -168,7 +168,7 @@ class Greedy {
   void leave_margin(std::int32_t u) {
     Node& node = node_[u];
     const double above = heap_.empty() ? 0.0 : node.price - heap_.front().first;
-    const double margin = std::min(kMargin * std::abs(node.price), above / 2);
+    const double margin = std::min(kPriceMargin * std::abs(node.price), above / 2);
     if (!(margin > kRounding * (node.length + node_[node.partner].length))) return;
     node.price -= margin;
     node.partner_version = kNone;  // its price is only a lower bound

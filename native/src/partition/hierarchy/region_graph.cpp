@@ -23,7 +23,7 @@ std::int32_t entry(const MergeGraph& graph, std::int32_t region, std::int32_t ne
 constexpr std::int64_t kMostLength = std::int64_t{1}
                                      << 60;  // rounding: and of sums: edges of regions without area are all
                                              // longer
-constexpr std::size_t kAhead = 8;            // work: faces to prefetch ahead
+constexpr std::size_t kFacesAhead = 8;       // work: faces to prefetch ahead
 constexpr std::size_t kBorderOfPair = 16;    // work: border faces for each pair of regions, if there are few
 
 using Pairs = std::vector<std::pair<std::int32_t, std::int32_t>>;
@@ -75,7 +75,7 @@ void insert_pairs(const FaceGraph& graph, const std::vector<std::int32_t>& label
   std::pair<std::int32_t, std::int32_t> last(kNone, kNone);  // along a border the same pair occurs many times
   const std::size_t size = faces.size();
   for (std::size_t k = 0; k < size; ++k) {
-    if (k + kAhead < size) prefetch(&graph.neighbours[faces[k + kAhead]]);
+    if (k + kFacesAhead < size) prefetch(&graph.neighbours[faces[k + kFacesAhead]]);
     const std::int32_t own = label[faces[k]];
     if (own == kNone) continue;
     for (const std::int32_t j : graph.neighbours[faces[k]]) {
@@ -158,7 +158,7 @@ std::vector<double> border_lengths(const Surface& surface, const std::vector<std
     std::vector<std::int64_t>& sum = sums[piece];
     sum.assign(touching.neighbour.size(), 0);
     for (std::int32_t i = begin; i < end; ++i) {
-      if (const auto soon = static_cast<std::size_t>(i) + kAhead; soon < faces.size())
+      if (const auto soon = static_cast<std::size_t>(i) + kFacesAhead; soon < faces.size())
         prefetch(&graph.mesh_face[faces[soon]]);
       const std::int32_t own = label[faces[i]];
       for (int k = 0; k < 3; ++k) {

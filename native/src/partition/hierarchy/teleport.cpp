@@ -13,10 +13,9 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 200;  // limit: sweeps of the borders after a round; a face may have to grow over a whole
-                              // side
+constexpr int kTeleportSweeps = 200;  // limit: sweeps of the borders after a round; a face may have to grow over a side
 // tuned unrecorded
-constexpr double kMargin = 0.02;  // a move must gain this share more than it costs
+constexpr double kGainMargin = 0.02;  // a move must gain this share more than it costs
 constexpr std::int64_t kRenewals =
     16;  // limit: faces in repeated splits, in all, as a multiple of the surface's: one large
          // region with hundreds around it would try for long
@@ -131,7 +130,7 @@ bool Teleport::fill_up(Job& job) {
     order.push(rank(fresh));
   }
   relaxation_.refit();
-  relaxation_.run(kSweeps, job);
+  relaxation_.run(kTeleportSweeps, job);
   return true;
 }
 
@@ -172,7 +171,7 @@ bool Teleport::part_anew(std::int32_t region, std::int32_t other, Job& job) {
   regions_.sum[region].add(two);
   const double joining = regions_.sum[region].error() - one.error() - two.error();
   parted_gain_ = split(region, other, job);
-  if (parted_gain_ - joining > kMargin * joining + kLeastGain) {
+  if (parted_gain_ - joining > kGainMargin * joining + kLeastGain) {
     --count_[component_of(region)];
     accept_split(region, other);
     return true;
@@ -221,7 +220,7 @@ int Teleport::round(int tries, double least_ratio, Job& job) {
     const auto pair = std::find_if(cheapest, pairs.end(), free);
     if (cheapest == pairs.end() || failed >= tries) break;
     const double error = regions_.sum[region].error();
-    const double price = cheapest->cost * (1 + kMargin) + kLeastGain;
+    const double price = cheapest->cost * (1 + kGainMargin) + kLeastGain;
     if (error <= price || error < least_ratio * cheapest->cost) break;  // nor can any that follows gain enough
     if (tried_[region].error == error && tried_[region].gain <= price) continue;
     if (cheapest->u == region || cheapest->v == region) {
@@ -233,7 +232,7 @@ int Teleport::round(int tries, double least_ratio, Job& job) {
         continue;
       }
     }
-    if (pair != pairs.end() && move(*pair, region, pair->cost * (1 + kMargin) + kLeastGain, job)) {
+    if (pair != pairs.end() && move(*pair, region, pair->cost * (1 + kGainMargin) + kLeastGain, job)) {
       used[pair->u] = used[pair->v] = used[region] = true;
       failed = 0;
       ++moves;
@@ -243,7 +242,7 @@ int Teleport::round(int tries, double least_ratio, Job& job) {
   }
   if (moves == 0) return 0;
   relaxation_.refit();
-  relaxation_.run(kSweeps, job);
+  relaxation_.run(kTeleportSweeps, job);
   return moves;
 }
 
@@ -298,7 +297,7 @@ int Teleport::renew(int tries, double least_ratio, Job& job) {
   }
   if (moves == 0) return 0;
   relaxation_.refit();
-  relaxation_.run(kSweeps, job);
+  relaxation_.run(kTeleportSweeps, job);
   return moves;
 }
 
