@@ -28,6 +28,11 @@
 #include "sharp_edges.h"
 
 namespace isimp {
+namespace {
+
+constexpr int kMoreRounds = 2;  // limit of partitions whose strips join until a given number of regions is left
+
+}  // namespace
 
 struct Partitioner::Kept {
   Guides guides;
@@ -123,13 +128,32 @@ Partition Partitioner::with_all_components(const PartitionOptions& options, cons
   std::optional<double> sharp_edges = options.sharp_edges;
   if (!sharp_edges && options.snap && result.tolerance > 0 && is_of_planes(*mesh_, result)) sharp_edges = 0.0;
   if (sharp_edges && !options.curved && whole && !options.bound)
-    if (const auto labels = without_strips(*mesh_, result, *sharp_edges, job)) {
-      Partition sharp = inherited(partition_from(Surface(*mesh_, result.guided), *labels, job), result);
-      sharp.proxies_asked = std::min(sharp.proxies_asked, sharp.region_count());
-      result = std::move(sharp);
-    }
+    result = with_sharp_edges(std::move(result), *sharp_edges, options, constraints, job);
   ISIMP_ASSERT(broken_promise(Surface(*mesh_, result.guided), result).empty(), "a partition keeps its promises");
   return result;
+}
+
+/// Joins strips of edges with the adjacent planes. Where the number of regions is given, as many more are made first as
+/// join, so that this number is left: the second time the widest strips stay for it.
+Partition Partitioner::with_sharp_edges(Partition part, double width, const PartitionOptions& options,
+                                        const Constraints& constraints, Job& job) const {
+  const auto sharpened = [&](const Partition& of, std::int32_t least) {
+    const auto labels = without_strips(*mesh_, of, width, least, job);
+    return labels ? inherited(partition_from(Surface(*mesh_, of.guided), *labels, job), of) : of;
+  };
+  const std::int32_t asked = part.region_count();
+  Partition sharp = sharpened(part, 1);
+  std::int32_t joined = asked - sharp.region_count();
+  PartitionOptions more = options;
+  for (int round = 0; options.proxies && round < kMoreRounds && sharp.region_count() < asked; ++round) {
+    more.proxies = std::min(asked + joined, mesh_->face_count());
+    const Partition finer = by_planes(more, constraints, job);
+    Partition next = sharpened(finer, round + 1 < kMoreRounds ? 1 : asked);
+    joined = finer.region_count() - next.region_count();
+    if (next.region_count() <= asked) sharp = std::move(next);
+  }
+  sharp.proxies_asked = std::min(part.proxies_asked, sharp.region_count());
+  return sharp;
 }
 
 Partition Partitioner::with_round_parts(const PartitionOptions& options, const Constraints& constraints,

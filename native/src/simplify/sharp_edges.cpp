@@ -47,8 +47,8 @@ struct Region {
 
 class Sharpener {
  public:
-  Sharpener(const Mesh& mesh, std::vector<std::int32_t> labels, double width, Job& job)
-      : mesh_(mesh), width_(width), job_(job), label_(std::move(labels)) {
+  Sharpener(const Mesh& mesh, std::vector<std::int32_t> labels, double width, std::int32_t spare, Job& job)
+      : mesh_(mesh), width_(width), spare_(static_cast<std::size_t>(spare)), job_(job), label_(std::move(labels)) {
     const auto count = static_cast<std::size_t>(mesh.face_count());
     centre_.reserve(count);
     vector_.reserve(count);
@@ -67,11 +67,13 @@ class Sharpener {
       measure();
       std::vector<std::int32_t> strips = find_strips();
       std::erase_if(strips, [&](std::int32_t r) { return stay.contains(r); });
+      strips.resize(std::min(strips.size(), spare_));
       if (strips.empty()) break;
       const std::vector<std::int32_t> before = label_;
       flood(strips);
       const std::size_t back = take_back(strips, before, stay);
       join_pieces();
+      spare_ -= strips.size() - back;
       any = any || back < strips.size();
       if (back == strips.size()) break;
     }
@@ -257,6 +259,7 @@ class Sharpener {
 
   const Mesh& mesh_;
   double width_;
+  std::size_t spare_;  // strips that may join
   Job& job_;
   std::vector<std::int32_t> label_;
   std::vector<Vec3> centre_, vector_;
@@ -267,10 +270,11 @@ class Sharpener {
 }  // namespace
 
 std::optional<std::vector<std::int32_t>> without_strips(const Mesh& mesh, const Partition& partition, double width,
-                                                        Job& job) {
+                                                        std::int32_t least, Job& job) {
   const double wide = width > 0 ? width : kEdges * mean_edge(mesh);
-  if (!(wide > 0) || partition.region_count() < 2) return std::nullopt;
-  Sharpener sharpener(mesh, partition.face_region, wide, job);
+  const std::int32_t spare = partition.region_count() - std::max(least, 1);
+  if (!(wide > 0) || spare < 1) return std::nullopt;
+  Sharpener sharpener(mesh, partition.face_region, wide, spare, job);
   if (!sharpener.run()) return std::nullopt;
   return std::move(sharpener).take_labels();
 }

@@ -18,10 +18,11 @@ namespace isimp {
 /// fitted robustly. A strip is restored if its faces are further than half the width from those planes. At most three
 /// rounds.
 /// \param width  scene units; 0: three mean edges, since a narrower strip of a scan is no different from an edge
+/// \param least  number of regions that are left at least: the narrowest strips join first
 /// \return (F) labels, each region connected; nothing where no region is a strip
 /// Cost: O(F), and O(f log f) for f faces of strips.
 std::optional<std::vector<std::int32_t>> without_strips(const Mesh& mesh, const Partition& partition, double width,
-                                                        Job& job);
+                                                        std::int32_t least, Job& job);
 
 /// Whether regions from a detail are flat below the scan's noise, as on things made of planes: half of the area is
 /// nearer to the planes of its regions than the noise's standard deviation, and a region has a hundred faces in the

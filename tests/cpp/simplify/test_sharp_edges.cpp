@@ -47,15 +47,22 @@ std::pair<Mesh, Partition> bent(const std::vector<double>& widths, const std::ve
   return {std::move(mesh), labelled::by(std::move(region))};
 }
 
-std::size_t regions_left(const std::vector<double>& widths, const std::vector<double>& degrees) {
+std::size_t regions_left(const std::vector<double>& widths, const std::vector<double>& degrees,
+                         std::int32_t least = 1) {
   const auto [mesh, partition] = bent(widths, degrees);
   Job job;
-  const auto labels = without_strips(mesh, partition, 3, job);
+  const auto labels = without_strips(mesh, partition, 3, least, job);
   const std::vector<std::int32_t>& found = labels ? *labels : partition.face_region;
   return std::set<std::int32_t>(found.begin(), found.end()).size();
 }
 
 TEST(SharpEdges, AStripJoinsThePlanesOnItsSides) { EXPECT_EQ(regions_left({20, 1.2, 20}, {0, 45, 90}), 2U); }
+
+TEST(SharpEdges, AsManyRegionsAreLeftAsAreNeeded) {
+  const std::vector<double> widths{20, 1.2, 20, 1.4, 20}, degrees{0, 45, 90, 135, 180};
+  for (const std::int32_t least : {1, 3, 4, 5, 6})
+    EXPECT_EQ(regions_left(widths, degrees, least), std::clamp(least, 3, 5)) << least;
+}
 
 TEST(SharpEdges, TwoStripsAlongOneEdgeJoinThem) {
   EXPECT_EQ(regions_left({20, 1, 1, 20}, {0, 30, 60, 90}), 2U);

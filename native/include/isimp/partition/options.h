@@ -125,8 +125,9 @@ constexpr auto fields(const PartitionOptions*) {
       field("sharp_edges", &O::sharp_edges, at_least(0), Unit::length,
             "Rounded and dented edges become sharp: regions at edges that are narrower than this go to the planes "
             "beside them, in scene units. 0: three mean edges of the scan. None: the same where a detail finds a scan "
-            "of planes with noise and `snap` is on; else such regions stay. Not for a bound or a part of a "
-            "partition.")
+            "of planes with noise and `snap` is on; else such regions stay. An asked number of regions is left. Not "
+            "for a "
+            "bound or a part of a partition.")
           .shown("Edge Width",
                  "Regions at edges that are narrower than this go to the planes beside them, in the scan's units. 0: "
                  "three mean edges. Below 0: only where the scan is of planes",
