@@ -193,7 +193,7 @@ class Relaxation {
   /// Processes lists.current.
   /// \return number of moves
   template <class Regions>
-  std::int64_t sweep(Lists& lists, Regions& regions, const Reach& reach, std::vector<std::int32_t>* beyond, Job& job) {
+  std::int64_t sweep(Lists& lists, Regions& regions, const Reach& reach, std::vector<std::int32_t>& beyond, Job& job) {
     const FaceGraph& graph = moves_.graph;
     std::int64_t moves = 0;
     const std::size_t size = lists.current.size();
@@ -213,7 +213,7 @@ class Relaxation {
       const std::int32_t face = lists.current[i];
       const std::int32_t to = moves_.target(face, regions, reach);
       if (to == BorderMoves<Labels>::kBeyond) {  // stays queued, so that it is queued once
-        beyond->push_back(face);
+        beyond.push_back(face);
         continue;
       }
       state_[face] = kPushed;
@@ -235,7 +235,8 @@ class Relaxation {
     if (distances_ != nullptr && !distances_->knows_all()) sum_up_around(lists_.current);
     AllRegions regions{sums_, proxies_};
     const std::int32_t n = moves_.graph.size();
-    const std::int64_t moves = sweep(lists_, regions, {0, n, n}, nullptr, job);
+    std::vector<std::int32_t> none;  // all faces are within reach
+    const std::int64_t moves = sweep(lists_, regions, {0, n, n}, none, job);
     if (distances_ != nullptr) follow();
     return moves;
   }
@@ -292,7 +293,7 @@ class Relaxation {
         for (int k = 0; k < kSweepsOfBlock; ++k) {
           std::swap(block.lists.queue, block.lists.current);
           block.lists.queue.clear();
-          block.moves += sweep(block.lists, regions, reach, &block.beyond, job);
+          block.moves += sweep(block.lists, regions, reach, block.beyond, job);
         }
         block.changes = regions.changes.take();
       }
@@ -317,7 +318,8 @@ class Relaxation {
       for (const auto& [region, unused] : block.changes) proxies_[region] = BorderProxy::of(sums_[region]);
     AllRegions regions{sums_, proxies_};
     const std::int32_t n = moves_.graph.size();
-    moves += sweep(lists_, regions, {0, n, n}, nullptr, job);
+    std::vector<std::int32_t> none;
+    moves += sweep(lists_, regions, {0, n, n}, none, job);
     if (distances_ != nullptr) follow();
     return moves;
   }
