@@ -30,7 +30,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kMoreRounds = 2;  // limit of partitions whose strips join until a given number of regions is left
+constexpr int kMoreRounds = 2;  // limit: partitions whose strips join until a given number of regions is left
 
 }  // namespace
 
