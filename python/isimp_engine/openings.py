@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from ._core import (
     CleanOptions,
     Job,
@@ -46,6 +48,7 @@ class Lengths:
 
 
 NOTHING = Lengths()
+_HANDLE = 5.0  #: mean edges: the longest loop through a wall that was too thin for the grid that it was cut on
 
 
 def lengths(mesh: Mesh, regions: int, job: Job | None = None, options: PartitionOptions | None = None) -> Lengths:
@@ -67,6 +70,16 @@ def closed_for(mesh: Mesh, regions: int) -> Mesh:
     Raises InvalidInput (regions below 1). Cost: see `close_openings`.
     """
     return lengths(mesh, regions).closed(mesh)
+
+
+def lengths_of_grid(mesh: Mesh, options: PartitionOptions, job: Job | None = None) -> Lengths:
+    """The lengths for a mesh cut on a grid, which leaves handles in walls thinner than a cell. Cost: O(V + F)."""
+    report = mesh.report
+    if report["euler"] == 2 * report["components"]:
+        return NOTHING
+    corners = mesh.vertices[mesh.triangles]
+    edge = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
+    return Lengths(handles=_HANDLE * edge, left_out=_left_out_count(mesh, options, job))
 
 
 def lengths_for(

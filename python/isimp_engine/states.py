@@ -12,7 +12,7 @@ from . import recipes
 from ._core import CleanOptions, InvalidInput, Job, Partition, PartitionOptions, partition
 from .guided import Guides, partition_guided
 from .jobs import Steps
-from .openings import NOTHING, Lengths, lengths_for
+from .openings import NOTHING, Lengths, lengths_for, lengths_of_grid
 from .parts import weights_of
 from .repairs import Meshes, Repair, Repaired
 from .settings import OptionError
@@ -91,6 +91,8 @@ def partitioned(wanted: Split, source: Source, meshes: Meshes, steps: Steps, bef
         if closes:
             with steps("clean") as job, refused():
                 lengths = _lengths(repaired, options, regions, job)
+                if not lengths and wanted.repair.options.outside_only:
+                    lengths = lengths_of_grid(repaired.mesh, options, job)
             if lengths:
                 repaired = meshes.repaired(source, replace(wanted.repair, lengths=lengths), steps)
         with steps("partition") as job, refused():

@@ -75,6 +75,15 @@ def test_drawn_models_keep_their_openings(tmp_path):
     assert report["mesh"]["euler"] == -32
 
 
+def test_a_mesh_cut_on_a_grid_loses_handles_of_walls_thinner_than_a_cell():
+    for size, euler in ((1, 2), (2, -16)):
+        scan = shapes.voxels(shapes.plate(3, 3, 1, size=size))
+        found = engine.simplify(scan, preset="generated")
+        assert found.mesh.report["euler"] == euler
+        assert len(found.mesh.openings) == (9 if size == 1 else 0)
+        assert engine.simplify(scan).mesh.report["euler"] == -16
+
+
 def test_more_regions_show_more_openings(tmp_path):
     few, _ = simplified(tmp_path, shapes.room(16), "--proxies=30")
     many, _ = simplified(tmp_path, shapes.room(16), "--proxies=2000")
