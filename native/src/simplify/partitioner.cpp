@@ -128,14 +128,14 @@ Partition Partitioner::with_all_components(const PartitionOptions& options, cons
   std::optional<double> sharp_edges = options.sharp_edges;
   if (!sharp_edges && options.snap && result.tolerance > 0 && is_of_planes(*mesh_, result)) sharp_edges = 0.0;
   if (sharp_edges && !options.curved && whole && !options.bound)
-    result = with_sharp_edges(std::move(result), *sharp_edges, options, constraints, job);
+    result = with_sharp_edges(result, *sharp_edges, options, constraints, job);
   ISIMP_ASSERT(broken_promise(Surface(*mesh_, result.guided), result).empty(), "a partition keeps its promises");
   return result;
 }
 
 /// Joins strips of edges with the adjacent planes. Where the number of regions is given, as many more are made first as
 /// join, so that this number is left: the second time the widest strips stay for it.
-Partition Partitioner::with_sharp_edges(Partition part, double width, const PartitionOptions& options,
+Partition Partitioner::with_sharp_edges(const Partition& part, double width, const PartitionOptions& options,
                                         const Constraints& constraints, Job& job) const {
   const auto sharpened = [&](const Partition& of, std::int32_t least) {
     const auto labels = without_strips(*mesh_, of, width, least, job);

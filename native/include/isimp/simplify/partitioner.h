@@ -84,7 +84,7 @@ class Partitioner {
   void keep(const Kept& kept) const;
   [[nodiscard]] Prepared prepare(Guides guides, double adaptivity, Job& job) const;
   [[nodiscard]] std::shared_ptr<const Submesh> submesh(std::span<const std::int32_t> open, Job& job) const;
-  Partition with_sharp_edges(Partition part, double width, const PartitionOptions& options,
+  Partition with_sharp_edges(const Partition& part, double width, const PartitionOptions& options,
                              const Constraints& constraints, Job& job) const;
   Partition with_round_parts(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
   Partition by_planes(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
