@@ -22,6 +22,7 @@ struct Nearness {
   double distance = 0;  ///< scene units
   double turn = 0;      ///< radians, of the normal
   double size = 0;      ///< diagonal of the mesh
+  double noise = 0;     ///< standard deviation of the scan's noise, scene units
 };
 
 /// The share of a full turn about an axis that some samples cover.

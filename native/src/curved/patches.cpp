@@ -151,7 +151,7 @@ void add_extrusions(const Faces& faces, Scene& scene, std::vector<bool>& kept, J
 Scene find_patches(const Faces& faces, const Partition& part, std::span<const std::int32_t> small,
                    const RoundLengths& lengths, std::span<const std::uint8_t> stays, Job& job) {
   const Nearness near{std::max(kOfTolerance * lengths.tolerance, kOfNoise * lengths.noise), kNearTurn,
-                      faces.mesh().diagonal()};
+                      faces.mesh().diagonal(), lengths.noise};
   std::vector<std::uint8_t> locked;
   if (!part.region_locked.empty() || !stays.empty()) {
     locked.resize(static_cast<std::size_t>(faces.size()));
