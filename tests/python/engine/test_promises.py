@@ -190,7 +190,7 @@ def test_families_come_out_sound(name, proxies):
 # the others are tried with several numbers, and count together.
 @pytest.mark.parametrize(
     ("runs", "most"),
-    [({"genus 3": (5, 8, 10), "genus 2, noisy": (4, 6, 8)}, 65), ({"plate of sixteen holes": (4,)}, 75)],
+    [({"genus 3": (5, 8, 10), "genus 2, noisy": (4, 6, 8)}, 67), ({"plate of sixteen holes": (4,)}, 75)],
     ids=["bodies with holes", "plate of sixteen holes"],
 )
 def test_what_was_split_beyond_need_is_taken_back(runs, most):

@@ -50,7 +50,7 @@ def test_regions_are_made_again_only_if_it_is_known_how(monkeypatch):
 
 
 def test_one_job_shows_how_far_all_the_tries_are(monkeypatch):
-    monkeypatch.setattr(within, "SLACK", 0.8)
+    monkeypatch.setattr(within, "SLACK", 0.7)
     mesh, options, job, seen = engine.Mesh(*shapes.torus(48, 24)), engine.PartitionOptions(bound=0.05), engine.Job(), []
     real = within.polygonize
     monkeypatch.setattr(

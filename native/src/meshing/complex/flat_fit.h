@@ -9,10 +9,9 @@
 
 namespace isimp::meshing {
 
-// The weights of the energy of places (placement.h). The mean square distance of a chart from the plane of its polygon
-// weighs 1.
-constexpr double kOfBend = 6;    ///< tuned places: mean square distance of the polygon's corners from its plane
-constexpr double kOfTie = 0.06;  ///< tuned places: square distance of a corner from its place at the start
+/// tuned places: weight of the mean square distance of a polygon's corners from its plane (placement.h), where that of its
+/// chart weighs 1.
+constexpr double kOfBend = 6;
 
 // tuned shapes
 /// A corner may move by this times the length of its shortest edge.

@@ -16,8 +16,6 @@ namespace {
 constexpr double kTruncate = 0.2;    ///< held planes whose eigenvalues have a smaller share of the largest fix no place
 constexpr double kOfShortest = 0.5;  ///< share of the shortest edge: the furthest move of a corner to where cells meet
 constexpr double kMeets = 1e-6;      ///< rounding: share of the shortest edge: the distance at which planes meet
-// tuned joins
-constexpr double kJoined = 0.5;  ///< share of the usual tie at a corner of over three polygons, one of two junctions
 
 // The least work that is worth another thread:
 constexpr std::int32_t kPlaced = 64;   ///< work: corners that are placed
@@ -133,7 +131,8 @@ Anchor anchor_of(std::span<const Plane> planes, const Polygons& polygons, std::i
 }
 
 /// The place of least energy of corner i of a group for the planes of its polygons.
-Vec3 place_of_least(const CornerGroup& g, std::int32_t i) {
+/// \param tie  the area that ties it to its place at the start
+Vec3 place_of_least(const CornerGroup& g, std::int32_t i, double tie) {
   const Anchor& anchor = g.anchors[i];
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
   Vec3 r = Vec3::Zero();
@@ -145,9 +144,7 @@ Vec3 place_of_least(const CornerGroup& g, std::int32_t i) {
     r += g.weight[k] * g.fits[k].normal.dot(g.fits[k].centre - anchor.at) * n;
   }
   if (!(area > 0)) return anchor.at;
-  const double share = g.round_of(i).size() > 3 ? kJoined : 1;
-  const double tie = area * share * kOfTie / kOfBend;
-  const Vec3 step = (a + tie * Eigen::Matrix3d::Identity()).inverse() * r;
+  const Vec3 step = (a + tie / kOfBend * Eigen::Matrix3d::Identity()).inverse() * r;
   return within(anchor.at + step, anchor.centre, anchor.radius);
 }
 
@@ -172,6 +169,7 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
     for (const std::int32_t c : g.corners)
       g.anchors.push_back(anchor_of(planes, polygons, c, mesh.vertices()[corners.vertex[c]], corners));
   const std::span<Vec3> position = corners.position.edit_all(moving);
+  const double tie = mesh.graph().area / mesh.vertex_count();
   const double still = corners.still * corners.still;
   // Large groups come first, so that no thread is left with one at the end.
   std::stable_sort(groups.begin(), groups.end(),
@@ -185,7 +183,7 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
   const auto move = [&](CornerGroup& g, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i) {
       const std::int32_t c = g.corners[i];
-      const Vec3 to = place_of_least(g, i);
+      const Vec3 to = place_of_least(g, i, tie);
       if ((to - position[c]).squaredNorm() >= still) position[c] = to;
     }
   };

@@ -20,7 +20,9 @@ namespace isimp::meshing {
 namespace {
 
 // tuned joins
-constexpr int kChordPasses = 2;     ///< over all chords
+constexpr int kChordPasses = 2;  ///< over all chords
+constexpr double kToPoint =
+    0.01;  ///< weight of a joined corner's distance from the point, where that from a plane weighs 1
 constexpr double kCellMiss = 1e-6;  ///< rounding: how far cells' planes may miss a place, of the size
 // The energy of polygons, in edges: an edge is worth a mean square distance of kEdgePrice square deviations of the scan along
 // the side of a chart. A full turn by which reflex corners open too far is worth kOfReflex edges, and a full turn that sharp
@@ -251,7 +253,7 @@ class Joiner {
       const auto misses = [&](const Plane* p) { return std::abs(p->normal.dot(at - p->centre)) > kCellMiss * size_; };
       if (std::any_of(cells.begin(), cells.end(), misses)) return {};
     }
-    Eigen::Matrix3d a = kOfTie / kOfBend * Eigen::Matrix3d::Identity();
+    Eigen::Matrix3d a = kToPoint * Eigen::Matrix3d::Identity();
     Vec3 r = Vec3::Zero();
     for (const std::int32_t l : charts) {
       const Vec3 n = free * planes_[l].normal;
