@@ -618,7 +618,8 @@ def test_a_ball_of_few_squares_is_a_sphere_and_a_prism_keeps_its_sides():
 
 
 def test_a_socket_of_six_sides_stays_planes_under_noise():
-    vertices, triangles = finer(*turned([(0.4, 0), (0.4, 0.5), (0.16, 0.5), (0.06, 0.5), (0.06, 0.35), (0.06, 0.2)], 6), 4)
+    profile = [(0.4, 0), (0.4, 0.5), (0.16, 0.5), (0.06, 0.5), (0.06, 0.35), (0.06, 0.2)]
+    vertices, triangles = finer(*turned(profile, 6), 4)
     scan = round_shapes.with_noise(vertices, 0.002, 1), triangles
     part = engine.simplify(scan, curved=True).partition
     assert not part.curved
