@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <limits>
 #include <map>
 #include <random>
 #include <utility>
@@ -64,6 +66,57 @@ TEST(ManyHoles, FewHolesTakeTwoPolygons) {
   const PolygonMesh p = polygonize(mesh, one, {}, job);
   EXPECT_EQ(judge::defects_against(p, mesh, one), "");
   EXPECT_EQ(p.report.polygons, 2);
+}
+
+/// The plane of n by n squares without some of them.
+shapes::Arrays with_hole(int n, const std::function<bool(int x, int y)>& is_open) {
+  const shapes::Arrays whole = shapes::plane(n);
+  shapes::Arrays a{whole.vertices, {}};
+  for (const Triangle& t : whole.triangles) {
+    const Vec3 middle = n * (whole.vertices[t[0]] + whole.vertices[t[1]] + whole.vertices[t[2]]) / 3;
+    if (!is_open(static_cast<int>(middle.x()), static_cast<int>(middle.y()))) a.triangles.push_back(t);
+  }
+  return a;
+}
+
+/// The area of the smallest polygon.
+double least_area(const PolygonMesh& p) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const judge::Loop& loop : judge::polygons_of(p)) {
+    Vec3 area = Vec3::Zero();
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      area += p.vertices[loop[i]].cross(p.vertices[loop[(i + 1) % loop.size()]]) / 2;
+    least = std::min(least, area.norm());
+  }
+  return least;
+}
+
+/// Noise enlarges the area of a flat region by a fifth: it is a wall all the same. Its hole is cut from two corners to the
+/// next side.
+TEST(ManyHoles, ARoughWallIsCutAtCornersOfItsHole) {
+  shapes::Arrays flat = with_hole(60, [](int x, int y) { return x >= 6 && x < 14 && y >= 26 && y < 34; });
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0.0, 0.006);
+  for (Vec3& v : flat.vertices) v.z() += noise(random);
+  const Mesh mesh = shapes::mesh(flat);
+  const Partition one = labelled::single(mesh);
+  Job job;
+  const PolygonMesh p = polygonize(mesh, one, {}, job);
+  EXPECT_EQ(judge::defects_against(p, mesh, one), "");
+  EXPECT_EQ(p.report.polygons, 2);
+  EXPECT_NEAR(least_area(p), 6 * 8 / 3600.0, 3 / 3600.0);
+}
+
+/// The nearest corners of a hole are those of a notch. A strip between cuts from both would be a needle.
+TEST(ManyHoles, TheTwoCutsOfAHoleAreApart) {
+  const Mesh mesh = shapes::mesh(
+      with_hole(30, [](int x, int y) { return (x >= 7 && x < 13 && y >= 12 && y < 18) || (x == 6 && y == 15); }));
+  const Partition one = labelled::single(mesh);
+  Job job;
+  const PolygonMesh p = polygonize(mesh, one, {}, job);
+  EXPECT_EQ(judge::defects_against(p, mesh, one), "");
+  EXPECT_EQ(p.report.polygons, 2);
+  EXPECT_GE(least_area(p), 3 * 6 / 900.0);  // three squares wide, up to the side
 }
 
 /// A closed box of n by n cells with a square hole through the middle of each cell.

@@ -19,11 +19,13 @@ constexpr std::size_t kMostLoops = 64;  ///< limit: with more, the choice of cut
 // tuned walls
 constexpr double kThrough = 0.1;      ///< cost of the way across a hole, relative to a cut of that length
 constexpr double kCostLeftOut = 0.3;  ///< cost of a hole that the chain leaves out, in sqrt(area)
-constexpr double kOverlap = 0.5;      ///< least overlap of two holes of a row, as a share of the smaller one
-constexpr double kWide = 0.2;   ///< distance of a path from its straight cut at most, as a share of its length ...
-constexpr double kEdges = 3;    ///< ... but at least this number of edges of the mesh
-constexpr double kOffCut = 3;   ///< extra cost of each step of a path, times its distance from the straight cut
-constexpr int kChainTries = 4;  ///< limit: chains that are tried, each without the cuts that the mesh has no path for
+constexpr double kApart =
+    0.5;  ///< least distance of two cuts of one hole to the outline, as a share of its smaller side
+constexpr double kOverlap = 0.5;  ///< least overlap of two holes of a row, as a share of the smaller one
+constexpr double kWide = 0.2;     ///< distance of a path from its straight cut at most, as a share of its length ...
+constexpr double kEdges = 3;      ///< ... but at least this number of edges of the mesh
+constexpr double kOffCut = 3;     ///< extra cost of each step of a path, times its distance from the straight cut
+constexpr int kChainTries = 4;    ///< limit: chains that are tried, each without the cuts that the mesh has no path for
 
 /// A chain of cuts from the outline over holes back to it, as the two ends of each.
 using Chain = std::vector<std::array<LoopPlace, 2>>;
@@ -116,13 +118,17 @@ class Chains {
       for (std::size_t c = 0; c < n * kMost; ++c) {
         const std::size_t at = set * n * kMost + c, i = c / kMost;
         if (!std::isfinite(states[at].price)) continue;
+        const auto& [low, high] = wall_.box(holes[i]);
+        const double apart = kApart * (high - low).minCoeff();
         for (std::size_t d = i * kMost; d < (i + 1) * kMost && places_[d]; ++d) {
           if (d == c) continue;
-          const double so_far = states[at].price + kThrough * (places_[c]->at - places_[d]->at).norm();
+          const double through = (places_[c]->at - places_[d]->at).norm();
+          const double so_far = states[at].price + kThrough * through;
           const auto set_to = [&](WayThrough& to, double price) {
             to = {price, static_cast<std::int32_t>(at), static_cast<std::int32_t>(d % kMost)};
           };
-          if (so_far + outs_[d] < last.price) set_to(last, so_far + outs_[d]);
+          const bool is_strip = states[at].before == kNone && through < apart;  // between the two cuts
+          if (!is_strip && so_far + outs_[d] < last.price) set_to(last, so_far + outs_[d]);
           for (std::size_t j = 0; j < n; ++j) {
             if (!may_follow(set, j)) continue;
             for (std::size_t e = j * kMost; e < (j + 1) * kMost && places_[e]; ++e) {

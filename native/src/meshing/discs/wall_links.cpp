@@ -11,28 +11,36 @@ namespace isimp::meshing {
 namespace {
 
 // tuned walls
-constexpr double kFlatWall = 0.9;  ///< vector area over area, below which a chart is no wall
-constexpr double kMain = 0.5;      ///< share of the boundary, by square length, that must follow the main directions
-constexpr double kReach = 0.015;   ///< distance of a boundary from the edges between its corners, in sqrt(area)
-constexpr double kOfHole = 0.15;   ///< the same distance at most, as a share of the smaller side of a hole
-constexpr double kSlant = 6;       ///< extra cost per unit of the shorter of a cut's two extents
-constexpr double kFoot = 0.03;     ///< cost of a corner within an edge of the outline, in sqrt(area)
-constexpr double kSame = 0.03;     ///< sine of a slant that costs nothing: noise makes it
+/// Vector area over area, below which a chart is no wall. Of faces that look the same way the area in projection counts,
+/// since noise enlarges the area itself.
+constexpr double kFlatWall = 0.9;
+constexpr double kMain = 0.5;     ///< share of the boundary, by square length, that must follow the main directions
+constexpr double kReach = 0.015;  ///< distance of a boundary from the edges between its corners, in sqrt(area)
+constexpr double kOfHole = 0.15;  ///< the same distance at most, as a share of the smaller side of a hole
+constexpr double kSlant = 6;      ///< extra cost per unit of the shorter of a cut's two extents
+constexpr double kFoot = 0.03;    ///< cost of a corner within an edge of the outline, in sqrt(area)
+constexpr double kSame = 0.03;    ///< sine of a slant that costs nothing: noise makes it
 
 }  // namespace
 
 std::optional<Wall> Wall::find(const Labels& labels, std::span<const std::int32_t> faces, const Shape& shape) {
   const FaceGraph& graph = labels.mesh.graph();
+  const auto record = [&](std::int32_t f) -> const FaceRecord& { return graph.faces[graph.graph_face[f]]; };
   Vec3 sum = Vec3::Zero();
-  double area = 0;
+  double area = 0, projected = 0;
   for (const std::int32_t f : faces) {
-    const FaceRecord& r = graph.faces[graph.graph_face[f]];
+    const FaceRecord& r = record(f);
     sum += r.area * Vec3(r.nx, r.ny, r.nz);
     area += r.area;
   }
-  if (!(sum.norm() > kFlatWall * area) || shape.loops.size() < 2) return {};
-  Wall wall(labels);
   const Vec3 normal = sum.normalized();
+  for (const std::int32_t f : faces) {
+    const FaceRecord& r = record(f);
+    const double cosine = normal.dot(Vec3(r.nx, r.ny, r.nz));
+    projected += r.area * (cosine > kSameWay ? cosine : 1);
+  }
+  if (!(sum.norm() > kFlatWall * projected) || shape.loops.size() < 2) return {};
+  Wall wall(labels);
   int axis = 0;
   normal.cwiseAbs().minCoeff(&axis);
   wall.origin_ = labels.mesh.vertices()[labels.mesh.from(shape.loops[0][0])];
