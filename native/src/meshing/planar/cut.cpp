@@ -156,22 +156,34 @@ bool Cuts::cut(std::int32_t u) {
   const Rules rules{s_.planes[unit.chart].normal, thickness_};
   Triangulation triangles(unit, kept, draft_.at, rules, edges_);
   if (!triangles.find()) return false;
-  triangles.collect(cuts_[u]);
-  for (const Edge& e : cuts_[u]) edges_.add(e);
+  std::vector<Edge> cuts;
+  triangles.collect(cuts);
+  set(u, std::move(cuts));
   return true;
+}
+
+void Cuts::set(std::int32_t u, std::vector<Edge> cuts) {
+  for (const Edge& e : cuts_[u]) edges_.remove(e);
+  cuts_[u] = std::move(cuts);
+  for (const Edge& e : cuts_[u]) edges_.add(e);
 }
 
 std::vector<std::int32_t> Cuts::renew() {
   const std::vector<std::int32_t> dirty = draft_.dirty.take();
-  for (const std::int32_t u : dirty)
-    for (const Edge& e : std::exchange(cuts_[u], {})) edges_.remove(e);
-  std::vector<std::int32_t> charts, changed;
+  for (const std::int32_t u : dirty) set(u, {});
+  std::vector<std::int32_t> charts;
   for (const std::int32_t u : dirty) {
     const Unit& unit = draft_.units[u];
     uncut_[u] = !unit.left && !is_flat(unit.loop, draft_.at, draft_.places.diagonal) && !cut(u);
     charts.push_back(unit.chart);
   }
   sort_unique(charts);
+  rebuild(charts);
+  return charts;
+}
+
+void Cuts::rebuild(std::span<const std::int32_t> charts) {
+  std::vector<std::int32_t> changed;
   for (const std::int32_t l : charts) {
     std::vector<std::array<std::int32_t, 2>> diagonals;
     for (std::int32_t u = draft_.first[l]; u < draft_.first[l + 1]; ++u)
@@ -181,7 +193,24 @@ std::vector<std::int32_t> Cuts::renew() {
     changed.push_back(l);
   }
   s_.collect(changed);
-  return charts;
+}
+
+Cuts::Past Cuts::past() const {
+  Past past;
+  for (const std::int32_t u : draft_.dirty.all()) past.push_back({u, cuts_[u], uncut_[u]});
+  return past;
+}
+
+void Cuts::restore(Past past) {
+  draft_.dirty.take();
+  std::vector<std::int32_t> charts;
+  for (Was& was : past) {
+    charts.push_back(draft_.units[was.unit].chart);
+    uncut_[was.unit] = was.uncut;
+    set(was.unit, std::move(was.cuts));
+  }
+  sort_unique(charts);
+  rebuild(charts);
 }
 
 }  // namespace isimp::meshing::planar

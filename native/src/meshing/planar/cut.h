@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "complex/state.h"
@@ -36,6 +37,17 @@ class Cuts {
   /// \return their charts, in rising order
   /// Cost: O(n^3) for each unit of n corners.
   std::vector<std::int32_t> renew();
+  /// The cuts of a unit at an earlier time.
+  struct Was {
+    std::int32_t unit;
+    std::vector<Edge> cuts;
+    bool uncut;
+  };
+  using Past = std::vector<Was>;
+  /// The cuts of the waiting units.
+  [[nodiscard]] Past past() const;
+  /// Gives units the cuts that they had, with the corners where they were then. No unit waits any more.
+  void restore(Past past);
   /// The number of polygons that cuts have added to a unit.
   [[nodiscard]] std::int32_t added(std::size_t u) const { return static_cast<std::int32_t>(cuts_[u].size()); }
   [[nodiscard]] bool is_whole(std::size_t u) const { return cuts_[u].empty() && !uncut_[u] && !draft_.units[u].left; }
@@ -43,6 +55,10 @@ class Cuts {
  private:
   /// \return whether there is a way
   bool cut(std::int32_t u);
+  /// Replaces the cuts of a unit.
+  void set(std::int32_t u, std::vector<Edge> cuts);
+  /// Rebuilds the polygons of the units of some charts.
+  void rebuild(std::span<const std::int32_t> charts);
 
   State& s_;
   Draft& draft_;

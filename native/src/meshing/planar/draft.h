@@ -19,6 +19,8 @@ class Waiting {
     has_[i] = true;
   }
   [[nodiscard]] bool has(std::int32_t i) const { return has_[i]; }
+  /// All, in the order in which they were added.
+  [[nodiscard]] const std::vector<std::int32_t>& all() const { return some_; }
   /// Removes all.
   /// \return them in rising order
   std::vector<std::int32_t> take();

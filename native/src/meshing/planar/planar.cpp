@@ -212,6 +212,82 @@ class HoldBack {
   std::vector<std::int32_t> stuck_;            // charts
 };
 
+/// Takes back steps of HoldBack that later ones have made needless, where fewer polygons and no defect result.
+class TakeBack {
+ public:
+  /// \param reach  by corner: its largest move before any was held back
+  TakeBack(State& state, Defects& defects, Draft& draft, Cuts& cuts, const std::vector<double>& reach, const Job& job)
+      : s_(state), f_(defects), draft_(draft), cuts_(cuts), reach_(reach), job_(job) {}
+
+  /// Tries each unit that is cut, the largest first: all steps at it, then one after another.
+  /// Cost: a cut and a judgement of the polygons around for each of them and of their corners held back.
+  void run() {
+    std::vector<std::int32_t> order;
+    for (std::size_t u = 0; u < draft_.units.size(); ++u)
+      if (cuts_.added(u) > 0) order.push_back(static_cast<std::int32_t>(u));
+    std::stable_sort(order.begin(), order.end(),
+                     [&](auto a, auto b) { return draft_.units[a].scan.area > draft_.units[b].scan.area; });
+    for (const std::int32_t u : order) {
+      job_.poll();
+      const std::vector<std::int32_t>& loop = draft_.units[u].loop;
+      if (cuts_.added(u) == 0 || attempt(u, true, loop)) continue;
+      attempt(u, true, {});
+      for (const std::int32_t c : loop) attempt(u, false, {&c, 1});
+    }
+    f_.renew_hits();
+  }
+
+ private:
+  /// \param bind     whether the plane of the unit is to count again
+  /// \param corners  of the unit, which may move as far as at the start
+  /// \return whether there were such steps, and they are taken back
+  bool attempt(std::int32_t u, bool bind, std::span<const std::int32_t> corners) {
+    Unit& unit = draft_.units[u];
+    const bool was_free = unit.free;
+    bool any = bind && was_free;
+    std::vector<double> were;
+    for (const std::int32_t c : corners) {
+      were.push_back(draft_.places.reach[c]);
+      any = any || were.back() < reach_[c];
+      draft_.places.reach[c] = reach_[c];
+    }
+    if (!any) return false;
+    if (bind) unit.free = false;
+    draft_.ask(u);
+    draft_.place(s_, job_);
+    Cuts::Past past = cuts_.past();
+    const std::vector<std::int32_t> charts = cuts_.renew();
+    std::size_t before = 0, after = 0;
+    for (const auto& [other, edges, uncut] : past) {
+      before += edges.size();
+      after += static_cast<std::size_t>(cuts_.added(other));
+    }
+    if (after < before && are_flat(charts) && f_.accepts(charts)) return true;
+    unit.free = was_free;
+    for (std::size_t i = 0; i < corners.size(); ++i) draft_.places.reach[corners[i]] = were[i];
+    draft_.ask(u);
+    draft_.place(s_, job_);
+    cuts_.restore(std::move(past));
+    return false;
+  }
+
+  [[nodiscard]] bool are_flat(std::span<const std::int32_t> charts) const {
+    bool all = true;
+    for (const std::int32_t l : charts)
+      if (!draft_.units[draft_.unit_of(l)].left)
+        s_.polygons.for_each_of(
+            l, [&](std::int32_t q) { all = all && is_flat(s_.polygons.of(q), draft_.at, draft_.places.diagonal); });
+    return all;
+  }
+
+  State& s_;
+  Defects& f_;
+  Draft& draft_;
+  Cuts& cuts_;
+  const std::vector<double>& reach_;
+  const Job& job_;
+};
+
 PlanarOutcome sum_up(const State& state, const Draft& draft, const Cuts& cuts) {
   PlanarOutcome out;
   PlanarReport& r = out.report;
@@ -238,6 +314,7 @@ PlanarOutcome make_planar(State& state, Defects& defects, bool is_last, const Jo
   Cuts cuts(state, defects, draft);
   HoldBack hold_back(state, defects, draft, is_last);
   solve(draft.units, draft.around, draft.places, state.threads, job);
+  const std::vector<double> reach = draft.places.reach;  // before corners are held back
   std::vector<std::int32_t> judged;
   for (int round = 0; round == 0 || hold_back.act(std::move(judged), round > kGentle); ++round) {
     job.poll();
@@ -245,6 +322,7 @@ PlanarOutcome make_planar(State& state, Defects& defects, bool is_last, const Jo
     judged = cuts.renew();
     defects.judge(judged);
   }
+  if (hold_back.stuck().empty() || is_last) TakeBack(state, defects, draft, cuts, reach, job).run();
   PlanarOutcome out = sum_up(state, draft, cuts);
   out.stuck = hold_back.stuck();
   return out;

@@ -260,7 +260,7 @@ void join_again(State& state, Defects& defects, Mender& mender, const Scale& usu
 
 /// Makes polygons planar. A chart whose polygon cannot become planar is split, after kSplits tries down to faces of
 /// the scan, and the step is repeated. After kTries tries the polygon stays bent.
-void make_planar(State& state, Defects& defects, Mender& mender, RepairOutcome& outcome, Job& job) {
+void make_planar(State& state, Defects& defects, Mender& mender, RepairOutcome& outcome, const Scale& usual, Job& job) {
   constexpr int kSplits = 6, kTries = 16;  // steps until a chart falls apart; steps in all
   bool is_last = false;
   for (int go = 0;; ++go) {
@@ -276,6 +276,9 @@ void make_planar(State& state, Defects& defects, Mender& mender, RepairOutcome& 
     mender.judge_all();
     mender.mend_anew();
     mender.fall_back();
+    coarsen(state, defects, usual, job);
+    mender.fall_back();
+    straighten_rims(state, defects, job);
   }
 }
 
@@ -308,7 +311,7 @@ RepairOutcome repair(State& state, Job& job) {
   if (state.options.planar) settle_places(state, defects, job);  // corners slide off the planes that are solved next
   straighten_rims(state, defects, job);
   outcome.let_go = keep_to_planes(state, defects, job);
-  if (state.options.planar) make_planar(state, defects, mender, outcome, job);
+  if (state.options.planar) make_planar(state, defects, mender, outcome, usual, job);
   if (state.options.convex) outcome.cut_to_be_convex = make_convex(state, defects, job);
   outcome.planar.planar = planar::is_planar(state);
   outcome.concave = count_concave(state);
