@@ -23,6 +23,28 @@ TEST(Symmetric, SystemsAreSolved) {
   EXPECT_LT((balanced_inverse(kEven) * kEven - Eigen::Matrix3d::Identity()).norm(), 1e-12);
 }
 
+template <int N>
+void expect_solved_as_of_any_size() {
+  Eigen::Matrix<double, N, N> m = Eigen::Matrix<double, N, N>::Identity();
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < N; ++j) m(i, j) += 1.0 / (1 + (i + 3 * j) % 5) + 1.0 / (1 + (j + 3 * i) % 5);
+  m *= m.transpose().eval();
+  const Eigen::Matrix<double, N, 1> b = Eigen::Matrix<double, N, 1>::LinSpaced(1, 2);
+  const Eigen::VectorXd x = solve_definite(Eigen::MatrixXd(m), Eigen::VectorXd(b));
+  if constexpr (N == 6)
+    EXPECT_LT((solve_balanced(m, b) - x).norm(), 1e-9 * x.norm());
+  else
+    EXPECT_LT((solve_definite(m, b) - x).norm(), 1e-9 * x.norm());
+}
+
+TEST(Symmetric, EachFixedSizeIsSolvedAsAnyOther) {
+  expect_solved_as_of_any_size<2>();
+  expect_solved_as_of_any_size<3>();
+  expect_solved_as_of_any_size<4>();
+  expect_solved_as_of_any_size<6>();
+  EXPECT_EQ(solve_definite(Eigen::Matrix2d(Eigen::Matrix2d::Zero()), Eigen::Vector2d(1, 1)), Eigen::Vector2d(0, 0));
+}
+
 TEST(Symmetric, TheUnitOfLengthChangesNoBitOfABalancedSolution) {
   Matrix6 m = Matrix6::Identity();
   for (int i = 0; i < 6; ++i)
