@@ -11,6 +11,7 @@
 #include "isimp/mesh/clean.h"
 #include "mesh_checks.h"
 #include "shapes.h"
+#include "sizes.h"
 
 namespace isimp {
 namespace {
@@ -397,7 +398,7 @@ TEST(Clean, StitchesNothingWithinAVerySmallLength) {
 }
 
 TEST(Clean, PollsWhileItSearchesForBordersNearEachOther) {
-  constexpr std::int32_t kTriangles = 700;
+  constexpr std::int32_t kTriangles = checks::size(700, 350);
   const Arrays one{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
   Arrays soup;
   for (std::int32_t i = 0; i < kTriangles; ++i) {

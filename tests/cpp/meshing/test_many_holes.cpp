@@ -16,6 +16,7 @@
 #include "labelled.h"
 #include "polygon_judge.h"
 #include "shapes.h"
+#include "sizes.h"
 
 namespace isimp {
 namespace {
@@ -46,7 +47,7 @@ TEST(ManyHoles, RowsOfHolesArePartedByRows) {
 }
 
 TEST(ManyHoles, LongRowsArePartedAcross) {
-  for (const int n : {25, 50}) {
+  for (int n = 25; n <= checks::size(50, 25); n += 25) {
     const Mesh mesh = shapes::mesh(perforated(n));
     const Partition one = labelled::single(mesh);
     Job job;
@@ -229,7 +230,7 @@ TEST(ManyHoles, WorkAHoleStaysTheSame) {
     const double all = static_cast<double>(work.faces + work.corners + work.polygons);
     return std::array{static_cast<double>(partitioning) / (n * n), all / (n * n)};
   };
-  const auto few = work_a_hole(15), many = work_a_hole(30);
+  const auto few = work_a_hole(checks::size(15, 8)), many = work_a_hole(checks::size(30, 16));
   EXPECT_LE(many[0], 1.5 * few[0]);
   EXPECT_LE(many[1], 1.5 * few[1]);
 }

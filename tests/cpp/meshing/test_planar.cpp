@@ -12,6 +12,7 @@
 #include "labelled.h"
 #include "polygon_judge.h"
 #include "shapes.h"
+#include "sizes.h"
 
 namespace isimp {
 namespace {
@@ -106,7 +107,7 @@ TEST(Planar, CurvedScansAreCut) {
 
 /// Rough balls, with polygons far from planar: much is given up, finally the planes themselves.
 TEST(Planar, RoughScansGetNoDefectThatTheyHadNot) {
-  for (const std::uint32_t seed : {1U, 2U, 3U, 4U})
+  for (std::uint32_t seed = 1; seed <= checks::size(4, 2); ++seed)
     for (const int regions : {24, 60, 150}) {
       const double noise = seed % 2 == 0 ? 0.03 : 0.06;
       const Mesh ball = shapes::mesh(shapes::noisy(shapes::sphere(3), noise, seed));
@@ -125,7 +126,7 @@ TEST(Planar, RoughScansGetNoDefectThatTheyHadNot) {
 /// Crumpled balls, of which the repair's budget leaves a hundred polygons that cross themselves: planar ones are fewer.
 TEST(Planar, CrumpledScansGetNoMoreDefectsThanTheyHad) {
   const auto defects = [](const MeshingReport& r) { return r.crossing + r.flipped + r.bent + r.intersecting; };
-  for (const int regions : {40, 100}) {
+  for (int regions = 40; regions <= checks::size(100, 40); regions += 60) {
     const Mesh ball = shapes::mesh(shapes::noisy(shapes::sphere(3), 0.3, 1));
     const Partition part = labelled::voronoi(ball, regions, 1);
     const MeshingReport before = polygons(ball, part, {}).report, after = polygons(ball, part).report;

@@ -12,6 +12,7 @@
 #include "rounds.h"
 #include "seeding.h"
 #include "shapes.h"
+#include "sizes.h"
 
 namespace isimp {
 namespace {
@@ -37,7 +38,8 @@ std::vector<PartitionOptions> variants(PartitionOptions options) {
 
 /// A bumpy ring large enough that the queues go to threads.
 const Mesh& large() {
-  static const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::torus(240, 120), 0.004, 3), 4));
+  static const Mesh mesh =
+      shapes::mesh(shapes::shuffled(shapes::noisy(shapes::torus(checks::size(240, 120), 120), 0.004, 3), 4));
   return mesh;
 }
 
