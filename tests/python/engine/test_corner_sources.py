@@ -42,7 +42,7 @@ def test_places_are_the_closest_of_the_own_region():
     for i in range(0, len(poly.loops), 7):
         own = triangles[of_source == region[i]]
         least = min(closest(poly.vertices[poly.loops[i]], vertices[t]) for t in own)
-        assert found[i] <= least + 1e-9
+        assert found[i] <= least + 1e-8  # weights are of single precision
 
 
 def test_both_sides_of_a_thin_plate_keep_their_values():

@@ -169,7 +169,7 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
     for (const std::int32_t c : g.corners)
       g.anchors.push_back(anchor_of(planes, polygons, c, mesh.vertices()[corners.vertex[c]], corners));
   const std::span<Vec3> position = corners.position.edit_all(moving);
-  const double tie = mesh.graph().area / mesh.vertex_count();
+  const double tie = kOfTie * mesh.graph().area / mesh.vertex_count();
   const double still = corners.still * corners.still;
   // Large groups come first, so that no thread is left with one at the end.
   std::stable_sort(groups.begin(), groups.end(),

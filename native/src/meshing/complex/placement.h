@@ -18,10 +18,10 @@ void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::sp
 ///
 ///     sum over polygons: area * (mean square distance of the chart from the plane
 ///                                + bend * mean square distance of the corners from the plane)
-///     + sum over corners: area of a vertex * square distance from the place at the start
+///     + sum over corners: tie * area of a vertex * square distance from the place at the start
 ///
-/// A vertex of the mesh has the mean area of all: it counts as much at a corner as any other vertex in the plane of its
-/// chart. The area of a chart is shared among its polygons, that of a polygon among its corners. A turn finds the planes of
+/// A vertex of the mesh has the mean area of all. With a tie of 1 a corner's vertex counts as much as any other vertex in
+/// the plane of its chart. The area of a chart is shared among its polygons, that of a polygon among its corners. A turn finds the planes of
 /// least energy for given corners, then the corners of least energy for given planes. Corners stay within their radii,
 /// and do not move by less than `Corners::still`. The first turn begins with the planes of the charts.
 ///

@@ -11,7 +11,7 @@ namespace isimp::meshing {
 namespace {
 
 // tuned walls
-/// Vector area over area, below which a chart is no wall. Of faces that look the same way the area in projection counts,
+/// Vector area over area, below which a chart is no wall. The area is in projection for faces that look the same way,
 /// since noise enlarges the area itself.
 constexpr double kFlatWall = 0.9;
 constexpr double kMain = 0.5;     ///< share of the boundary, by square length, that must follow the main directions

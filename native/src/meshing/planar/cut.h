@@ -46,7 +46,7 @@ class Cuts {
   using Past = std::vector<Was>;
   /// The cuts of the waiting units.
   [[nodiscard]] Past past() const;
-  /// Gives units the cuts that they had, with the corners where they were then. No unit waits any more.
+  /// Sets the cuts of units to earlier ones, with the corners where they were then. No unit waits any more.
   void restore(Past past);
   /// The number of polygons that cuts have added to a unit.
   [[nodiscard]] std::int32_t added(std::size_t u) const { return static_cast<std::int32_t>(cuts_[u].size()); }

@@ -212,7 +212,7 @@ class HoldBack {
   std::vector<std::int32_t> stuck_;            // charts
 };
 
-/// Takes back steps of HoldBack that later ones have made needless, where fewer polygons and no defect result.
+/// Undoes steps of HoldBack that later ones have made needless, where fewer polygons and no defect result.
 class TakeBack {
  public:
   /// \param reach  by corner: its largest move before any was held back

@@ -276,6 +276,7 @@ void make_planar(State& state, Defects& defects, Mender& mender, RepairOutcome& 
     mender.judge_all();
     mender.mend_anew();
     mender.fall_back();
+    if (go >= kSplits) continue;  // charts that fell apart stay so: the steps come to an end
     coarsen(state, defects, usual, job);
     mender.fall_back();
     straighten_rims(state, defects, job);
