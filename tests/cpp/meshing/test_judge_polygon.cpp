@@ -79,5 +79,25 @@ TEST(JudgePolygon, FindsWhetherManyEdgesCross) {
   EXPECT_LT(crossed, 180);
 }
 
+/// The defects of a polygon in the plane z = 0, with a thickness of .001.
+std::uint8_t kinds_of(const std::vector<Vec3>& p) {
+  std::vector<std::int32_t> polygon(p.size());
+  std::iota(polygon.begin(), polygon.end(), 0);
+  return judge_polygon(polygon, p, Vec3::UnitZ(), {0, 1e-3}, nullptr).kinds;
+}
+
+TEST(JudgePolygon, ACornerNearerToAnEdgeThanTheThicknessTouchesIt) {
+  for (const double gap : {1e-9, 1e-4, -1e-9}) {
+    EXPECT_EQ(kinds_of({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, gap, 0}, {0, 4, 0}}), kCrossing) << gap;
+    EXPECT_EQ(kinds_of({{0, 0, 0}, {4, 0, 0}, {2, gap, 0}, {4, 4, 0}, {0, 4, 0}}), kCrossing) << "a fold of " << gap;
+  }
+  EXPECT_EQ(kinds_of({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 0.01, 0}, {0, 4, 0}}), 0);
+  EXPECT_EQ(kinds_of({{0, 0, 0}, {4, 0, 0}, {2, 0.01, 0}, {4, 4, 0}, {0, 4, 0}}), 0);
+}
+
+TEST(JudgePolygon, AnEdgeShorterThanTheThicknessIsNoTouch) {
+  EXPECT_EQ(kinds_of({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 3, 0}, {2, 3.0001, 0}, {0, 4, 0}}), 0);
+}
+
 }  // namespace
 }  // namespace isimp::meshing

@@ -56,9 +56,25 @@ FlatPolygon flat(std::span<const std::int32_t> polygon, std::span<const Vec3> po
   return f;
 }
 
-inline bool boxes_apart(const Point& a, const Point& b, const Point& c, const Point& d) {
-  return std::max(a.x(), b.x()) < std::min(c.x(), d.x()) || std::max(c.x(), d.x()) < std::min(a.x(), b.x()) ||
-         std::max(a.y(), b.y()) < std::min(c.y(), d.y()) || std::max(c.y(), d.y()) < std::min(a.y(), b.y());
+inline bool boxes_apart(const Point& a, const Point& b, const Point& c, const Point& d, double by) {
+  return std::max(a.x(), b.x()) + by < std::min(c.x(), d.x()) || std::max(c.x(), d.x()) + by < std::min(a.x(), b.x()) ||
+         std::max(a.y(), b.y()) + by < std::min(c.y(), d.y()) || std::max(c.y(), d.y()) + by < std::min(a.y(), b.y());
+}
+
+/// Whether a point is less than a length from the segment from a to b.
+bool is_near(const Point& p, const Point& a, const Point& b, double length) {
+  const double x = b.x() - a.x(), y = b.y() - a.y(), u = p.x() - a.x(), v = p.y() - a.y();
+  const double square = x * x + y * y, t = square > 0 ? std::clamp((x * u + y * v) / square, 0.0, 1.0) : 0;
+  const double s = u - t * x, w = v - t * y;
+  return s * s + w * w < length * length;
+}
+
+/// Whether the edges from a to b and from b to c fold: the end of the shorter one is on the longer one.
+bool fold(const Point& a, const Point& b, const Point& c, double thickness) {
+  const double x = a.x() - b.x(), y = a.y() - b.y(), u = c.x() - b.x(), v = c.y() - b.y();
+  const double first = x * x + y * y, second = u * u + v * v;
+  if (x * u + y * v <= 0 || std::min(first, second) < 16 * thickness * thickness) return false;
+  return first < second ? is_near(a, b, c, thickness) : is_near(c, a, b, thickness);
 }
 
 /// Whether the polygon turns left at every corner and makes one full turn in all. Such a polygon is simple, and the
@@ -80,15 +96,22 @@ bool is_convex(const std::vector<Point>& p) {
   return rounds == 1;
 }
 
-/// Whether edge i touches edge j, j > i, elsewhere than where they follow each other.
-bool touch(const std::vector<Point>& p, std::size_t i, std::size_t j) {
+/// Whether edge i touches edge j, j > i, elsewhere than where they follow each other. Corners that planes put on an edge are
+/// beside it by the rounding to float32, so less than `thickness` is a touch.
+bool touch(const std::vector<Point>& p, std::size_t i, std::size_t j, double thickness) {
   const std::size_t n = p.size();
   const Point &a = p[i], &b = p[i + 1], &c = p[j], &d = p[j + 1 < n ? j + 1 : 0];
-  if (j == i + 1) return CGAL::collinear(a, b, d) && !CGAL::collinear_are_strictly_ordered_along_line(a, b, d);
+  if (j == i + 1)
+    return fold(a, b, d, thickness) ||
+           (CGAL::collinear(a, b, d) && !CGAL::collinear_are_strictly_ordered_along_line(a, b, d));
   if (i == 0 && j == n - 1)
-    return CGAL::collinear(c, a, b) && !CGAL::collinear_are_strictly_ordered_along_line(c, a, b);
-  if (boxes_apart(a, b, c, d)) return false;
-  return CGAL::do_intersect(Kernel::Segment_2(a, b), Kernel::Segment_2(c, d));
+    return fold(c, a, b, thickness) ||
+           (CGAL::collinear(c, a, b) && !CGAL::collinear_are_strictly_ordered_along_line(c, a, b));
+  if (boxes_apart(a, b, c, d, thickness)) return false;
+  if (CGAL::do_intersect(Kernel::Segment_2(a, b), Kernel::Segment_2(c, d))) return true;
+  // One short edge between both makes them no touch.
+  return (j > i + 2 && (is_near(b, c, d, thickness) || is_near(c, a, b, thickness))) ||
+         (j < i + n - 2 && (is_near(a, c, d, thickness) || is_near(d, a, b, thickness)));
 }
 
 constexpr std::size_t kSwept = 32;  ///< work: edges from which on the search is a sweep
@@ -96,7 +119,7 @@ constexpr std::size_t kSwept = 32;  ///< work: edges from which on the search is
 /// As `find_crossing`, for many edges. The sweep takes edges in the order of their low ends along the longer side of the
 /// polygon, and compares each with all edges that begin before it ends.
 /// Cost: about O(n log n) for n short edges.
-std::array<std::int32_t, 2> sweep_for_crossing(const std::vector<Point>& p) {
+std::array<std::int32_t, 2> sweep_for_crossing(const std::vector<Point>& p, double thickness) {
   const auto n = p.size();
   double low[2] = {p[0].x(), p[0].y()}, high[2] = {low[0], low[1]};
   for (const Point& q : p)
@@ -116,20 +139,20 @@ std::array<std::int32_t, 2> sweep_for_crossing(const std::vector<Point>& p) {
   }
   std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.from < b.from; });
   for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = a + 1; b < n && edges[b].from <= edges[a].to; ++b) {
+    for (std::size_t b = a + 1; b < n && edges[b].from <= edges[a].to + thickness; ++b) {
       const auto [i, j] = std::minmax(edges[a].index, edges[b].index);
-      if (touch(p, i, j)) return {static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)};
+      if (touch(p, i, j, thickness)) return {static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)};
     }
   return {-1, -1};
 }
 
 /// Two edges of the polygon that touch elsewhere than where they follow each other, {-1, -1} if it is simple.
 /// Cost: O(n^2) for fewer than kSwept edges, else as `sweep_for_crossing`.
-std::array<std::int32_t, 2> find_crossing(const std::vector<Point>& p) {
-  if (p.size() >= kSwept) return sweep_for_crossing(p);
+std::array<std::int32_t, 2> find_crossing(const std::vector<Point>& p, double thickness) {
+  if (p.size() >= kSwept) return sweep_for_crossing(p, thickness);
   for (std::size_t i = 0; i + 1 < p.size(); ++i)
     for (std::size_t j = i + 1; j < p.size(); ++j)
-      if (touch(p, i, j)) return {static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)};
+      if (touch(p, i, j, thickness)) return {static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)};
   return {-1, -1};
 }
 
@@ -330,7 +353,7 @@ PolygonDefects judge_polygon(std::span<const std::int32_t> polygon, std::span<co
   if (f.normal.dot(normal) <= bounds.facing * f.normal.norm()) found.kinds |= kFlipped;
   if (bounds.bend > 0 && f.bend > bounds.bend) found.kinds |= kBent;
   f.convex = is_convex(f.points);
-  if (!f.convex) found.crossing = find_crossing(f.points);
+  if (!f.convex) found.crossing = find_crossing(f.points, bounds.thickness);
   if (found.crossing[0] >= 0)
     found.kinds |= kCrossing;
   else if (view)
