@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace isimp::detail {
+namespace isimp::convex {
 namespace {
 
 /// Two vectors that make a right-handed frame with a normal.
@@ -160,4 +160,4 @@ DividedCell divide(const Cell& cell, const std::vector<Plane>& planes, std::int3
   return made;
 }
 
-}  // namespace isimp::detail
+}  // namespace isimp::convex

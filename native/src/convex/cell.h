@@ -8,7 +8,7 @@
 
 #include "isimp/core/types.h"
 
-namespace isimp::detail {
+namespace isimp::convex {
 
 struct Plane {
   Vec3 normal = Vec3::UnitZ();
@@ -61,4 +61,4 @@ struct DividedCell {
 };
 DividedCell divide(const Cell& cell, const std::vector<Plane>& planes, std::int32_t plane, double snap);
 
-}  // namespace isimp::detail
+}  // namespace isimp::convex

@@ -8,7 +8,7 @@
 #include "isimp/core/threads.h"
 #include "solid.h"
 
-namespace isimp::detail {
+namespace isimp::convex {
 namespace {
 
 // tuned colliders
@@ -142,4 +142,4 @@ Cells cells_of(Solid& solid, const Vec3& origin, Job& job) {
   return sorted_out(std::move(cells), solid, origin, job);
 }
 
-}  // namespace isimp::detail
+}  // namespace isimp::convex

@@ -16,8 +16,8 @@
 namespace isimp {
 namespace {
 
-using detail::Piece;
-using detail::Pieces;
+using convex::Piece;
+using convex::Pieces;
 
 // tuned colliders
 constexpr std::size_t kSmall = 100;  // cells of a piece for which cuts are tried to their end
@@ -166,11 +166,11 @@ void leave_out_skins(std::vector<ConvexPart>& parts, double tolerance) {
 }
 
 /// The parts of a solid.
-std::vector<ConvexPart> parts_of(detail::Solid& solid, const Vec3& origin, const ConvexOptions& options, Job& job) {
-  detail::Cells cells;
+std::vector<ConvexPart> parts_of(convex::Solid& solid, const Vec3& origin, const ConvexOptions& options, Job& job) {
+  convex::Cells cells;
   {
     const Job::Stage stage(job, "cells", 0.0, 0.3);
-    cells = detail::cells_of(solid, origin, job);
+    cells = convex::cells_of(solid, origin, job);
   }
   std::vector<ConvexPart> made;
   const std::int32_t most = options.parts > 0 ? options.parts : std::numeric_limits<std::int32_t>::max();
@@ -184,7 +184,7 @@ std::vector<ConvexPart> parts_of(detail::Solid& solid, const Vec3& origin, const
     for (const Piece& piece : parts) {
       std::vector<Vec3> corners = pieces.corners(piece);
       for (Vec3& p : corners) p += origin;
-      ConvexPart part = detail::simple_hull_of(corners, solid.lengths.slight, options.most_vertices);
+      ConvexPart part = convex::simple_hull_of(corners, solid.lengths.slight, options.most_vertices);
       if (!part.vertices.empty()) made.push_back(std::move(part));
     }
   }
@@ -213,12 +213,12 @@ std::vector<ConvexPart> convex_parts(const PolygonSoup& polygons, std::span<cons
     high = i == 0 ? polygons.vertices[i] : high.cwiseMax(polygons.vertices[i]);
   }
   const Vec3 origin = (low + high) / 2;
-  const double tolerance = options.tolerance > 0 ? options.tolerance : detail::kTolerance * (high - low).norm();
-  detail::Solid solid = detail::solid_of(polygons, region, origin, tolerance, job);
+  const double tolerance = options.tolerance > 0 ? options.tolerance : convex::kTolerance * (high - low).norm();
+  convex::Solid solid = convex::solid_of(polygons, region, origin, tolerance, job);
   std::vector<ConvexPart> made;
   if (options.thickness > 0) {
     const Job::Stage stage(job, "walls", 0.0, 0.9);
-    made = detail::walls_of(polygons, region, origin, solid, options.thickness, options.most_vertices, job);
+    made = convex::walls_of(polygons, region, origin, solid, options.thickness, options.most_vertices, job);
     std::ranges::stable_sort(made, std::ranges::greater{}, &ConvexPart::volume);
     for (ConvexPart& part : made)
       for (Vec3& p : part.vertices) p += origin;
@@ -228,7 +228,7 @@ std::vector<ConvexPart> convex_parts(const PolygonSoup& polygons, std::span<cons
   leave_out_skins(made, tolerance);
   if (!enclosed.empty() && !made.empty()) {
     const Job::Stage stage(job, "enclosing", 0.9, 1.0);
-    detail::enclose(made, enclosed, solid.lengths.same, options.most_vertices, job);
+    convex::enclose(made, enclosed, solid.lengths.same, options.most_vertices, job);
   }
   return made;
 }

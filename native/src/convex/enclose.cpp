@@ -9,7 +9,7 @@
 #include "cell.h"
 #include "isimp/mesh/meet.h"
 
-namespace isimp::detail {
+namespace isimp::convex {
 namespace {
 
 // tuned colliders
@@ -123,4 +123,4 @@ void enclose(std::vector<ConvexPart>& parts, std::span<const Vec3> points, doubl
   }
 }
 
-}  // namespace isimp::detail
+}  // namespace isimp::convex

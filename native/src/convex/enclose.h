@@ -6,7 +6,7 @@
 #include "cell.h"
 #include "hull.h"
 
-namespace isimp::detail {
+namespace isimp::convex {
 
 /// The space below some planes, in a box.
 /// \param most_vertices  planes after which there would be more are left out
@@ -20,4 +20,4 @@ ConvexPart space_below(const std::vector<Plane>& planes, const Vec3& low, const 
 void enclose(std::vector<ConvexPart>& parts, std::span<const Vec3> points, double same, std::int32_t most_vertices,
              Job& job);
 
-}  // namespace isimp::detail
+}  // namespace isimp::convex

@@ -7,7 +7,7 @@
 
 #include "isimp/mesh/meet.h"
 
-namespace isimp::detail {
+namespace isimp::convex {
 namespace {
 
 // tuned colliders
@@ -250,4 +250,4 @@ ConvexPart simple_hull_of(std::span<const Vec3> points, double tolerance, std::i
   return part;
 }
 
-}  // namespace isimp::detail
+}  // namespace isimp::convex

@@ -8,7 +8,7 @@
 #include "isimp/convex/convex_parts.h"
 #include "isimp/core/types.h"
 
-namespace isimp::detail {
+namespace isimp::convex {
 
 /// Convex hull of points, by adding the farthest one first. Convex by exact arithmetic.
 ///
@@ -24,4 +24,4 @@ ConvexPart hull_of(std::span<const Vec3> points, double tolerance, double grid =
 /// The same, and no vertex sticks out by less than the tolerance from the hull of all others.
 ConvexPart simple_hull_of(std::span<const Vec3> points, double tolerance, std::int32_t most_vertices);
 
-}  // namespace isimp::detail
+}  // namespace isimp::convex

@@ -10,7 +10,7 @@
 #include "isimp/core/check.h"
 #include "isimp/core/forest.h"
 
-namespace isimp::detail {
+namespace isimp::convex {
 namespace {
 
 constexpr int kGridBits = 20;  // rounding: steps in the diagonal: the range of the integers in hull_of
@@ -94,7 +94,7 @@ ConvexPart Pieces::hull(const std::vector<std::int32_t>& cells) const {
 
 std::vector<Piece> Pieces::connected(const std::vector<std::int32_t>& cells) const {
   for (std::int32_t i = 0; i < std::ssize(cells); ++i) place_[cells[i]] = i;
-  Forest forest(cells.size());
+  detail::Forest forest(cells.size());
   for (const std::int32_t c : cells)
     for (const std::int32_t i : contacts_of_[c]) {
       const std::int32_t other = contacts_[i].below == c ? contacts_[i].above : contacts_[i].below;
@@ -207,7 +207,7 @@ std::vector<Piece> Pieces::virtual_cut(const Piece& piece, std::int32_t plane) c
       points[k * n + i] = cell.corners;
     }
   }
-  Forest forest(2 * piece.cells.size());
+  detail::Forest forest(2 * piece.cells.size());
   for (const std::int32_t c : piece.cells)
     for (const std::int32_t contact : contacts_of_[c]) {
       if (contacts_[contact].below != c) continue;
@@ -366,4 +366,4 @@ bool Pieces::fills_space(const Piece& piece, Job& job) const {
   return false;
 }
 
-}  // namespace isimp::detail
+}  // namespace isimp::convex

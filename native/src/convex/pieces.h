@@ -9,7 +9,7 @@
 #include "hull.h"
 #include "solid.h"
 
-namespace isimp::detail {
+namespace isimp::convex {
 
 /// A connected part of a solid: some cells, and their hull.
 struct Piece {
@@ -82,4 +82,4 @@ class Pieces {
   mutable std::vector<std::int32_t> place_;  // by cell: index in the piece at hand; -1: in none
 };
 
-}  // namespace isimp::detail
+}  // namespace isimp::convex

@@ -9,7 +9,7 @@
 
 #include "isimp/core/errors.h"
 
-namespace isimp::detail {
+namespace isimp::convex {
 namespace {
 
 constexpr double kSnap = 1e-9;  // rounding: share of the diagonal
@@ -166,4 +166,4 @@ Solid solid_of(const PolygonSoup& polygons, std::span<const std::int32_t> region
   return solid;
 }
 
-}  // namespace isimp::detail
+}  // namespace isimp::convex

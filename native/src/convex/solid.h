@@ -9,7 +9,7 @@
 #include "isimp/core/job.h"
 #include "isimp/mesh/io.h"
 
-namespace isimp::detail {
+namespace isimp::convex {
 
 /// A triangle of a polygon, and the plane that the polygon is taken to lie in.
 struct Facet {
@@ -60,4 +60,4 @@ struct Cells {
 /// Source: Thibault, Naylor 1987.
 Cells cells_of(Solid& solid, const Vec3& origin, Job& job);
 
-}  // namespace isimp::detail
+}  // namespace isimp::convex

@@ -10,7 +10,7 @@
 
 #include "enclose.h"
 
-namespace isimp::detail {
+namespace isimp::convex {
 namespace {
 
 // tuned colliders
@@ -278,4 +278,4 @@ std::vector<ConvexPart> walls_of(const PolygonSoup& polygons, std::span<const st
   return made;
 }
 
-}  // namespace isimp::detail
+}  // namespace isimp::convex

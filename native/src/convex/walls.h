@@ -6,7 +6,7 @@
 #include "isimp/convex/convex_parts.h"
 #include "solid.h"
 
-namespace isimp::detail {
+namespace isimp::convex {
 
 /// Slabs behind the polygons of an open surface, whose front sides are the polygons. Slabs of polygons that share an
 /// edge meet in the plane halfway between them, so that they neither overlap nor leave a gap. A slab ends where another
@@ -21,4 +21,4 @@ namespace isimp::detail {
 std::vector<ConvexPart> walls_of(const PolygonSoup& polygons, std::span<const std::int32_t> region, const Vec3& origin,
                                  const Solid& solid, double thickness, std::int32_t most_vertices, Job& job);
 
-}  // namespace isimp::detail
+}  // namespace isimp::convex

@@ -285,18 +285,18 @@ TEST(Hull, OfPointsOnAGridIsACube) {
   std::vector<Vec3> points;
   points.reserve(125);
   for (int i = 0; i < 125; ++i) points.emplace_back(i % 5, i / 5 % 5, i / 25);
-  const ConvexPart hull = detail::simple_hull_of(points, 1e-9, 64);
+  const ConvexPart hull = convex::simple_hull_of(points, 1e-9, 64);
   EXPECT_EQ(hull.vertices.size(), 8);
   EXPECT_EQ(hull.triangles.size(), 12);
   EXPECT_NEAR(hull.volume, 64, 1e-12);
-  EXPECT_NEAR(detail::hull_of(points, 0, 1).volume, 64, 1e-12);  // by integers
+  EXPECT_NEAR(convex::hull_of(points, 0, 1).volume, 64, 1e-12);  // by integers
 }
 
 TEST(Hull, OfPointsInAPlaneIsNone) {
   std::vector<Vec3> points;
   points.reserve(25);
   for (int i = 0; i < 25; ++i) points.emplace_back(i % 5, i / 5, i % 5 + i / 5);
-  EXPECT_TRUE(detail::hull_of(points, 0).vertices.empty());
+  EXPECT_TRUE(convex::hull_of(points, 0).vertices.empty());
 }
 
 }  // namespace

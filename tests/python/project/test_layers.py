@@ -266,3 +266,32 @@ def test_the_package_also_works_inside_another_one_with_the_installed_copy(tmp_p
         "isimp.isimp_engine face 0 uses vertex 0 twice; clean(...) repairs this",
         "isimp_engine face 0 uses vertex 0 twice; clean(...) repairs this",
     ]
+
+
+TYPE = re.compile(r"(?:enum )?(?:struct|class) (\w+)(?: final)?(?: :[^:].*)? \{")
+
+
+def types_of(text: str) -> list[str]:
+    """The types that a C++ file defines outside functions, classes and namespaces without a name."""
+    spaces: list[str] = []
+    found = []
+    for line in text.splitlines():
+        if opened := re.match(r"(?:inline )?namespace ?([\w:]*) ?\{", line):
+            spaces.append(opened[1])
+        elif line.startswith("}  // namespace"):
+            spaces.pop()
+        elif "" not in spaces and (named := TYPE.match(line)):
+            found.append("::".join([*spaces, named[1]]))
+    return found
+
+
+def test_a_type_has_one_definition():
+    """The linker keeps one of the functions of two types of a name, and the other type gets it too."""
+    text = "namespace isimp::a {\nnamespace {\nstruct B {\n}  // namespace\nclass C : D {\nstruct E;\nenum class F {\n"
+    assert types_of(text) == ["isimp::a::C", "isimp::a::F"]
+    where: dict[str, set[str]] = {}
+    for path in [*ROOT.glob("native/**/*.h"), *ROOT.glob("native/**/*.cpp")]:
+        for name in types_of(path.read_text()):
+            where.setdefault(name, set()).add(str(path.relative_to(ROOT)))
+    assert len(where) > 300
+    assert {name: sorted(paths) for name, paths in where.items() if len(paths) > 1} == {}
