@@ -12,8 +12,7 @@ namespace isimp::meshing {
 /// tuned places: weight of the mean square distance of a polygon's corners from its plane (placement.h), where that of its
 /// chart weighs 1.
 constexpr double kOfBend = 6;
-constexpr double kOfTie =
-    2;  ///< tuned places: square distance of a corner from its place at the start, in areas of a vertex
+constexpr double kOfTie = 2;  ///< tuned places: square distance of a corner from its first place, in areas of a vertex
 
 // tuned shapes
 /// A corner may move by this times the length of its shortest edge.
