@@ -52,7 +52,7 @@ TEST_F(Coarsen, WhatARegionHadApartStaysInIt) {
     if (std::abs(v.x() - 0.5) > 0.38 && std::abs(v.y() - 0.5) > 0.38) label[f] = 0;  // the corners of the square
   }
   const MeshingReport r = report_of(labelled::by(label));
-  EXPECT_GE(r.split_for_unconnected, 3);  // the half of the other region that goes to the disc can take one along
+  EXPECT_GE(r.split_for_unconnected, 3);  // half of the other region can join the disc, and one with it
   EXPECT_LE(r.polygons, 7);
 }
 
