@@ -108,7 +108,7 @@ TEST(ManyHoles, ARoughWallIsCutAtCornersOfItsHole) {
   EXPECT_NEAR(least_area(p), 6 * 8 / 3600.0, 3 / 3600.0);
 }
 
-/// The nearest corners of a hole are those of a notch. A strip between cuts from both would be a needle.
+/// The nearest corners of a hole are at a notch. A strip between cuts from both would be a needle.
 TEST(ManyHoles, TheTwoCutsOfAHoleAreApart) {
   const Mesh mesh = shapes::mesh(
       with_hole(30, [](int x, int y) { return (x >= 7 && x < 13 && y >= 12 && y < 18) || (x == 6 && y == 15); }));

@@ -55,7 +55,7 @@ struct Places {
 
   /// Whether a corner may be at x.
   [[nodiscard]] bool allows(std::int32_t corner, const Vec3& x) const;
-  /// Lowers the largest moves of corners to what their held planes need.
+  /// Lowers the largest moves of corners to the need of their held planes.
   void limit(std::span<const Unit> units);
 };
 
