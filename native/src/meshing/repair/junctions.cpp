@@ -20,9 +20,8 @@ namespace isimp::meshing {
 namespace {
 
 // tuned joins
-constexpr int kChordPasses = 2;  ///< over all chords
-constexpr double kToPoint =
-    0.01;  ///< weight of a joined corner's distance from the point, where that from a plane weighs 1
+constexpr int kChordPasses = 2;     ///< over all chords
+constexpr double kToPoint = 0.01;   ///< weight of a corner's distance from the point, relative to that from a plane
 constexpr double kCellMiss = 1e-6;  ///< rounding: how far cells' planes may miss a place, of the size
 // The energy of polygons, in edges: an edge is worth a mean square distance of kEdgePrice square deviations of the scan along
 // the side of a chart. A full turn by which reflex corners open too far is worth kOfReflex edges, and a full turn that sharp
