@@ -24,9 +24,10 @@ constexpr int kChordPasses = 2;     ///< over all chords
 constexpr double kToPoint = 0.01;   ///< weight of a corner's distance from the point, relative to that from a plane
 constexpr double kCellMiss = 1e-6;  ///< rounding: how far cells' planes may miss a place, of the size
 // The energy of polygons, in edges: an edge is worth a mean square distance of kEdgePrice square deviations of the scan along
-// the side of a chart. A full turn by which reflex corners open too far is worth kOfReflex edges, and a full turn that sharp
-// corners lack is worth kOfSharp edges.
-constexpr double kEdgePrice = 15;  ///< price of an edge, in square deviations of the scan
+// the side of a chart. Noise of the scan counts less, as it moves planes by a small part of itself. A full turn by which
+// reflex corners open too far is worth kOfReflex edges, and a full turn that sharp corners lack is worth kOfSharp edges.
+constexpr double kEdgePrice = 15;  ///< price of an edge, in square deviations of the scan beyond its noise
+constexpr double kEdgeNoise = 2;   ///< price of an edge, in square deviations that are noise; at cells kEdgePrice
 constexpr double kOfReflex = 15;   ///< price of a full turn of reflex corners, in edges
 constexpr double kOfSharp = 300;   ///< price of a full turn that sharp corners lack, in edges
 constexpr double kMisses = 1.5;    ///< bounds of bent polygons: planes that a place misses by more do not meet there
@@ -208,9 +209,12 @@ class Joiner {
     const Scale scale = s_.scale();
     size_ = scale.size;
     const double deviation = scale.deviation + kNoLength * s_.mesh.diagonal();
+    // The mean square of a triangle's distances is half of that of its vertices.
+    const double noise = std::min(deviation * deviation, 0.5 * s_.partition.noise * s_.partition.noise);
     const double bend = bounds_of(s_).bend;
     gap_ = bend > 0 ? kMisses * bend : std::numeric_limits<double>::infinity();
-    edge_ = kEdgePrice * deviation * deviation;
+    edge_of_cells_ = kEdgePrice * deviation * deviation;
+    edge_ = edge_of_cells_ - (kEdgePrice - kEdgeNoise) * noise;
   }
 
   bool run() {
@@ -303,7 +307,8 @@ class Joiner {
     const double angles_before = price(net_.angles(all));
     double side = size_;
     for (const std::int32_t l : all) side = std::min(side, std::sqrt(planes_[l].area));
-    const double edge = edge_ * (any_cell ? (holds_cells(all) ? 1 : kOfCell) * size_ : side);  // scene units^3
+    const double edge =
+        any_cell ? edge_of_cells_ * (holds_cells(all) ? 1 : kOfCell) * size_ : edge_ * side;  // scene units^3
     Vec3 best = from;
     double least = 0;  // change of the energy, in edges
     for (const Vec3& near : {from, to, Vec3((from + to) / 2)}) {
@@ -385,6 +390,7 @@ class Joiner {
   double size_ = 0;                  // size of a region, scene units
   double gap_ = 0;                   // distance by which a plane may miss the place of a corner
   double edge_ = 0;                  // the price of an edge, as a square distance
+  double edge_of_cells_ = 0;         // the same at cells
   const std::vector<Plane> planes_;  // by chart: see planes_with_cells
 };
 
