@@ -18,6 +18,9 @@ constexpr double kOfTolerance = 0.3;  ///< times the tolerance: how near data is
 constexpr double kOfNoise = 2.5;      ///< times the noise: how near data is to its surface at the least
 constexpr double kNearTurn = 14 * std::numbers::pi / 180;  ///< between the normals of data and of its surface
 constexpr int kFitSteps = 3;                               ///< steps of the last fit
+constexpr double kSides = 0.6;      ///< share of the square distance of faces from a surface: of a prism with noise
+constexpr double kOnlyNoise = 0.5;  ///< share of the square noise that it leaves at most there
+constexpr double kScanned = 0.2;  ///< share of the square noise that a scan leaves at least at the middles of its faces
 
 /// The regions of a partition, as patches are compared with them.
 class Before {
@@ -129,6 +132,25 @@ void fit_planes(const Faces& faces, Scene& scene) {
   }
 }
 
+/// Drops surfaces where the regions leave only the noise of a scan, and the surface leaves much more: sides of a prism.
+void drop_prisms(const Faces& faces, const Before& before, Scene& scene, std::vector<bool>& kept) {
+  std::vector<Some> members(scene.found.size());
+  for (std::int32_t i = 0; i < faces.size(); ++i)
+    if (const std::int32_t k = scene.label[i]; k != kNone && !scene.found[k].is_plane() && before.region(i) != kNone)
+      members[k].push_back(i);
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    if (members[k].empty()) continue;
+    const Samples s = samples_of(faces, members[k]);
+    const double rough = std::pow(rms(fitted(faces, scene.found[k].surface, members[k]), s), 2);
+    double area = 0;
+    for (const std::int32_t i : members[k]) area += faces.area(i);
+    const double left = before.cost(members[k]) / area, noise = scene.near.noise * scene.near.noise;
+    if (left <= kScanned * noise || left >= kOnlyNoise * noise || left >= kSides * rough) continue;
+    kept[k] = false;
+    scene.found[k].points.clear();
+  }
+}
+
 /// Joins surfaces to extrusions, if the gates keep one of these; else the scene stays as it is.
 void add_extrusions(const Faces& faces, Scene& scene, std::vector<bool>& kept, Job& job) {
   auto found = with_extrusions(faces, scene.points, scene.found, kept, scene.label, scene.near);
@@ -172,8 +194,9 @@ Scene find_patches(const Faces& faces, const Partition& part, std::span<const st
   scene.label = face_labels(faces, scene.points, scene.found, near, job);
   fit_planes(faces, scene);
   std::vector<bool> kept = kept_surfaces(faces, scene.points, scene.found, scene.label, near);
-  add_extrusions(faces, scene, kept, job);
   const Before before(faces, part);
+  drop_prisms(faces, before, scene, kept);
+  add_extrusions(faces, scene, kept, job);
   std::vector<Some> members(scene.found.size());
   for (std::int32_t i = 0; i < faces.size(); ++i) {
     std::int32_t& k = scene.label[i];

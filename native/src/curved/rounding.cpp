@@ -19,9 +19,7 @@ namespace {
 constexpr double kOfRegion = 0.3;  ///< share of a region's area: if patches leave less of it, the rest joins neighbours
 constexpr double kNarrow = 1;      ///< radians, the least span of one that is no full turn
 constexpr double kPrism = 0.01;    ///< share of the square distance of the faces from the surface: of a prism's sides
-constexpr double kSides = 0.35;    ///< the same share if the sides leave the noise of a scan
-constexpr double kScanned = 0.2;  ///< share of the square noise that a scan leaves at least at the middles of its faces
-constexpr double kFar = 1e300;    ///< mark: misfit of a face to a cell without a plane
+constexpr double kFar = 1e300;     ///< mark: misfit of a face to a cell without a plane
 
 /// Puts cells in the place of regions.
 class Rounding {
@@ -108,11 +106,10 @@ class Rounding {
   /// Whether the cells of patches with the same segments are about as near to the faces as the regions that were there.
   /// These may be nearer by the distance of the faces from the surface, which no cells follow, unless they are the sides
   /// of a prism. Each cell and each region has a price: the square of the nearness times the area of a region. A patch
-  /// that was found must pass, an edit need not. Cells do not replace regions that leave only the noise of a scan where the
-  /// surface leaves much more.
+  /// that was found must pass, an edit need not.
   [[nodiscard]] bool pay(const std::vector<PatchCut>& cuts) const {
     if (is_edit()) return true;
-    double now = 0, before = 0, rough = 0, noise = 0, price = 0;  // price: of the regions
+    double now = 0, before = 0, rough = 0, price = 0;  // price: of the regions
     const auto add = [&](std::int32_t i, const Vec3& normal, double offset) {
       now += f_.area(i) * std::pow(normal.dot(f_.centre(i)) - offset, 2);
     };
@@ -121,7 +118,6 @@ class Rounding {
       double area = 0;
       for (const double a : c.patch->faces.area) area += a;
       rough += area * c.patch->faces.rough * c.patch->faces.rough;
-      noise += area * scene_.near.noise * scene_.near.noise;
       const double regions = area * scene_.near.distance * scene_.near.distance;
       price += regions;
       now += regions * static_cast<double>(c.cells.cell.size()) / c.patch->cells;
@@ -133,8 +129,6 @@ class Rounding {
         add(i, s.axis, s.axis.dot(s.point));
       }
     }
-    const bool is_noise = before > kScanned * noise && before < noise;
-    if (is_noise && before < kSides * rough) return false;
     return now <= kWorse * (price + (before < kPrism * rough ? before : before + rough));
   }
 

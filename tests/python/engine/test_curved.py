@@ -617,13 +617,14 @@ def test_a_ball_of_few_squares_is_a_sphere_and_a_prism_keeps_its_sides():
     assert engine.simplify(prism, curved=True).partition.region_count == 18
 
 
-def test_a_socket_of_six_sides_stays_planes_under_noise():
+@pytest.mark.parametrize(("sides", "noise", "seed"), [(6, 0.002, 1), (7, 0.002, 2), (7, 0.003, 1), (8, 0.001, 1)])
+def test_a_socket_with_flat_sides_stays_planes_under_noise(sides, noise, seed):
     profile = [(0.4, 0), (0.4, 0.5), (0.16, 0.5), (0.06, 0.5), (0.06, 0.35), (0.06, 0.2)]
-    vertices, triangles = finer(*turned(profile, 6), 4)
-    scan = round_shapes.with_noise(vertices, 0.002, 1), triangles
+    vertices, triangles = finer(*turned(profile, sides), 4)
+    scan = round_shapes.with_noise(vertices, noise, seed), triangles
     part = engine.simplify(scan, curved=True).partition
     assert not part.curved
-    assert part.region_count == 15
+    assert part.region_count == 2 * sides + 3
 
 
 def finer(vertices, triangles, times=2):
