@@ -150,7 +150,8 @@ def make_regions(
         larger = replace(scaled(settings, known["factor"]), scale=None)
         return replace(make_regions(source.scaled(known["factor"]), larger, steps, meshes, marks), scale=known)
     meshes = meshes or Meshes()
-    if settings.scanned_detail and not is_drawn(meshes.repaired(source, Repair.by(settings.clean), steps).mesh):
+    by_detail = settings.scanned_detail and settings.partition.detail is not None  # a level of detail has a count
+    if by_detail and not is_drawn(meshes.repaired(source, Repair.by(settings.clean), steps).mesh):
         given = settings.partition.as_dict() | {"detail": settings.scanned_detail}
         settings = replace(settings, partition=PartitionOptions(**given))
     recipe, regular = settings.recipe, settings.regularise

@@ -84,6 +84,17 @@ def test_a_recipe_gives_all_but_the_number(scan, tmp_path, capsys):
     capsys.readouterr()
 
 
+def test_a_preset_for_a_scan_with_noise_gives_all_but_the_number(tmp_path, capsys):
+    vertices, triangles = shapes.cube(24)
+    noisy = vertices + np.random.default_rng(1).normal(0, 0.002, vertices.shape)
+    scan, report = tmp_path / "noisy.ply", tmp_path / "report.json"
+    meshfiles.ply_binary(scan, noisy, triangles.tolist())
+    options = ["--lods", "12,6", "--preset", "cad", "--report", report]
+    assert run("simplify", scan, tmp_path / "o.ply", *options) == 0
+    assert [level["options"]["proxies"] for level in json.loads(report.read_text())["lods"]] == [12, 6]
+    capsys.readouterr()
+
+
 def test_a_level_that_fails_leaves_nothing(scan, tmp_path, capsys):
     (tmp_path / "o_LOD1.ply").mkdir()
     assert run("simplify", scan, tmp_path / "o.ply", "--lods", "20,8") == 2
