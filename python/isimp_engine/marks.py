@@ -32,7 +32,7 @@ def marks_of(source: Source, given: dict[str, Any]) -> Marks:
     """The arrays of a scan by their names, checked. Raises OptionError, which begins with the name."""
     arrays = {name: np.asarray(values) for name, values in given.items() if values is not None}
     for name, values in arrays.items():
-        _check(name, values, {"cuts": (None, 2), "part": (None,)}.get(name, (source.faces,)))
+        _check(name, values, {"cuts": (None, 2), "part": (None,)}.get(name, (source.faces,)), not source.is_whole)
     if "cuts" in arrays:
         edges, count = arrays["cuts"], len(source.vertices)
         if (bad := np.argwhere((edges < 0) | (edges >= count))).size:
@@ -40,17 +40,19 @@ def marks_of(source: Source, given: dict[str, Any]) -> Marks:
             text = f"{{}}: row {row} (the first is 0) names vertex {edges[row, end]}; "
             raise OptionError(f"{text}the vertices of the scan are 0 to {count - 1}", "cuts")
     chosen = arrays.get("part", np.zeros(0, int))
-    if len(chosen) and not 0 <= chosen.min() <= chosen.max() < source.faces:
+    if len(chosen) and not (chosen.min() >= 0 and (chosen.max() < source.faces or not source.is_whole)):
         raise OptionError(f"{{}}: faces must be in [0, {source.faces})", "part")
     return Marks(**arrays)
 
 
-def _check(name: str, values: NDArray[Any], shape: tuple[int | None, ...]) -> None:
-    """Refuse an array of another shape (None: any length), and one without numbers."""
-    fits = values.ndim == len(shape) and all(n in (None, m) for n, m in zip(shape, values.shape, strict=True))
+def _check(name: str, values: NDArray[Any], shape: tuple[int | None, ...], longer: bool) -> None:
+    """Refuse an array of another shape (None: any length; longer: or more), and one without numbers."""
+    sizes = list(zip(shape, values.shape, strict=False))
+    fits = values.ndim == len(shape) and all(n in (None, m) or (longer and n < m) for n, m in sizes)
     whole = name in ("weights", "borders") or values.dtype.kind in "iu"
     if not fits or not whole or values.dtype.kind not in "iufb":
         wanted = ", ".join("K" if n is None else str(n) for n in shape)
+        wanted = f"{wanted} or more" if longer and shape[0] is not None else wanted
         kind = "numbers" if name in ("weights", "borders") else "integers"
         raise OptionError(literal(f": must be ({wanted}) {kind}, is {values.shape} {values.dtype}"), name)
 

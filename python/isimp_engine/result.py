@@ -46,7 +46,7 @@ class Result:
 
     @property
     def labels(self) -> NDArray[np.int32]:
-        """(faces,) the region of each face of the caller's scan, -1 for none."""
+        """(faces,) the region of each face of the caller's scan, -1 for none. A Mesh may lack the last ones."""
         return self._model.labels()
 
     @property

@@ -35,6 +35,11 @@ class Source:
     digest: str = ""  #: equal for equal scans, where there are several
 
     @property
+    def is_whole(self) -> bool:
+        """Whether the numbers of faces and vertices are the caller's: a Mesh of `clean` lacks the last dropped ones."""
+        return self.mesh is None or not self.mesh.report["repairs"]
+
+    @property
     def surface(self) -> Surface:
         """Its triangles with their faces."""
         face = self.polygon if self.mesh is None else self.mesh.source_face
@@ -73,8 +78,7 @@ def source_of(scan: Any, job: Job | None = None, threads: int = 0, textured: boo
     if isinstance(scan, (str, PathLike)):
         return load(Path(scan), job, threads, textured)
     if isinstance(scan, Mesh):
-        # Its faces are numbered as in the arrays that `clean` took.
-        count = int(scan.source_face.max(initial=-1)) + 1
+        count = _known_faces(scan)
         return Source(scan.vertices, scan.triangles, np.arange(count, dtype=np.int32), count, mesh=scan)
     if isinstance(scan, TexturedSoup):
         return _of_soup(scan, None)
@@ -86,6 +90,13 @@ def source_of(scan: Any, job: Job | None = None, threads: int = 0, textured: boo
     vertices = np.asarray(scan[0])
     triangles, polygon = _triangles(vertices, scan[1])
     return Source(vertices, triangles, polygon, len(scan[1]))
+
+
+def _known_faces(mesh: Mesh) -> int:
+    """The number of faces in the arrays of `clean`, up to the last that its mesh or its report has."""
+    places = mesh.report["repaired_at"]
+    dropped = [max(found) for key, found in places.items() if len(found) and not key.endswith("vertices")]
+    return int(max([mesh.source_face.max(initial=-1), *dropped])) + 1
 
 
 def _triangles(vertices: NDArray[Any], faces: Any) -> tuple[NDArray[Any], NDArray[np.int32]]:

@@ -195,6 +195,36 @@ def test_a_scan_or_an_option_of_another_kind_is_named():
         engine.simplify("nowhere.ply")
 
 
+def with_dropped(vertices, triangles):
+    """The arrays with vertices that no face uses before them, and faces without area after them."""
+    triangles = np.asarray(triangles) + 3
+    thin = np.repeat(triangles[:2, :1], 3, axis=1)
+    return np.vstack([vertices[:3] + 9, vertices]), np.vstack([triangles, thin])
+
+
+def test_a_mesh_without_its_last_faces_is_reported_and_takes_arrays_of_all_of_them():
+    vertices, triangles = with_dropped(*shapes.cube(6))
+    mesh, count = engine.clean(vertices, triangles), len(triangles)
+    assert mesh.source_face.max() == count - 3
+    for scan in (mesh, (vertices, triangles)):
+        made = engine.simplify(scan, proxies=6)
+        assert made.report["repaired_at"]["repeated_index_faces"] == [count - 2, count - 1]
+        assert len(made.labels) == count
+    side = np.arange(count) % 2
+    wanted = engine.simplify((vertices, triangles), proxies=40, borders=side, weights=1.0 + side)
+    for more in (0, 4):  # more of them may have been dropped than the report has places
+        borders = np.append(side, [0] * more)
+        made = engine.simplify(mesh, proxies=40, borders=borders, weights=1.0 + borders)
+        np.testing.assert_array_equal(made.labels, wanted.labels)
+    chosen = np.arange(count)[::3]
+    part = engine.simplify(mesh, proxies=9, part=np.append(chosen, count + 3), base=side)
+    np.testing.assert_array_equal(
+        part.labels, engine.simplify((vertices, triangles), proxies=9, part=chosen, base=side).labels
+    )
+    with pytest.raises(engine.InvalidInput, match=rf"weights: must be \({count} or more\) numbers, is \(3,\)"):
+        engine.simplify(mesh, weights=np.ones(3))
+
+
 def test_a_job_shows_its_progress_and_cancels_it(files):
     job = engine.Job()
     engine.simplify(files / "room.ply", detail=0.05, job=job)
