@@ -34,11 +34,13 @@ def marks_of(source: Source, given: dict[str, Any]) -> Marks:
     for name, values in arrays.items():
         _check(name, values, {"cuts": (None, 2), "part": (None,)}.get(name, (source.faces,)), not source.is_whole)
     if "cuts" in arrays:
-        edges, count = arrays["cuts"], len(source.vertices)
-        if (bad := np.argwhere((edges < 0) | (edges >= count))).size:
+        edges = arrays["cuts"]
+        count = len(source.vertices) if source.is_whole else None
+        if (bad := np.argwhere((edges < 0) | (False if count is None else edges >= count))).size:
             row, end = bad[0]
             text = f"{{}}: row {row} (the first is 0) names vertex {edges[row, end]}; "
-            raise OptionError(f"{text}the vertices of the scan are 0 to {count - 1}", "cuts")
+            known = "begin with 0" if count is None else f"are 0 to {count - 1}"
+            raise OptionError(f"{text}the vertices of the scan {known}", "cuts")
     chosen = arrays.get("part", np.zeros(0, int))
     if len(chosen) and not (chosen.min() >= 0 and (chosen.max() < source.faces or not source.is_whole)):
         raise OptionError(f"{{}}: faces must be in [0, {source.faces})", "part")

@@ -225,6 +225,23 @@ def test_a_mesh_without_its_last_faces_is_reported_and_takes_arrays_of_all_of_th
         engine.simplify(mesh, weights=np.ones(3))
 
 
+def test_a_mesh_takes_cuts_by_the_vertices_that_it_was_made_of():
+    vertices, triangles = with_dropped(*shapes.cube(6))
+    mesh = engine.clean(vertices, triangles)
+    far = np.flatnonzero(vertices[:, 0] == 1)
+    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    cuts = edges[np.isin(edges, far).all(axis=1) & (np.abs(vertices[edges, 2] - 0.5) < 1e-9).all(axis=1)]
+    cuts = np.vstack([cuts, edges[edges[:, 1] >= len(mesh.vertices)]])
+    assert cuts.max() >= len(mesh.vertices)
+    made, wanted = (engine.simplify(scan, proxies=6, cuts=cuts) for scan in (mesh, (vertices, triangles)))
+    np.testing.assert_array_equal(made.labels, wanted.labels)
+    assert made.partition.region_count > 6
+    with pytest.raises(engine.InvalidInput, match=r"cuts: row 1 .* names vertex -1; the vertices of the scan begin"):
+        engine.simplify(mesh, cuts=[[3, 4], [3, -1]])
+    with pytest.raises(engine.InvalidInput, match=r"cuts: row 0 .* the vertices of the scan are 0 to 217"):
+        engine.simplify(engine.Mesh(*shapes.cube(6)), cuts=[[3, 218]])
+
+
 def test_a_job_shows_its_progress_and_cancels_it(files):
     job = engine.Job()
     engine.simplify(files / "room.ply", detail=0.05, job=job)
