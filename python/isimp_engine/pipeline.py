@@ -129,7 +129,7 @@ class Model(Regions):
             "output": self.found.report,
             "clicks": self.clicks,
             "clutter": [each.as_dict() for each in self.clutter],
-            "validity": exporting.validity(self.polygons, surfaces=self.surfaces),
+            "validity": exporting.validity(self.polygons, self.surfaces, settings.unit),
             "texture": self.texture and self.texture.report,
         }
 

@@ -82,7 +82,7 @@ def _merge(task: Simplification, angle: float) -> None:
             "options": {"flat": angle},
             "regions": int(poly.report["regions"]),
             "output": {"path": str(task.output)} | poly.report,
-            "validity": exporting.validity(poly, surfaces=surfaces),
+            "validity": exporting.validity(poly, surfaces, settings.unit),
             "step": told or None,
             "seconds": steps.seconds,
             "peak_mb": machine.peak_mb(),

@@ -106,7 +106,10 @@ def simplify_options() -> argparse.ArgumentParser:
         help="the number of the scan's reference system, written to CityJSON and IFC",
     )
     command.add_argument(
-        "--unit", choices=UNITS, help="unit of the scene: of STEP and 3MF, and for lengths with a unit. Default: m"
+        "--unit",
+        choices=UNITS,
+        help="unit of the scene: of STEP and 3MF, and for lengths with a unit. IFC, CityJSON, DXF, IDF and HBJSON are "
+        "in metres, so their coordinates are converted. Default: m",
     )
     command.add_argument(
         "--preset",

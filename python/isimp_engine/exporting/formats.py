@@ -2,17 +2,18 @@
 
 import importlib.util
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._core import FileError, Job, Mesh, Partition, PolygonMesh
 from ..file_errors import reader
+from ..lengths import UNITS
 from . import cityjson, dxf, energy, ifc, triangles
 from .surfaces import Surfaces, surfaces_of
 
@@ -36,6 +37,27 @@ class Content:
     def surfaces(self) -> Surfaces:
         """The polygons by class."""
         return self.known or surfaces_of(self.polygons)
+
+
+@dataclass(frozen=True, eq=False)
+class _Polygons:
+    """The attributes of PolygonMesh that the writers of buildings read."""
+
+    vertices: NDArray[np.float64]
+    loops: NDArray[np.int32]
+    loop_start: NDArray[np.int32]
+    report: dict[str, Any]
+
+
+def in_metres(of: Content) -> Content:
+    """The content with the coordinates in metres."""
+    factor = UNITS[of.unit]
+    if factor == 1:
+        return of
+    poly, surfaces = of.polygons, of.surfaces
+    vertices = np.asarray(poly.vertices, np.float64) * factor
+    larger = cast(PolygonMesh, _Polygons(vertices, poly.loops, poly.loop_start, poly.report))
+    return replace(of, polygons=larger, known=replace(surfaces, volume=surfaces.volume * factor**3), unit="m")
 
 
 Writer = Callable[[Path, Content], dict[str, Any]]  # returns facts for the report
@@ -110,6 +132,7 @@ class Format:
     textured: bool = False  #: for polygons with a texture
     tiles: bool = False  #: for the result of `isimp tiles`
     lods: bool = False  #: for levels of detail from Blender
+    metres: bool = False  #: its lengths are metres
     menu: str = ""  #: in Blender's File > Export: "building" or "solid"
 
     @property
@@ -125,11 +148,11 @@ FORMATS = (
     Format(".gltf", _gltf, textured=True),
     Format(".stl", _stl),
     Format(".3mf", _3mf),
-    Format(".city.json", _cityjson, lods=True, menu="building"),
-    Format(".dxf", _dxf, lods=True, menu="building"),
-    Format(".ifc", _ifc, lods=True, menu="building"),
-    Format(".idf", _idf, menu="building"),
-    Format(".hbjson", _hbjson, menu="building"),
+    Format(".city.json", _cityjson, lods=True, metres=True, menu="building"),
+    Format(".dxf", _dxf, lods=True, metres=True, menu="building"),
+    Format(".ifc", _ifc, lods=True, metres=True, menu="building"),
+    Format(".idf", _idf, metres=True, menu="building"),
+    Format(".hbjson", _hbjson, metres=True, menu="building"),
     Format(".step", _step, "OCP", "cadquery-ocp-novtk", "step", menu="solid"),
     Format(".stp", _step, "OCP", "cadquery-ocp-novtk", "step", menu="solid"),
 )

@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import PolygonMesh
+from ..lengths import UNITS
 
 WALL, ROOF, GROUND, CEILING = "WallSurface", "RoofSurface", "GroundSurface", "OuterCeilingSurface"
 CLASSES = (WALL, ROOF, GROUND, CEILING)
-PLANAR = 0.01  # scene units: the default of validators of city models, in metres
+PLANAR = 0.01  # metres: the default of validators of city models
 
 _UPRIGHT = 0.25  # largest component along up of a wall's normal: it leans by less than 14.5 degrees
 LEVEL = 0.94  # least component along up of the ground's normal: it rises by less than 20 degrees
@@ -88,15 +89,15 @@ def part_of(
     return np.asarray(poly.vertices, dtype=np.float64)[used], np.split(local.ravel(), ends)
 
 
-def validity(poly: PolygonMesh, surfaces: Surfaces | None = None) -> dict[str, Any]:
+def validity(poly: PolygonMesh, surfaces: Surfaces | None = None, unit: str = "m") -> dict[str, Any]:
     """The first checks of validators of city models: polygons planar within PLANAR, a closed shell.
 
-    surfaces: the result of `surfaces_of` for these polygons, if it is known already.
+    surfaces: the result of `surfaces_of` for these polygons, if it is known already. unit: the scene unit.
     """
-    found = surfaces or surfaces_of(poly)
-    bent = np.asarray(poly.planarity) > PLANAR
+    found, limit = surfaces or surfaces_of(poly), PLANAR / UNITS[unit]
+    bent = np.asarray(poly.planarity) > limit
     return {
-        "planarity_limit": PLANAR,
+        "planarity_limit": limit,
         "planarity_max": float(np.max(poly.planarity, initial=0.0)),
         "non_planar": int(bent.sum()),
         "closed": bool(poly.report["closed"]),

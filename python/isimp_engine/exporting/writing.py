@@ -12,10 +12,10 @@ from .. import _core
 from .._core import FileError, InvalidInput, Job, Mesh, Partition, PolygonMesh
 from ..drafts import whole
 from ..file_errors import reader
-from .formats import PLAIN, Content, format_of, require
+from .formats import PLAIN, Content, format_of, in_metres, require
 from .surfaces import Surfaces
 
-UNITS = ("m", "mm")  #: units of STEP and 3MF files
+UNITS = ("m", "mm")  #: of scenes, and of STEP and 3MF files
 
 
 def write(
@@ -40,8 +40,8 @@ def write(
     arrays; STL and 3MF have triangles alone. STL is text where coordinates are too far from zero for its float32.
 
     The file appears whole or not at all. CityJSON, DXF and IFC have their polygons by class (walls, roofs, ground) and
-    keep n-gons and the scan's coordinates in double precision. IDF and HBJSON have convex surfaces. All five take scene
-    units for metres.
+    keep n-gons and the scan's coordinates in double precision. IDF and HBJSON have convex surfaces. All five are
+    in metres.
 
     STEP is a solid where the polygons are closed, else a shell. Round parts of the partition (`Partition.curved`) have
     true surfaces; where one can't be cut to a valid face, its cells are planes. Non-planar polygons are cut into
@@ -52,7 +52,7 @@ def write(
     like: a name with the kind of the file, where `path` is a temporary one.
     surfaces: the result of `surfaces_of` for these polygons, if it is known already.
     partition, mesh: for STEP, the partition and the mesh that the polygons were made from.
-    unit: the scene unit in STEP and 3MF, "m" or "mm".
+    unit: the scene unit, "m" or "mm". STEP and 3MF state it; coordinates in files of buildings are converted to metres.
     place: (4, 4), for STEP: a rotation and a shift to the coordinates of the file; None: the polygons' own.
     Returns a dict, empty for all formats except STEP: faces, solids, valid (by OpenCASCADE), volume, gap (largest
     distance of an edge from a face), triangulated (polygons), true_surfaces (number and kind of round parts), planes
@@ -72,6 +72,7 @@ def write(
     writer, told = found.writer, dict[str, Any]()
     name = named.name[: -len(found.suffix)] or "building"
     content = Content(polygons, name, job, crs, version, surfaces, partition, mesh, unit, place)
+    content = in_metres(content) if found.metres else content
     _whole(Path(path), lambda draft: told.update(writer(draft, content)))
     return told
 

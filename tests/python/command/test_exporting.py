@@ -310,6 +310,27 @@ def test_the_command_writes_cityjson_and_reports_whether_it_is_valid(tmp_path: P
     assert sorted(p.name for p in tmp_path.iterdir()) == ["out.city.json", "report.json", "scan.obj"]
 
 
+@pytest.mark.parametrize("kind", engine.exporting.BUILDING_KINDS)
+def test_files_of_buildings_are_in_metres(tmp_path: Path, kind: str) -> None:
+    metres, millimetres = tmp_path / "m", tmp_path / "mm"
+    for folder, poly, unit in ((metres, box(4.0), "m"), (millimetres, box(4000.0), "mm")):
+        folder.mkdir()
+        engine.write(folder / f"box{kind}", poly, unit=unit, surfaces=surfaces_of(poly))
+    assert (millimetres / f"box{kind}").read_text() == (metres / f"box{kind}").read_text()
+
+
+@pytest.mark.parametrize("flat", [False, True])
+def test_the_command_converts_a_building_in_millimetres(tmp_path: Path, flat: bool, capsys) -> None:
+    vertices, triangles = shapes.cube(4)
+    scan, out, report = tmp_path / "scan.obj", tmp_path / "out.city.json", tmp_path / "report.json"
+    meshfiles.obj(scan, 4000 * vertices, triangles)
+    command = ["simplify", str(scan), str(out), "--unit", "mm", "--report", str(report)]
+    assert main([*command, *(["--flat"] if flat else ["--proxies", "6"])]) == 0
+    assert np.ptp(cityjson_rings(json.loads(out.read_text())), axis=(0, 1)) == pytest.approx([4, 4, 4])
+    assert json.loads(report.read_text())["validity"]["planarity_limit"] == pytest.approx(10)
+    capsys.readouterr()
+
+
 def area(poly: engine.PolygonMesh) -> float:
     return faces_area(np.asarray(poly.vertices), poly.triangles())
 
