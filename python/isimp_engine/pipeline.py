@@ -226,12 +226,13 @@ def require_texture(source: Source) -> None:
 
 def _textured(wanted: Texturing, source: Source, mesh: Mesh, found: Within, threads: int, job: Job) -> Texture:
     assert source.soup is not None  # see require_texture
-    options = TextureOptions(
-        size=wanted.size or None,
-        tiles=wanted.tiles,
-        materials=wanted.materials,
-        occlusion=wanted.occlusion is not None,
-        occlusion_distance=wanted.occlusion or None,
-        threads=threads,
-    )
+    own = {
+        "size": wanted.size or None,
+        "tiles": wanted.tiles,
+        "materials": wanted.materials,
+        "occlusion": wanted.occlusion is not None,
+        "occlusion_distance": wanted.occlusion or None,
+        "threads": threads,
+    }
+    options = TextureOptions(**{**(wanted.step or {}), **own})
     return texture(mesh, found.partition, found.polygons, source.soup, options, job=job)

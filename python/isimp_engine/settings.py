@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from . import recipe as rcp
 from ._core import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions, RegulariseOptions, TextureOptions
 from .exporting import UNITS
 from .lengths import length_of
@@ -54,6 +55,7 @@ class Texturing:
     materials: bool = False  #: images of their own for each of the scan's materials
     occlusion: float | None = None  #: largest distance of the faces that keep light off; ANY_DISTANCE; None: no image
     needed: bool = True  #: whether a scan without a texture is refused; else the result has none
+    step: Mapping[str, Any] | None = None  #: options of a recipe's texture step
 
 
 @dataclass(frozen=True)
@@ -143,7 +145,10 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
         raise OptionError(f"{{}} must be in [0, 180], got {angle:g}", "angle")
     texture = None
     if "texture" in given:
-        texture = Texturing(given["texture"], given.get("tiles"), bool(given.get("materials")), given.get("ao"))
+        shown = None if recipe is None else recipe.texture()
+        of_step = None if shown is None else rcp.engine_options(shown, rcp.TEXTURE)
+        own = given["texture"], given.get("tiles"), bool(given.get("materials")), given.get("ao")
+        texture = Texturing(*own, step=of_step)
     return Settings(
         clean=options_of(given, CleanOptions),
         partition=options_of(given, PartitionOptions),

@@ -85,6 +85,16 @@ def test_the_step_of_a_recipe_makes_it_and_what_is_given_comes_first(scans, text
     assert ("occlusion" in soup.layers) == (layer == "occlusion")
 
 
+@pytest.mark.parametrize("arguments", [[], ["--texture", "32"]])
+def test_all_settings_of_the_step_are_obeyed(scans, arguments):
+    recipe(scans, normals=False, gutter=3, unfold=0.0)
+    command = ["cube.obj", "out.glb", "--recipe", "r.json", "--report", "report.json", "--quiet", *arguments]
+    ran = called("simplify", *command, cwd=scans)
+    assert ran.returncode == 0, ran.stderr
+    assert json.loads((scans / "report.json").read_text())["texture"]["gutter"] == 3
+    assert "normal" not in engine.read_textured(scans / "out.glb").layers
+
+
 @pytest.mark.parametrize(
     ("arguments", "texture", "status", "text"),
     [
