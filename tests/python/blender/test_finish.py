@@ -282,6 +282,40 @@ def test_merge_flat_keeps_materials_and_places():
     assert source.hide_get()
 
 
+def world_corners(obj):
+    """The corners of an object in the world, rounded and sorted."""
+    place = np.array(obj.matrix_world)
+    return np.unique(np.round(scans.coordinates(obj.data) @ place[:3, :3].T + place[:3, 3], 4), axis=0)
+
+
+@pytest.mark.parametrize("how", ["delta", "mode", "bone", "constraint", "sheared"])
+def test_merge_flat_puts_its_object_where_the_source_is(how):
+    source = scans.cube(cells=2)
+    if how == "delta":
+        source.delta_location, source.delta_scale, source.delta_rotation_euler = (1, 2, 3), (2, 1, 1), (0, 0, 0.5)
+    elif how == "mode":
+        source.rotation_mode, source.rotation_quaternion = "QUATERNION", (0.8, 0.6, 0, 0)
+    elif how == "constraint":
+        source.constraints.new("LIMIT_LOCATION").use_min_x = True
+        source.location.x = -3
+    else:
+        bpy.ops.object.armature_add(location=(1, 2, 3), rotation=(0.4, 0, 0))
+        parent = bpy.context.object
+        source.parent = parent
+        if how == "bone":
+            source.parent_type, source.parent_bone = "BONE", parent.data.bones[0].name
+        else:
+            parent.scale, source.rotation_euler = (-1, 2, 3), (0.3, 0.4, 0.5)
+        scans.activate(source)
+    bpy.context.view_layer.update()
+    wanted = world_corners(source)
+    assert OPS.merge_flat() == {"FINISHED"}
+    bpy.context.view_layer.update()
+    found = world_corners(bpy.context.object)
+    assert len(found) == 8
+    assert {tuple(each) for each in found} <= {tuple(each) for each in wanted}
+
+
 def test_merge_flat_works_on_a_drawn_mesh_without_regions():
     bpy.ops.mesh.primitive_cube_add()
     bpy.ops.object.modifier_add(type="SUBSURF")

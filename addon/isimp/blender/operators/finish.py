@@ -13,6 +13,7 @@ from ...engine import engine
 from ...language import own, said
 from ..controls import settings
 from ..scene import mesh_io, runtime, selection, store, targets
+from ..scene.result import place_at
 from ..work import modal, scene_outcome
 from ..work.modal import Aside, RecipeOperator
 from .clean_up import without_slivers
@@ -262,9 +263,10 @@ def _new_flat(context, source, poly, material):
     made = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     for collection in source.users_collection or (context.scene.collection,):
         collection.objects.link(made)
-    mesh_io.fill_polygons(made.data, np.asarray(poly.vertices), np.array(poly.loops), np.array(poly.loop_start), {})
-    made.parent, made.matrix_parent_inverse = source.parent, source.matrix_parent_inverse
-    made.matrix_basis = source.matrix_basis
+    start = np.array(poly.loop_start)
+    vertices, loops = np.asarray(poly.vertices), np.array(poly.loops)
+    vertices, loops, _ = place_at(made, source, vertices, np.zeros(3), loops, start)
+    mesh_io.fill_polygons(made.data, vertices, loops, start, {})
     for slot in source.material_slots:
         made.data.materials.append(slot.material)
     made.data.polygons.foreach_set("material_index", material)

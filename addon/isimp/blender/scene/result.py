@@ -108,12 +108,8 @@ def fill(result, scan, outcome) -> np.ndarray:
     loops, start = np.array(polygons.loops), np.array(polygons.loop_start)
     unshaped = np.linalg.inv(mesh_io.shape_matrix(scan))
     vertices, shift = (np.asarray(polygons.vertices) - outcome.origin) @ unshaped, outcome.origin @ unshaped
-    moved, turn = _moved(result), np.eye(3)
-    # Blender multiplies a parent's transform in float32: far from zero, only a result without one is exact.
-    if _is_told_by_transform(scan) and not (scan.parent is not None and shift.any()):
-        vertices += _place_alike(result, scan, shift)
-    else:
-        vertices, loops, turn = _place_in_world(result, scan, vertices, shift, loops, start)
+    moved = _moved(result)
+    vertices, loops, turn = place_at(result, scan, vertices, shift, loops, start)
     result.isimp.placed = json.dumps([list(row) for row in result.matrix_basis])
     if moved is not None:
         result.matrix_basis = moved @ result.matrix_basis
@@ -166,6 +162,18 @@ def _moved(result):
     if placed == result.matrix_basis or abs(placed.determinant()) < 1e-30:
         return None
     return result.matrix_basis @ placed.inverted()
+
+
+def place_at(result, scan, vertices, shift, loops, start) -> tuple:
+    """Places an object at another one, with its parent and transform if these determine the place.
+
+    vertices, shift: in the space of the scan's mesh; the vertices are relative to the shift. Returns (vertices, loops,
+    turn): the vertices to use with that place, the loops, turned where it mirrors, and `turn` as `fill` returns it.
+    """
+    # Blender multiplies a parent's transform in float32: far from zero, only a result without one is exact.
+    if _is_told_by_transform(scan) and not (scan.parent is not None and shift.any()):
+        return vertices + _place_alike(result, scan, shift), loops, np.eye(3)
+    return _place_in_world(result, scan, vertices, shift, loops, start)
 
 
 def _is_told_by_transform(scan) -> bool:
