@@ -1,5 +1,7 @@
 """Operators that finish a result, clean regions up, or merge coplanar faces."""
 
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
 import pytest
@@ -314,6 +316,17 @@ def test_merge_flat_puts_its_object_where_the_source_is(how):
     found = world_corners(bpy.context.object)
     assert len(found) == 8
     assert {tuple(each) for each in found} <= {tuple(each) for each in wanted}
+
+
+def test_merge_flat_keeps_materials_where_blender_removes_an_invalid_polygon():
+    source = scans.cube(cells=2)
+    for name in ("Stone", "Glass"):
+        source.data.materials.append(bpy.data.materials.new(name))
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]], float)
+    loops, start = np.array([0, 1, 2, 3, 0, 1, 2, 3, 1, 4, 5, 2]), np.array([0, 4, 8])  # the second is the first
+    poly = SimpleNamespace(vertices=square, loops=loops, loop_start=start)
+    made = finish._new_flat(bpy.context, source, poly, np.array([0, 0, 1], np.int32))
+    assert [polygon.material_index for polygon in made.data.polygons] == [0, 1]
 
 
 def test_merge_flat_works_on_a_drawn_mesh_without_regions():

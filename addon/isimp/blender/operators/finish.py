@@ -187,7 +187,7 @@ def _collider(name: str, part, result):
 
 
 class ISIMP_OT_merge_flat(RecipeOperator, bpy.types.Operator):
-    """Merge coplanar faces of any mesh into polygons, exactly, as a new object. Materials stay apart"""
+    """Merge coplanar faces of a mesh, without modifiers, into exact polygons of a new object. Materials stay apart"""
 
     bl_idname = "isimp.merge_flat"
     bl_label = "Merge Flat"
@@ -266,10 +266,10 @@ def _new_flat(context, source, poly, material):
     start = np.array(poly.loop_start)
     vertices, loops = np.asarray(poly.vertices), np.array(poly.loops)
     vertices, loops, _ = place_at(made, source, vertices, np.zeros(3), loops, start)
-    mesh_io.fill_polygons(made.data, vertices, loops, start, {})
     for slot in source.material_slots:
         made.data.materials.append(slot.material)
-    made.data.polygons.foreach_set("material_index", material)
+    set_materials = partial(made.data.polygons.foreach_set, "material_index", material)
+    mesh_io.fill_polygons(made.data, vertices, loops, start, {}, set_materials)
     made.data.update()
     return made
 
