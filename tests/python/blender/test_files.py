@@ -296,6 +296,19 @@ def test_a_button_installs_the_package_with_blender_s_own_python(tmp_path, monke
         OPS.install_step()
 
 
+def test_the_reason_of_pip_is_reported_in_any_encoding(tmp_path, monkeypatch):
+    """A stand-in for Blender's Python without pip, which notes its arguments."""
+    python, called = tmp_path / "python", tmp_path / "called"
+    python.write_bytes(b'#!/bin/sh\necho "$2" >> %s\necho "ERROR: no f\xfcr \xc3\xbcber"\nexit 1\n' % bytes(called))
+    python.chmod(0o755)
+    monkeypatch.setattr(engine.exporting, "missing", lambda path: "cadquery-ocp-novtk")
+    monkeypatch.setattr(handover, "pip", lambda *given: [str(python), "-m", "pip"])
+    monkeypatch.setattr(util, "find_spec", lambda name: None)
+    with pytest.raises(RuntimeError, match="Nothing was installed: ERROR: no f\ufffdr \u00fcber"):
+        OPS.install_step()
+    assert called.read_text().split() == ["ensurepip", "pip"]
+
+
 def test_a_level_has_its_colliders_in_its_file(file, tmp_path):
     scan = meshed(file)
     OPS.make_lods(counts=(6, 4, 0))

@@ -1,6 +1,7 @@
 """Installs the package that STEP files need. Only the legacy zip has this file: extensions may not start programs."""
 
 import importlib
+import os
 import subprocess
 import sys
 import tempfile
@@ -42,7 +43,7 @@ class ISIMP_OT_install_step(bpy.types.Operator):
         if event.type == "ESC":
             self.cancel(context)
             return {"CANCELLED"}
-        if event.type != "TIMER" or self._running.poll() is None:
+        if event.type != "TIMER" or self._running.poll() is None or self._starts_next():
             return {"PASS_THROUGH"}
         self._leave(context)
         return self._end()
@@ -51,6 +52,8 @@ class ISIMP_OT_install_step(bpy.types.Operator):
         if not hasattr(self, "_running"):
             self._begin()
         self._running.wait()
+        while self._starts_next():
+            self._running.wait()
         return self._end()
 
     def cancel(self, context):
@@ -60,10 +63,21 @@ class ISIMP_OT_install_step(bpy.types.Operator):
 
     def _begin(self) -> None:
         command = handover.pip(places.modules(), engine.exporting.missing(_STEP))
+        self._commands = [command]
         if util.find_spec("pip") is None:
-            subprocess.run([command[0], "-m", "ensurepip"], check=False)
-        self._log = tempfile.TemporaryFile("w+")  # noqa: SIM115  (until pip has ended)
-        self._running = subprocess.Popen(command, stdout=self._log, stderr=subprocess.STDOUT)
+            self._commands.insert(0, [command[0], "-m", "ensurepip"])
+        # Programs that pip starts may write another encoding than UTF-8.
+        self._log = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115  (until pip has ended)
+        self._starts_next()
+
+    def _starts_next(self) -> bool:
+        """Start the next command. Return whether there was one."""
+        if not self._commands:
+            return False
+        environment = os.environ | {"PYTHONIOENCODING": "utf-8"}
+        command = self._commands.pop(0)
+        self._running = subprocess.Popen(command, env=environment, stdout=self._log, stderr=subprocess.STDOUT)
+        return True
 
     def _leave(self, context) -> None:
         context.window_manager.event_timer_remove(self._timer)
