@@ -82,7 +82,7 @@ class Session:
         steps, keys = recipe.active(), _keys(scan, recipe)
         done, outcome = self._outcomes.longest(keys)
         if done < len(steps):
-            repair = outcome.repair if outcome else None
+            repair = outcome.repair if outcome else _first_repair(recipe)
             times = [0.0 if self.is_prepared(scan, repair) else PREPARING]
             ends = shares(times + [TIMES.get(type(step), 1.0) for _, step in steps[done:]])
             repaired = self.prepare(scan, watch, 0.0, ends[0], repair)
@@ -192,6 +192,11 @@ class Session:
         done, outcome = self._outcomes.longest(keys)
         return outcome if done == len(keys) else None
 
+    def repair_of(self, scan: Scan, recipe: rcp.Recipe):
+        """Return the repair of the mesh with the regions of a recipe; if they are not cached, of its first step."""
+        outcome = self.known(scan, recipe.without_mesh())
+        return outcome.repair if outcome else _first_repair(recipe)
+
     def is_prepared(self, scan: Scan, repair=None) -> bool:
         """Return whether `prepare` of the scan is cached."""
         return self._meshes.known(scan.source, repair or engine.repairs.Repair())
@@ -208,7 +213,8 @@ class Session:
             outcome = apply_edit(step, repaired, before, watch, begin, end)
         seconds = time.perf_counter() - started
         numbers = {"step": rcp.KINDS[type(step)], "seconds": seconds, "scan": scan.digest}
-        numbers |= scan_numbers(scan, self.prepare(scan).mesh.report) | {"closed_below": outcome.repair.lengths.holes}
+        opened = self.prepare(scan, repair=outcome.repair.opened).mesh.report
+        numbers |= scan_numbers(scan, opened) | {"closed_below": outcome.repair.lengths.holes}
         mesh = self.prepare(scan, repair=outcome.repair).mesh
         numbers |= {"repairs": mesh.report["repairs"]}
         numbers |= {"kept_open": sum(opening["kept"] for opening in mesh.openings)}
@@ -241,6 +247,12 @@ class Session:
             return engine_call(watch, at, at, "counting polygons", engine.regions.expected_polygons, *args)
         except engine.InvalidInput:
             return {}
+
+
+def _first_repair(recipe: rcp.Recipe):
+    """Return the repair that a recipe's first step needs, before openings are closed for regions; None: any."""
+    step = next((step for _, step in recipe.active()), None)
+    return engine.states.repair_of(step, engine.CleanOptions()).opened if isinstance(step, rcp.Partition) else None
 
 
 def _keys(scan: Scan, recipe: rcp.Recipe) -> list[tuple]:

@@ -110,10 +110,10 @@ def heat_colors(share: np.ndarray) -> np.ndarray:
 
 def at_once(session: Session, scan: Scan, recipe: rcp.Recipe) -> Sketch | None:
     """Return the sketch of a cached partition, without polygons; None if the partition is not cached."""
-    outcome = session.known(scan, recipe.without_mesh()) if session.is_prepared(scan) else None
-    if outcome is None:
+    outcome = session.known(scan, recipe.without_mesh())
+    if outcome is None or not session.is_prepared(scan, outcome.repair):
         return None
-    prepared = session.prepare(scan)
+    prepared = session.prepare(scan, repair=outcome.repair)
     origin, locked = prepared.mesh.origin, np.flatnonzero(outcome.partition.region_locked)
     lines = borders(prepared.source, outcome.border, origin)
     return Sketch(lines, locked=triangles_of(scan, outcome.face_region, locked, origin), origin=origin)
@@ -138,7 +138,7 @@ def draw(
 
     meshing: the Mesh step; None: without polygons. regularise: the step that snaps planes before Mesh.
     """
-    prepared = session.prepare(scan, watch, 0.0, 0.1)  # with the edges of its faces
+    prepared = session.prepare(scan, watch, 0.0, 0.1, session.repair_of(scan, recipe))  # with the edges of its faces
     origin = prepared.mesh.origin
     lines = borders(prepared.source, view.border_pairs(face_region, prepared.faces.pairs), origin)
     locked = triangles_of(scan, face_region, session.locked_regions(scan, recipe, watch), origin)

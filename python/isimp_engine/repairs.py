@@ -106,7 +106,7 @@ class Meshes:
 
 
 def _key(source: Source, repair: Repair) -> Hashable:
-    return source.digest, repair
+    return source.digest, repair if repair.lengths else repair.opened  # a place has no effect where nothing is closed
 
 
 def _mesh(source: Source, repair: Repair, opened: Repaired | None, job: Job) -> Mesh:

@@ -60,12 +60,17 @@ class Split:
         return bool(self.faces) or (before is not None and bool(before.partition.region_locked.any()))
 
 
+def repair_of(step: rcp.Partition, clean: CleanOptions) -> Repair:
+    """The repair of a partition step. clean: of what the step does not have."""
+    return Repair.by(CleanOptions(**clean.as_dict() | rcp.engine_options(step, rcp.CLEAN)), step.keep_openings)
+
+
 def split_of(step: rcp.Partition, guides: GuidesOf, clean: CleanOptions, **more: Any) -> Split:
     """The split of a partition step, also of the add-on's own class. clean: of what the step does not have.
 
     more: further values of PartitionOptions.
     """
-    repair = Repair.by(CleanOptions(**clean.as_dict() | rcp.engine_options(step, rcp.CLEAN)), step.keep_openings)
+    repair = repair_of(step, clean)
     options = PartitionOptions(**recipes.partition_options(step) | more)
     return Split(options, repair, step.close_openings, guides, step.faces, step.more)
 

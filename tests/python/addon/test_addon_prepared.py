@@ -4,10 +4,13 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 import shapes
+from isimp import sketch
 from isimp.recipe import AddProxy, Mesh, Partition, Recipe
 from isimp.session import Session, engine
+from isimp.task import Watch
 from isimp_engine.cache import Cache
 from session_scans import scan_of
 
@@ -35,20 +38,40 @@ def test_the_cache_keeps_the_newest_ones_however_large_they_are():
     assert [cache.get(key) for key in "abc"] == [None, "B", "C"]
 
 
-def test_a_scan_larger_than_the_cache_is_repaired_once_and_its_openings_are_closed_once(monkeypatch):
-    made = []
+@pytest.fixture
+def made(monkeypatch):
+    """The names of the repairs that are made."""
+    names = []
 
     def count(name):
         function = getattr(engine.repairs, name)
 
         def counted(*args, **named):
-            made.append(name)
+            names.append(name)
             return function(*args, **named)
 
         monkeypatch.setattr(engine.repairs, name, counted)
 
     count("clean")
     count("close_openings")
+    return names
+
+
+@pytest.mark.parametrize(
+    ("options", "closes"),
+    [
+        ({"stitch": 0.01}, True),
+        ({"outside_only": True, "close_openings": False}, False),
+        ({"keep_openings": ((9.0, 9.0, 9.0),)}, True),
+    ],
+)
+def test_a_scan_is_repaired_once_by_each_repair(made, options, closes):
+    outcome = Session(budget=0).replay(scan_of(*shapes.room(16)), Recipe((Partition(proxies=30, **options), Mesh())))
+    assert bool(outcome.repair.lengths) == closes
+    assert made == (["clean", "close_openings"] if closes else ["clean"])
+
+
+def test_a_scan_larger_than_the_cache_is_repaired_once_and_its_openings_are_closed_once(made):
     scan = scan_of(*shapes.room(16))
     session = Session(budget=0)
     recipe = Recipe((Partition(proxies=30),))
@@ -75,3 +98,12 @@ def test_faces_with_several_triangles_take_the_region_with_most_of_their_area():
         mine = np.flatnonzero((face == user_face) & (label >= 0))
         sums = np.bincount(label[mine], area[mine], 40)
         assert found[user_face] == (-1 if len(mine) == 0 else np.argmax(sums))
+
+
+def test_the_sketch_of_regions_needs_no_other_repair(made):
+    scan, session = scan_of(*shapes.room(16)), Session(budget=0)
+    recipe = Recipe((Partition(proxies=30, stitch=0.01),))
+    outcome = session.replay(scan, recipe)
+    assert sketch.at_once(session, scan, recipe) is not None
+    sketch.draw(session, scan, outcome.face_region, recipe, Mesh(), Watch())
+    assert made == ["clean", "close_openings"]

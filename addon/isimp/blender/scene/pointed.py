@@ -54,10 +54,10 @@ def outline(scan) -> np.ndarray:
     if current.marked[0] != key:
         known, recipe = current.scans.get(scan.name), store.load(scan)
         outcome = None
-        if found and known is not None and not recipe.layers() and current.session.is_prepared(known.scan):
+        if found and known is not None and not recipe.layers():
             outcome = current.session.known(known.scan, recipe.without_mesh())
-        if outcome is None:
+        if outcome is None or not current.session.is_prepared(known.scan, outcome.repair):
             return np.empty((0, 3), np.float32)
-        arrays, numbers = current.session.prepare(known.scan).source, outcome.face_region[list(found)]
-        current.marked = key, sketch.borders_of(arrays, outcome.border, outcome.face_region, numbers)
+        numbers = outcome.face_region[list(found)]
+        current.marked = key, sketch.borders_of(known.scan, outcome.border, outcome.face_region, numbers)
     return current.marked[1]

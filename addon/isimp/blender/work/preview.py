@@ -27,11 +27,10 @@ class Work(modal.Work):
         self.before = before
 
     def run(self, watch=None):
-        session = runtime.get().session
         outcome = self.replay(watch)
         face_color = taken(outcome.face_color, self.scan.triangle_face)
         self.color = view.corner_colors(view.PACKED, face_color, 3, runtime.get().pool)
-        self.borders = sketch.borders(session.prepare(self.scan).source, outcome.border)
+        self.borders = sketch.borders(self.scan.source, outcome.border)
         if self.before is None or self.before.lit is None or self.before.work.scan.digest != self.scan.digest:
             self.points = self.scan.vertices[self.scan.triangles.ravel()].astype(np.float32, copy=False)
         return outcome
