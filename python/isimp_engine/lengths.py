@@ -1,11 +1,13 @@
 """Lengths with a unit, as people write them: 1mm, .5 mm, 1/16in."""
 
+import math
 import re
 
 #: metres
 UNITS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, '"': 0.0254, "ft": 0.3048}
 
-_LENGTH = re.compile(rf"(?:(\d*\.?\d+)(?:/(\d*\.?\d+))?)\s*({'|'.join(map(re.escape, UNITS))})?")
+_NUMBER = r"((?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)"
+_LENGTH = re.compile(rf"{_NUMBER}(?:/{_NUMBER})?\s*({'|'.join(map(re.escape, UNITS))})?")
 
 
 def length_of(text: str | float, unit: str | None) -> float:
@@ -15,7 +17,7 @@ def length_of(text: str | float, unit: str | None) -> float:
     """
     found = _LENGTH.fullmatch(str(text).strip().lower())
     value = float(found[1]) / float(found[2] or 1) if found and float(found[2] or 1) else 0.0
-    if found is None or not value > 0:
+    if found is None or not 0 < value < math.inf:
         raise ValueError(f" must be a length as 1mm, .5mm, 1/16in, or a number of scene units, got '{text}'")
     if found[3] is None:
         return value

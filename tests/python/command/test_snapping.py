@@ -124,13 +124,18 @@ def test_a_recipe_snaps_sizes_as_the_option_does():
         ("2 cm", "mm", 20),
         (3, None, 3),
         ("0.25", "m", 0.25),
+        (5e-05, None, 0.00005),
+        ("1e-5", None, 0.00001),
+        ("1E+2 mm", "m", 0.1),
+        ("1e1/2e1in", "mm", 12.7),
+        ("2.", "m", 2),
     ],
 )
 def test_lengths_are_read_as_people_write_them(text, unit, length):
     assert length_of(text, unit) == pytest.approx(length, rel=1e-12)
 
 
-@pytest.mark.parametrize("text", ["", "mm", "-1mm", "0", "1/0in", "1 km", "nan", "inf"])
+@pytest.mark.parametrize("text", ["", "mm", "-1mm", "0", "1/0in", "1 km", "nan", "inf", "1e999", "1e", "e3", "."])
 def test_what_is_no_length_is_refused(text):
     with pytest.raises(ValueError, match="must be a length"):
         length_of(text, "mm")
