@@ -21,16 +21,15 @@ def dent_rows(mesh: Mesh, part: Partition) -> list[dict[str, Any]]:
     visible side; below 0 for a bulge. area_share: of the part.
     """
     away = max(part.tolerance or 0.0, NOISES * (part.noise or 0.0))
-    if away <= 0:
+    walls = [patch for patch in part.curved if patch["kind"] in ("cylinder", "cone")]
+    if away <= 0 or not walls:
         return []
     label, triangles = np.asarray(part.face_region), np.asarray(mesh.triangles)
     corners = np.asarray(mesh.vertices)[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
     area = np.linalg.norm(normal, axis=1)
     rows: list[dict[str, Any]] = []
-    for patch in part.curved:
-        if patch["kind"] not in ("cylinder", "cone"):
-            continue
+    for patch in walls:
         mine, depth = _wall(corners.mean(axis=1), normal, np.isin(label, patch["regions"]), patch)
         found = []
         for side in (depth > away, depth < -away):

@@ -3,6 +3,7 @@
 import copy
 import itertools
 import json
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -153,6 +154,18 @@ def test_dents_of_a_wall_are_named_with_place_and_depth(seed):
 
 def test_an_even_wall_has_no_dents(mesh, part):
     assert dent_rows(mesh, part) == []
+
+
+def test_dents_take_no_memory_where_nothing_is_round(sheet):
+    part = engine.partition(sheet, engine.PartitionOptions(detail=0.02))
+    assert part.tolerance > 0
+    tracemalloc.start()
+    try:
+        assert dent_rows(sheet, part) == []
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < len(sheet.triangles)  # bytes
 
 
 def test_an_oval_can_is_an_extrusion():
