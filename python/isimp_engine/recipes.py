@@ -31,7 +31,7 @@ def recipe_of(given: RecipeLike) -> Recipe:
 def read(path: Path) -> Recipe:
     """The recipe in a file. Raises RecipeError or OSError."""
     try:
-        return parsed(rcp.parsed(path.read_text(encoding="utf-8"), "not a recipe"))
+        return parsed(rcp.parsed(path.read_text(encoding="utf-8-sig"), "not a recipe"))
     except UnicodeDecodeError as error:
         raise RecipeError(f"{path}: not a recipe: it is not JSON ({error})") from None
     except RecipeError as error:

@@ -131,6 +131,7 @@ def test_a_recipe_is_copied_to_another_scan_by_file_and_by_clipboard(edited, tmp
     recipe = store.load(edited)
     assert Recipe.from_json((tmp_path / "mine.json").read_text()) == recipe
     other = scans.dimple(scans.cube("Other", cells=5))
+    (tmp_path / "mine.json").write_text((tmp_path / "mine.json").read_text(), encoding="utf-8-sig")  # as an editor may
     bpy.ops.isimp.recipe_import(filepath=str(tmp_path / "mine.json"))
     assert store.load(other) == recipe
     assert scans.regions(other).tolist() == scans.regions(edited).tolist()

@@ -125,6 +125,12 @@ def test_the_command_and_batches_regularise_as_a_recipe_says(tmp_path):
     assert json.loads(report.read_text())["options"]["regularise"]["angle"] == 4.0, "the flag comes first"
 
 
+def test_a_recipe_saved_with_a_byte_order_mark_is_read(tmp_path):
+    own = recipe(rcp.Partition(proxies=7), rcp.Mesh())
+    (tmp_path / "r.json").write_text(own.to_json(), encoding="utf-8-sig")
+    assert recipes.recipe_of(tmp_path / "r.json") == own
+
+
 @pytest.mark.parametrize(
     ("steps", "words"),
     [

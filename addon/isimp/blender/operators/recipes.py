@@ -177,7 +177,7 @@ class ISIMP_OT_recipe_import(_TakesRecipe, bpy.types.Operator):
     def execute(self, context):
         path = Path(bpy.path.abspath(self.filepath))
         try:
-            recipe = path.read_text(encoding="utf-8")
+            recipe = path.read_text(encoding="utf-8-sig")
         except (OSError, UnicodeDecodeError) as error:
             why = getattr(error, "strerror", None) or said("it is not text")
             self.report({"ERROR"}, said("'{path}' can't be read: {why}.", path=path, why=why))
