@@ -3,15 +3,17 @@
 from types import SimpleNamespace
 
 import bpy
+import numpy as np
 import pytest
 import scans
 
 from isimp.blender import reading, tools
 from isimp.blender.scene import mesh_io, runtime, store
-from isimp.blender.tools import opening, point, under
+from isimp.blender.tools import opening, part, point, under
 from isimp.blender.view import overlay
 from isimp.recipe import Mesh
 from isimp.session import Session, StepFailed
+from test_openings import pierced
 
 OPS = bpy.ops.isimp
 PRESS = SimpleNamespace(type="LEFTMOUSE", value="PRESS", ctrl=False, oskey=False)
@@ -84,3 +86,25 @@ def test_locked_regions_are_known_once_the_outcome_is_cached(monkeypatch):
     assert region not in under.ground_of(bpy.context, scan, wait=True).locked
     session.replay(reading.read(bpy.context, scan), store.load(scan))
     assert list(under.ground_of(bpy.context, scan, wait=True).locked) == [region]
+
+
+def test_a_part_is_found_on_the_mesh_that_is_split(monkeypatch):
+    scan = pierced()
+    OPS.partition(proxies=8)
+    monkeypatch.setattr(under, "_fits", lambda known, scan: True)  # as with a window, where arrays are kept
+    runtime.get().ground = None
+    ground = under.ground_of(bpy.context, scan, wait=True)
+    shown = []
+    tool = SimpleNamespace(
+        _ground=ground,
+        begin=lambda *given: True,
+        ray=lambda event: (np.array([0.3, 0.2, 9.0]), np.array([0.0, 0.0, -1.0])),
+        place=lambda event: (0, 0),
+        show=shown.append,
+        go=lambda *given: {"RUNNING_MODAL"},
+    )
+    assert part.ISIMP_OT_find_part.start(tool, bpy.context, PRESS) == {"RUNNING_MODAL"}
+    outcome = runtime.get().session.replay(ground.scan, store.load(scan))
+    mesh = runtime.get().session.prepare(ground.scan, repair=outcome.repair).mesh
+    assert len(tool._found.away) == len(mesh.triangles) > len(scan.data.polygons), "the holes are closed"
+    assert shown == [PRESS]

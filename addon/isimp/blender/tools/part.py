@@ -27,8 +27,8 @@ class ISIMP_OT_find_part(ModalTool, bpy.types.Operator):
         self._hit = self._ground.hit(self.ray(event))
         if self._hit is None:
             return miss()
-        scan = self._ground.scan
-        self._found = engine.parts.Distances(scan.vertices, scan.triangles, self._hit.place)
+        self._mesh = self._ground.mesh()  # as Partition: openings are closed and no vertex is NaN
+        self._found = engine.parts.Distances(*self._mesh, self._hit.place)
         self._from, self._wheel, self._shown = self.place(event), 1.0, None
         self.show(event)
         return self.go(
@@ -53,12 +53,12 @@ class ISIMP_OT_find_part(ModalTool, bpy.types.Operator):
         size = self.size(event)
         if size == self._shown:
             return
-        self._shown, scan = size, self._ground.scan
+        self._shown = size
         inside = self._found.inside(size).nonzero()[0]
         hover = under.Hover(self._ground.name, -1, at=self.place(event))
-        hover.fills.append((self._ground.points(inside), _LIT))
+        hover.fills.append((under.corners(*self._mesh, inside), _LIT))
         up_to = said("up to the neck") if size == 1 and self._found.has_neck else said("size {size}", size=f"{size:g}")
-        share = f"{len(inside) / max(1, len(scan.triangles)):.0%}"
+        share = f"{len(inside) / max(1, len(self._mesh[1])):.0%}"
         hover.text = said("More regions in {share} of the faces, {up_to}", share=share, up_to=up_to)
         runtime.get().hover = hover
         overlay.redraw()

@@ -106,7 +106,14 @@ class Ground:
 
     def points(self, triangles) -> np.ndarray:
         """Return (3 T, 3) float32 the corners of triangles."""
-        return self.scan.vertices[self.scan.triangles[triangles[:_MOST_SHOWN]].ravel()].astype(np.float32)
+        return corners(self.scan.vertices, self.scan.triangles, triangles)
+
+    def mesh(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the vertices and triangles that the regions are of: the scan's own if the outcome was not cached."""
+        if self._repair is None:
+            return self.scan.vertices, self.scan.triangles
+        mesh = runtime.get().session.prepare(self.scan, repair=self._repair).mesh
+        return np.asarray(mesh.vertices), np.asarray(mesh.triangles)
 
     def joined(self, faces: list, start: int) -> list:
         """Return the faces that are connected to `start` on the engine's mesh, `start` first."""
@@ -213,6 +220,11 @@ class Ground:
         if not found.is_level:
             off = own("{angle}° off upright; snapping moves {length}")
         return said(off, angle=f"{found.degrees:.1f}", length=text.length(found.adds, unit.system, unit.scale_length))
+
+
+def corners(vertices: np.ndarray, triangles: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Return (3 T, 3) float32 the corners of chosen triangles to draw."""
+    return vertices[triangles[chosen[:_MOST_SHOWN]].ravel()].astype(np.float32)
 
 
 def _known(context, obj):
