@@ -317,6 +317,26 @@ def test_a_level_has_its_colliders_in_its_file(file, tmp_path):
     assert "UCX" not in (tmp_path / "tower_LOD1.obj").read_text()
 
 
+@pytest.mark.parametrize("child", [False, True])
+def test_levels_and_colliders_of_an_excluded_collection_are_left_out(file, tmp_path, child):
+    scan = meshed(file)
+    OPS.make_lods(counts=(6, 4, 0))
+    kept = bpy.data.objects[f"{scan.name}_LOD0"]
+    moved, apart = kept.children[0] if child else kept, bpy.data.collections.new("Apart")
+    bpy.context.scene.collection.children.link(apart)
+    for collection in moved.users_collection:
+        collection.objects.unlink(moved)
+    apart.objects.link(moved)
+    bpy.context.view_layer.layer_collection.children["Apart"].exclude = True
+    coarse = bpy.data.objects[f"{scan.name}_LOD1"]
+    coarse.hide_set(True)
+    scans.activate(scan)
+    assert OPS.export_lods(filepath=str(tmp_path / "tower.obj")) == {"FINISHED"}
+    assert coarse.hide_get()
+    written = sorted(path.name for path in tmp_path.glob("tower_LOD*.obj"))
+    assert written == [f"tower_LOD{number}.obj" for number in range(2 if child else 1)]
+
+
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # by Blender's own exporter
 @pytest.mark.parametrize("kind", [".glb", ".obj", ".city.json"])
 def test_levels_of_detail_are_written_each_to_its_file(file, tmp_path, kind):

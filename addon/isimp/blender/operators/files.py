@@ -239,10 +239,14 @@ class ISIMP_OT_export_lods(_Formats, bpy.types.Operator):
 
 
 def _levels(context, scan) -> list:
-    """Return the levels of detail of a scan from fine to coarse: the kept levels, then the result of Mesh."""
-    found = [obj for _, obj in targets.levels(scan) if obj.name in context.scene.objects]
+    """Return the levels of detail of a scan from fine to coarse: the kept levels, then the result of Mesh.
+
+    Objects in collections that are excluded from the view layer are left out: they can't be selected.
+    """
+    found = [obj for _, obj in targets.levels(scan)]
     result = targets.result_of(context.scene, scan)
-    return found if result is None or result in found else [*found, result]
+    found = found if result is None or result in found else [*found, result]
+    return [obj for obj in found if obj.name in context.view_layer.objects]
 
 
 @contextmanager
@@ -250,7 +254,7 @@ def _alone(context, obj):
     """Makes the object active, and selects it and its children alone. Restores visibility and selection at the end."""
     layer = context.view_layer
     active, chosen = layer.objects.active, [other for other in layer.objects if other.select_get()]
-    parts = (obj, *obj.children)  # its colliders belong to it
+    parts = [each for each in (obj, *obj.children) if each.name in layer.objects]  # its colliders belong to it
     hidden = [(part.hide_get(), part.hide_viewport) for part in parts]
     try:
         for other in chosen:
