@@ -21,7 +21,7 @@ from .task import Simplification
 ANGLE = 0.01  #: degrees; the engine's default
 
 #: the arguments that --flat uses: repairs and files; of the others it would do nothing. Openings stay by themselves.
-_USED = {*names(CleanOptions), "keep_openings", "keep_opening", "backend", "crs", "unit", "labels", "report", "quiet"}
+_USED = {*names(CleanOptions), "keep_openings", "keep_opening", "crs", "unit", "labels", "report", "quiet"}
 _OWN = {"input", "output", "flat", "run"}
 _DEFAULTS = {"clutter": KEEP_CLUTTER, "strict": False}  # None for all others
 

@@ -72,7 +72,7 @@ def test_options_of_the_repair_and_of_files_are_used(tmp_path):
     vertices, triangles = shapes.cube(4)
     meshfiles.ply_binary(source, vertices, triangles[1:].tolist())
     place = ",".join(map(str, vertices[triangles[0]].mean(axis=0)))
-    used = "--fill-holes 2 --weld 0 --grid off --stitch 0 --threads 1 --backend auto --unit mm --keep-openings --quiet"
+    used = "--fill-holes 2 --weld 0 --grid off --stitch 0 --threads 1 --unit mm --keep-openings --quiet"
     for more, filled in ((), 1), (("--keep-opening", place), 0):
         given = [*used.split(), "--crs", "25832", "--report", report, "--labels", tmp_path / "l.npy", *more]
         done = called("simplify", source, out, "--flat", *given)
@@ -99,6 +99,7 @@ def test_an_angle_can_be_given(tmp_path):
         (["--lods", "7,3"], "--flat and --lods"),
         (["--planar"], "--flat and --planar"),
         (["--regularise"], "--flat and --regularise"),
+        (["--backend", "cuda"], "--flat and --backend"),
     ],
 )
 def test_what_flat_does_not_do_is_refused(tmp_path, more, said):
