@@ -96,6 +96,8 @@ class Session:
                 raise StepFailed(index, step, repaired.faces.named(str(error)), outcome) from error
             except (ValueError, RuntimeError) as error:  # a device may run out of memory, for example
                 raise StepFailed(index, step, str(error), outcome) from error
+            except MemoryError as error:
+                raise StepFailed(index, step, said("there is not enough memory"), outcome) from error
             self._outcomes.put(keys[number], outcome, _size(outcome, repaired))
         if outcome is None:
             raise ValueError(said("The recipe has no active step: press Partition"))

@@ -253,6 +253,18 @@ def test_a_failed_step_has_its_index_and_reason_and_keeps_the_previous_outcome(s
     assert caught.value.outcome is good
 
 
+def test_a_step_without_enough_memory_keeps_the_previous_outcome(scan, monkeypatch):
+    def fails(*given):
+        raise MemoryError("std::bad_alloc")
+
+    session = Session()
+    good = session.replay(scan, SIDES)
+    monkeypatch.setattr("isimp.session.apply_mesh", fails)
+    with pytest.raises(StepFailed, match="Step 2, Mesh: there is not enough memory") as caught:
+        session.replay(scan, SIDES.then(Mesh()))
+    assert (caught.value.index, caught.value.outcome) == (1, good)
+
+
 @pytest.mark.parametrize("step", [AddProxy(face=1), DeleteProxy(face=1), Mesh()])
 def test_steps_without_regions_need_a_partition(scan, step):
     with pytest.raises(StepFailed, match="a Partition step must come first"):
