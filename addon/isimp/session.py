@@ -62,7 +62,11 @@ class Shown:
 
 
 class Session:
-    """Replays recipes on scans. Only one thread at a time may use a session."""
+    """Replays recipes on scans, on one thread at a time.
+
+    Meanwhile another thread may read cached results: locks guard the caches of meshes and outcomes, and one assignment
+    replaces the fits. Both threads may compute a missing value.
+    """
 
     def __init__(self, budget: int = 1 << 30, backend: str = "cpu", threads: int = 0):
         # Neither changes the result:
@@ -157,10 +161,11 @@ class Session:
 
     def region_fits(self, scan: Scan, outcome: Outcome) -> tuple:
         """Return `engine.regions.region_fits` of an outcome; cached for the last one."""
-        if self._fits[0] is not outcome.partition:
+        known = self._fits
+        if known[0] is not outcome.partition:
             mesh = self.prepare(scan, repair=outcome.repair).mesh
-            self._fits = outcome.partition, engine.regions.region_fits(mesh, outcome.partition)
-        return self._fits[1]
+            known = self._fits = outcome.partition, engine.regions.region_fits(mesh, outcome.partition)
+        return known[1]
 
     def locked_regions(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> np.ndarray:
         """Return the numbers of the regions that are locked after the recipe. Raises ValueError or Stopped."""

@@ -108,3 +108,18 @@ def test_a_part_is_found_on_the_mesh_that_is_split(monkeypatch):
     mesh = runtime.get().session.prepare(ground.scan, repair=outcome.repair).mesh
     assert len(tool._found.away) == len(mesh.triangles) > len(scan.data.polygons), "the holes are closed"
     assert shown == [PRESS]
+
+
+def test_a_hover_does_not_repair_the_scan(monkeypatch):
+    scan = scans.cube()
+    scan.rotation_euler.x = 0.02
+    bpy.context.view_layer.update()
+    OPS.partition(proxies=6)
+    monkeypatch.setattr(under, "_fits", lambda known, scan: True)  # as with a window, where arrays are kept
+    runtime.get().ground = None
+    ground, unit = under.ground_of(bpy.context, scan, wait=True), bpy.context.scene.unit_settings
+    assert "° off" in ground.told(unit, 0)
+    monkeypatch.setattr(runtime.get(), "session", Session())  # one that has dropped the mesh
+    assert "planar within" in ground.told(unit, 0)
+    assert "° off" not in ground.told(unit, 0)
+    assert not runtime.get().session.is_prepared(ground.scan, ground._repair)

@@ -210,7 +210,10 @@ class Ground:
         held = self._outcome.partition.region_held
         if len(held) and held[region] in (1, 2):
             return said("plane fixed")
-        normal, _, spread, area = runtime.get().session.region_fits(self.scan, self._outcome)
+        session = runtime.get().session
+        if not session.is_prepared(self.scan, self._repair):  # a thread may be at it, and a hover must not wait
+            return ""
+        normal, _, spread, area = session.region_fits(self.scan, self._outcome)
         if area[region] <= 0:
             return ""
         found = regularity.leaning(normal[region], spread[region], self.place[2, :3])
