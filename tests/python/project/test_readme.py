@@ -71,3 +71,10 @@ def test_every_file_it_names_is_there():
 
 def test_the_version_is_the_engines():
     assert f"isimp-{engine.__version__}" in README
+
+
+def test_all_formats_that_are_written_are_listed():
+    (row,) = re.findall(r"^\| read \| written \|\n\|.*\n\|.*\|(.*)\|$", README, re.MULTILINE)
+    words = re.findall(r"\w+", row.lower())
+    names = {suffix.replace(".", "") for suffix in engine.exporting.PLAIN} - {"stp"}  # STEP too
+    assert names <= set(words)
