@@ -20,7 +20,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const Fa
                                                                         std::span<const std::int32_t> faces,
                                                                         const Threads& threads = Threads(1));
 
-/// As `region_graph`, in the form for merging, with empty sums.
+/// The graph of regions that share an edge, in the form for merging, with empty sums.
 /// \param component  (R) component of each; may be empty
 MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::size_t regions,
                             std::vector<std::int32_t> component, std::span<const std::int32_t> faces,
