@@ -275,8 +275,8 @@ def scan_numbers(scan: Scan, report: dict) -> dict:
     }
 
 
-def _weights(step: rcp.Partition, scan: Scan, mesh_face: np.ndarray) -> np.ndarray | None:
-    """Return (F',) the factor of each face's area. Weight 1 gives four times the regions of weight 0 at influence 1."""
+def _weights(step: rcp.Partition, scan: Scan) -> np.ndarray | None:
+    """Return (faces,) the factor of each face's area. Weight 1 gives 4 times the regions of weight 0 at influence 1."""
     if not step.weights:
         return None
     if step.weights not in scan.layers:
@@ -284,38 +284,33 @@ def _weights(step: rcp.Partition, scan: Scan, mesh_face: np.ndarray) -> np.ndarr
             said("there is no vertex group or numeric attribute '{name}' for the weights", name=step.weights)
         )
     painted = np.clip(np.nan_to_num(scan.layers[step.weights].astype(np.float64)), 0.0, 1.0)
-    return 16.0 ** (step.influence * painted[mesh_face])
+    found: np.ndarray = 16.0 ** (step.influence * painted)
+    return found
 
 
-def _barriers(step: rcp.Partition, scan: Scan, repaired) -> list[np.ndarray]:
-    """Return edges that no region crosses, by attributes, materials and angle of the step."""
-    guides, mesh, found = engine.guides, repaired.mesh, []
-    values = [scan.layers.get(rcp.MARKS[name]) for name in ("materials", "face_sets") if getattr(step, name)]
+def _borders(step: rcp.Partition, scan: Scan) -> tuple[np.ndarray, ...]:
+    """Return (faces,) the values of attribute, materials and face sets between which no region lies."""
+    names = [rcp.MARKS[name] for name in ("materials", "face_sets") if getattr(step, name)]
+    values = [scan.layers[name] for name in names if name in scan.layers]
     if step.borders:
         if step.borders not in scan.layers:
             raise ValueError(said("there is no face attribute '{name}' for the barriers", name=step.borders))
         values.append(scan.layers[step.borders])
-    of_faces = (each[repaired.faces.mesh_face] for each in values if each is not None)
-    found.extend(guides.attribute_borders(mesh, each) for each in of_faces)
-    if step.angle < 180:
-        found.append(guides.sharp_edges(mesh, np.radians(step.angle)))
-    return found
+    return tuple(values)
 
 
 def _has_barriers(step: rcp.Partition) -> bool:
     return bool(step.borders) or step.angle < 180 or any(getattr(step, name) for name in rcp.MARKS)
 
 
-def _guides(step: rcp.Partition, scan: Scan, repaired, _job):
+def _guides(step: rcp.Partition, scan: Scan, repaired, job):
     """Return the barriers and weights of the step for the engine."""
-    marked = [scan.layers.get(rcp.MARKS[name]) for name in ("seams", "sharp") if getattr(step, name)]
-    cuts = [engine.guides.marked_edges(repaired.mesh, edges) for edges in marked if edges is not None]
-    barriers = _barriers(step, scan, repaired)
-    return engine.guided.Guides(
-        weights=_weights(step, scan, repaired.faces.mesh_face),
-        barriers=np.concatenate(barriers) if barriers else None,
-        cuts=np.concatenate(cuts) if cuts else None,
+    names = [rcp.MARKS[name] for name in ("seams", "sharp") if getattr(step, name)]
+    cuts = [scan.layers[name] for name in names if name in scan.layers]
+    marks = engine.marks.Marks(
+        weights=_weights(step, scan), borders=_borders(step, scan), cuts=np.concatenate(cuts) if cuts else None
     )
+    return engine.marks.guides_of(marks, step.angle if step.angle < 180 else None, repaired, job)
 
 
 def joined_faces(repaired, faces: np.ndarray, start: int) -> np.ndarray:

@@ -19,7 +19,7 @@ class Marks:
     """Arrays of single faces and edges, by the faces and vertices of the caller's scan."""
 
     weights: NDArray[Any] | None = None  #: (faces,) at least 0; regions grow dense like the root of it
-    borders: NDArray[Any] | None = None  #: (faces,) no region has faces of two values
+    borders: tuple[NDArray[Any], ...] = ()  #: (faces,) each: no region has faces of two values
     cuts: NDArray[Any] | None = None  #: (K, 2) edges that no region crosses, and that split a region they end in
     part: NDArray[Any] | None = None  #: (K,) only these faces are split; the others stay as `base` has them
     base: NDArray[Any] | None = None  #: (faces,) the region of each face, -1 for none
@@ -44,7 +44,8 @@ def marks_of(source: Source, given: dict[str, Any]) -> Marks:
     chosen = arrays.get("part", np.zeros(0, int))
     if len(chosen) and not (chosen.min() >= 0 and (chosen.max() < source.faces or not source.is_whole)):
         raise OptionError(f"{{}}: faces must be in [0, {source.faces})", "part")
-    return Marks(**arrays)
+    borders = (arrays.pop("borders"),) if "borders" in arrays else ()
+    return Marks(**arrays, borders=borders)
 
 
 def _check(name: str, values: NDArray[Any], shape: tuple[int | None, ...], longer: bool) -> None:
@@ -60,19 +61,20 @@ def _check(name: str, values: NDArray[Any], shape: tuple[int | None, ...], longe
 
 
 def guides_of(marks: Marks, angle: float | None, repaired: Repaired, job: Job) -> Guides:
-    """The guides of a partition, by faces and vertices of the mesh. angle: see `Settings`."""
+    """The guides of a partition, by faces and vertices of the mesh. angle: see `Settings`.
+
+    Faces that cover an opening have the weight and the values of the nearest face.
+    """
     source, mesh = repaired.source, repaired.mesh
     face = np.where(mesh.source_face >= 0, source.polygon[mesh.source_face], -1)
-    barriers = []
+    barriers = [guides.attribute_borders(mesh, values[repaired.faces.mesh_face]) for values in marks.borders]
     if angle is not None:
         barriers.append(guides.sharp_edges(mesh, np.radians(angle)))
-    if marks.borders is not None:
-        barriers.append(guides.attribute_borders(mesh, marks.borders[face], among=face >= 0))
     before = None
     if marks.base is not None:
         before = partition_from(mesh, np.where(face >= 0, marks.base[face], -1), job=job)
     return Guides(
-        weights=None if marks.weights is None else np.where(face >= 0, marks.weights[face], 1.0),
+        weights=None if marks.weights is None else marks.weights[repaired.faces.mesh_face],
         barriers=np.concatenate(barriers) if barriers else None,
         cuts=None if marks.cuts is None else guides.marked_edges(mesh, marks.cuts),
         faces=None if marks.part is None else np.flatnonzero(np.isin(face, marks.part)),

@@ -1,11 +1,13 @@
 """Recipes replayed on arrays, with the real engine and without Blender."""
 
+import json
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import shapes
 from isimp import recipe as rcp
 from isimp import view
 from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe
@@ -477,3 +479,15 @@ def test_a_bound_holds_for_the_polygons_too(quads):
         numbers = Session().replay(quads, Recipe((Partition(bound=bound), Mesh()))).numbers
         assert 0 < numbers["scan_distance"] <= numbers["scan_distance_allowed"] == pytest.approx(1.5 * bound)
     assert "scan_distance" not in Session().replay(quads, Recipe((Partition(proxies=12), Mesh()))).numbers
+
+
+def test_weights_and_borders_of_faces_are_those_of_the_command():
+    vertices, triangles = shapes.room(16)
+    low = vertices[triangles].mean(axis=1)[:, 2] < np.median(vertices[:, 2])
+    scan = replace(scan_of(vertices, triangles), layers={"w": low.astype(np.float32), "b": low.astype(np.int32)})
+    plain = Partition(proxies=30)
+    for own, marks in (({"weights": "w"}, {"weights": 16.0**low}), ({"borders": "b"}, {"borders": low})):
+        outcome = Session().replay(scan, Recipe((replace(plain, **own),)))
+        assert outcome.repair.lengths.handles > 0
+        made = engine.simplify((scan.vertices, triangles), recipe=json.loads(Recipe((plain,)).to_json()), **marks)
+        np.testing.assert_array_equal(made.partition.face_region, outcome.partition.face_region)

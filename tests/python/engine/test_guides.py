@@ -9,6 +9,10 @@ import pytest
 import isimp_engine as engine
 import shapes
 from isimp_engine import guides
+from isimp_engine.jobs import OneJob
+from isimp_engine.marks import Marks, guides_of
+from isimp_engine.repairs import Meshes, Repair
+from isimp_engine.source import source_of
 
 DATA = Path(os.environ.get("ISIMP_DATA", Path(__file__).resolve().parents[4] / "shared" / "data"))
 METHODS = ["hierarchy", "lloyd", "teleport", "naive", "queued"]
@@ -114,3 +118,17 @@ def test_shared_edges_refuse_vertices_below_zero():
     with pytest.raises(engine.InvalidInput, match="face 1 uses vertex -1"):
         guides.shared_edges(np.array([[0, 1, 2], [0, -1, 2]]))
     assert len(guides.shared_edges(np.empty((0, 3), np.int32))[0]) == 0
+
+
+def test_covers_of_an_opening_have_the_weight_and_the_values_of_the_nearest_face():
+    vertices, triangles = shapes.plane(8)
+    centers = vertices[triangles].mean(axis=1)
+    rest = triangles[np.abs(centers - 0.5)[:, :2].max(axis=1) > 0.2]
+    right = vertices[rest].mean(axis=1)[:, 0] > 0.5
+    repair = Repair.by(engine.CleanOptions(fill_holes=9.0))
+    repaired = Meshes().repaired(source_of((vertices, rest)), repair, OneJob(None))
+    made = guides_of(Marks(weights=np.full(len(rest), 4.0), borders=(right,)), None, repaired, engine.Job())
+    assert (made.weights == 4).all()
+    edges, a, b = guides.inner_edges(repaired.mesh)
+    in_cover = {tuple(pair) for pair in edges[(repaired.mesh.source_face[[a, b]] < 0).all(axis=0)].tolist()}
+    assert in_cover & {tuple(pair) for pair in made.barriers.tolist()}, "the border runs on through the cover"
