@@ -158,7 +158,7 @@ def _with_planes(repaired, before: Outcome, partition, more: dict) -> Outcome:
 def planes_known(partition) -> dict:
     """Return the number of regions with a held plane, and numbers of `engine.Partition.regularity`."""
     held, found = np.asarray(partition.region_held), partition.regularity
-    known = {"held": int(((held == 1) | (held == 2)).sum())}
+    known = {"held": int(engine.planes.is_fixed(held).sum())}
     if found is not None:
         known |= {name: found[name] for name in ("planes", "directions")}
         known["planes_add"] = max(0.0, found["rms_added"])

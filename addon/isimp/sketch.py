@@ -8,6 +8,7 @@ import numpy as np
 
 from . import recipe as rcp
 from . import regularity, view
+from .engine import engine
 from .session import Scan, Session, StepFailed
 from .task import Watch
 
@@ -176,7 +177,7 @@ def _direction_colors(session: Session, scan: Scan, made) -> np.ndarray:
     """Return (R, 4) the colours by direction of an outcome's regions. A plane that Mesh released counts as free."""
     partition, held = made.partition, made.partition.region_held
     count = partition.region_count
-    is_held = (held == 1) | (held == 2) if len(held) else np.zeros(count, bool)
+    is_held = engine.planes.is_fixed(held) if len(held) else np.zeros(count, bool)
     is_held[np.asarray(made.polygons.planes_let_go)] = False
     offset = partition.region_offset if len(partition.region_offset) else np.zeros(count)
     area = session.region_fits(scan, made)[3]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import Mesh, Partition
+from .planes import is_held
 
 SIZE_COLUMNS = ("name", "kind", "of", "to", "value", "uncertainty")
 SNAPPED_COLUMNS = (*SIZE_COLUMNS, "measured", "snapped")
@@ -20,7 +21,6 @@ EXACT = 1e-9  #: difference of two unit vectors that are one direction; as a sha
 
 LEAST = 6  #: vertices of a region or round part that has sizes
 
-_FREE = 3  # value of Partition.region_held: released
 _MOST = 64  # regions, the largest
 _BLOCKS, _WIDTH = 4, 0.87  # blocks along each side of a region, and the width of one, in deviations of its vertices
 _PARALLEL = np.radians(1.0)  # planes with a larger angle between them have no distance
@@ -201,7 +201,7 @@ def _planes(mesh: Mesh, part: Partition, region: NDArray[np.int64], places: Arra
     best = frame[:, :, 0]
     best = best * np.where((best * facing).sum(axis=1) < 0, -1.0, 1.0)[:, None]
     held = np.asarray(part.region_held) if len(part.region_held) else np.zeros(regions, np.uint8)
-    held = np.where(held == _FREE, 0, held).astype(np.uint8)
+    held = np.where(is_held(held), held, 0).astype(np.uint8)
     normal = np.where(held[:, None] > 0, facing, best)
     offset = (normal * mean).sum(axis=1)
     if held.any():

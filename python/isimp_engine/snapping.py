@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from ._core import Job, Mesh, Partition, _hold_planes
+from .planes import BY_HAND, SNAPPED
 from .sizes import ANGLE, CLEAR, EXACT, LEAST, SURE, Array, Measured, Planes, Round
 
-_SNAPPED, _BY_HAND = 1, 2  # values of Partition.region_held: snapped by `regularise`, set by a person
 _ONE_LINE = 1e-7  # share of the diagonal: distance of two axes that are one
 
 
@@ -120,8 +120,8 @@ def _directions(measured: Measured, lines: list[_Line]) -> list[_Group]:
     """
     planes, known = measured.planes, set(measured.large)
     groups = _grouped([_Group(planes.normal[r], {r: 1.0}, planes.held[r] > 0) for r in measured.large
-                       if planes.held[r] != _BY_HAND])  # fmt: skip
-    small = [r for r in measured.flat if planes.held[r] == _SNAPPED and r not in known]
+                       if planes.held[r] != BY_HAND])  # fmt: skip
+    small = [r for r in measured.flat if planes.held[r] == SNAPPED and r not in known]
     for group in groups:  # small regions stay on the planes of large ones
         if group.held and small:
             away = np.linalg.norm(np.cross(planes.normal[small], group.normal), axis=1)

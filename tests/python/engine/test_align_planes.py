@@ -1,12 +1,16 @@
 """Planes of regions that are set by hand, on houses whose planes are known."""
 
 import pickle
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import isimp_engine as engine
 from bench.generators import houses
+from isimp_engine import planes
+from isimp_engine.exporting.step import given
 
 House = tuple[engine.Mesh, engine.Partition]
 
@@ -107,3 +111,23 @@ def test_set_planes_survive_pickling_and_edits_elsewhere(house: House) -> None:
         engine.guided.Guides(faces=np.flatnonzero(part.face_region == floor), before=upright),
     )
     assert anew.region_held[anew.face_region[face_in(part, wall)]] == 2
+
+
+def test_the_values_of_held_planes_are_those_of_the_engine() -> None:
+    header = (Path(__file__).parents[3] / "native/include/isimp/partition/partition.h").read_text(encoding="utf-8")
+    found = {name: int(value) for name, value in re.findall(r"constexpr std::uint8_t kPlane(\w+) =\s+(\d+);", header)}
+    assert found == {"Snapped": planes.SNAPPED, "ByHand": planes.BY_HAND, "Free": planes.FREE, "Round": planes.OF_CELL}
+    values = np.arange(5, dtype=np.uint8)
+    assert planes.is_held(values).tolist() == [False, True, True, False, True]
+    assert planes.is_fixed(values).tolist() == [False, True, True, False, False]
+
+
+def test_a_step_file_has_no_given_plane_for_a_released_region(house: House) -> None:
+    mesh, _ = house
+    wall = largest(*house, 0)[0]
+    upright = aligned(house, [wall], "upright")
+    poly = engine.polygonize(mesh, upright)
+    assert given.Given(poly, upright, mesh).held(wall) is not None
+    free = engine.align_planes(mesh, upright, [face_in(upright, wall)], "free")
+    assert free.region_held[wall] == planes.FREE
+    assert given.Given(poly, free, mesh).held(wall) is None

@@ -8,6 +8,7 @@ from bpy_extras import view3d_utils
 
 from ... import pick, regularity, view
 from ... import recipe as rcp
+from ...engine import engine
 from ...gestures import Hit
 from ...language import own, said
 from ...session import joined_faces
@@ -208,7 +209,7 @@ class Ground:
         if self._outcome is None or region >= self._outcome.partition.region_count:
             return ""
         held = self._outcome.partition.region_held
-        if len(held) and held[region] in (1, 2):
+        if len(held) and engine.planes.is_fixed(held[region]):
             return said("plane fixed")
         session = runtime.get().session
         if not session.is_prepared(self.scan, self._repair):  # a thread may be at it, and a hover must not wait

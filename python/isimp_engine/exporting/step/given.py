@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._core import Cancelled, Job, Mesh, Partition, PolygonMesh
+from ...planes import is_held
 from . import fitting
 from .outlines import Outlines, outlines
 from .shapes import Array, Plane, Turned, square_to, unit
@@ -99,7 +100,9 @@ class Given:
     def held(self, region: int) -> Plane | None:
         """Return the held plane of a region; None if it has none."""
         part = self.part
-        if part is None or not len(part.region_held) or not part.region_held[region] or not len(part.region_offset):
+        if part is None or not len(part.region_held) or not len(part.region_offset):
+            return None
+        if not is_held(part.region_held)[region]:
             return None
         normal = np.asarray(part.region_normal[region], float)
         return Plane(float(part.region_offset[region]) * normal - self.shift, normal)
