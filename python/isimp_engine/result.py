@@ -44,7 +44,7 @@ class Result:
         """The repaired scan, with its openings closed, that the regions are of."""
         return self._model.mesh
 
-    @property
+    @cached_property
     def labels(self) -> NDArray[np.int32]:
         """(faces,) the region of each face of the caller's scan, -1 for none. A Mesh may lack the last ones."""
         return self._model.labels()

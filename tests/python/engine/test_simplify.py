@@ -242,6 +242,13 @@ def test_a_mesh_takes_cuts_by_the_vertices_that_it_was_made_of():
         engine.simplify(engine.Mesh(*shapes.cube(6)), cuts=[[3, 218]])
 
 
+def test_labels_and_the_report_are_made_once():
+    made = engine.simplify(shapes.cube(4), proxies=6)
+    assert made.labels is made.labels
+    assert made.report is made.report
+    same(pickle.loads(pickle.dumps(made)), made)  # noqa: S301
+
+
 def test_a_job_shows_its_progress_and_cancels_it(files):
     job = engine.Job()
     engine.simplify(files / "room.ply", detail=0.05, job=job)
