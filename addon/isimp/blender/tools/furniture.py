@@ -30,8 +30,8 @@ class ISIMP_OT_show_furniture(ModalTool, bpy.types.Operator):
         self._scan, _ = targets.find(context)
         if context.view_layer.objects.active != self._scan:
             bpy.ops.isimp.swap("INVOKE_DEFAULT", True)
-        self._view = next((region for region in context.area.regions if region.type == "WINDOW"), None)
-        if self._view is None:
+        self._region = next((region for region in context.area.regions if region.type == "WINDOW"), None)
+        if self._region is None:
             return {"CANCELLED"}
         self._size, self._recipe = _FIRST, store.load(self._scan).without_mesh()
         self.show(context)
@@ -67,7 +67,7 @@ class ISIMP_OT_show_furniture(ModalTool, bpy.types.Operator):
             share=f"{share:.0%}",
             size=f"{self._size:.2g}",
         )
-        at = (self._view.width // 2, self._view.height // 4)
+        at = (self._region.width // 2, self._region.height // 4)
         hover = under.Hover(self._scan.name, -1, at=at, text=text)
         hover.fills.append((arrays.vertices[triangles.ravel()].astype(np.float32), _RED))
         runtime.get().hover = hover
