@@ -17,6 +17,7 @@ from ..source import Source, load
 from . import words
 from .errors import UsageError
 from .files import Outputs, add_input, check_all, show
+from .options import set_limits
 from .progress import Steps, wanted
 
 _MOST_OF_A_SCAN = 4  # corners of its faces
@@ -36,15 +37,15 @@ def add_options(command: argparse.ArgumentParser) -> None:
         help="every vertex of INPUT is in a part: planes are pushed outwards for this, the least possible; else parts "
         "have the solid's true size",
     )
-    command.add_argument("--parts", type=int, metavar="N", help="the most parts; they may fill free space then")
-    command.add_argument(
+    parts = command.add_argument("--parts", type=int, metavar="N", help="the most parts; they may fill free space then")
+    tolerance = command.add_argument(
         "--tolerance",
         type=float,
         metavar="L",
         help="how deep parts may fill free space, and the least thickness that matters, in scene units. Default: half "
         "a per cent of the diagonal",
     )
-    command.add_argument(
+    corners = command.add_argument(
         "--max-vertices",
         type=int,
         default=MOST_VERTICES,
@@ -58,7 +59,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
         help="names of the parts: UCX_NAME_00 for Unreal, NAME_collider_00 for Unity, NAME_00-convcol for Godot, "
         "NAME_00 for plain; NAME is that of OUTPUT. Default: %(default)s",
     )
-    command.add_argument(
+    thickness = command.add_argument(
         "--thickness",
         type=float,
         nargs="?",
@@ -69,6 +70,10 @@ def add_options(command: argparse.ArgumentParser) -> None:
         "scene units. The two sides of a wall end at each other. Without L: two per cent of the diagonal",
     )
     command.add_argument("--quiet", action="store_true", help="no progress, no summary")
+    set_limits(parts, {"least": 1})
+    set_limits(corners, {"least": 8})
+    for length in (tolerance, thickness):
+        set_limits(length, {"least": 0.0, "above_least": True})
 
 
 def run(arguments: argparse.Namespace) -> None:

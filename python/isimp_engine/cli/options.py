@@ -16,6 +16,7 @@ from .errors import UsageError, flag
 _COUNTS = tuple(recipes.COUNTS)  # at most one of them
 # Flags whose length may be left out, and the value of the flag alone.
 _BARE: dict[str, float | None] = {"sharp_edges": 0.0, "stitch": None, "straight_rims": None}
+LIMITS = "limits"  #: attribute of an argparse.Action with a range; see `set_limits`
 _SHARED = ("threads",)  # one flag for all steps
 
 
@@ -143,7 +144,21 @@ def add_fields(command: Any, options: Kind, wanted: Sequence[str]) -> None:
         parse = _grid if name == "grid" else {"int": int, "float": float, "str": str}[kind]
         metavar = "auto|off|L" if name == "grid" else metavar
         bare = {"nargs": "?", "const": _BARE[name]} if name in _BARE else {}
-        command.add_argument("--" + word, dest=name, type=parse, metavar=metavar, help=about, **bare)
+        made = command.add_argument("--" + word, dest=name, type=parse, metavar=metavar, help=about, **bare)
+        set_limits(made, field)
+
+
+def set_limits(option: argparse.Action, field: Mapping[str, Any]) -> None:
+    """The range and the words of an option for `isimp schema`. field: with the keys of `fields()`."""
+    setattr(option, LIMITS, field)
+
+
+def take_limits(command: argparse.ArgumentParser, options: Kind) -> None:
+    """The options of a command have the ranges of the fields with their names."""
+    fields = {field["name"]: field for field in options.fields()}
+    for option in command._actions:
+        if option.dest in fields:
+            set_limits(option, fields[option.dest])
 
 
 class _Gone(argparse.Action):

@@ -6,13 +6,14 @@ without `flag` are the arguments in order. Options of earlier versions, which no
 
 import argparse
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from .. import CleanOptions, MeshingOptions, PartitionOptions, __version__
+from .. import __version__
 from .errors import BAD_INPUT, INTERRUPTED, OK, SOME_FAILED, TERMINATED, USAGE
 from .files import show
+from .options import LIMITS
 
 _TYPES: Mapping[Any, str] = {int: "integer", float: "number", str: "string", Path: "string"}
 STATUS = {
@@ -65,7 +66,7 @@ def _value(action: argparse.Action) -> dict[str, Any]:
     # A type of our own parses text, such as "1000,300" or "auto".
     value: dict[str, Any] = {"type": _TYPES.get(action.type, "string")}
     if action.type in _TYPES:
-        value |= _limits(action.dest)
+        value |= _limits(getattr(action, LIMITS, {}))
     if action.choices:
         value["enum"] = list(action.choices)
     if isinstance(action, argparse._AppendAction) or action.nargs in ("+", "*"):
@@ -73,22 +74,16 @@ def _value(action: argparse.Action) -> dict[str, Any]:
     return {"anyOf": [{"type": "boolean"}, value]} if action.nargs == "?" else value
 
 
-def _limits(name: str) -> dict[str, Any]:
-    """The range or the words of a field of the engine's options."""
-    field = next((field for field in _fields() if field["name"] == name), {})
+def _limits(field: Mapping[str, Any]) -> dict[str, Any]:
+    """The range or the words of an option. field: see `set_limits`."""
     found = {"enum": field["choices"]} if "choices" in field else {}
     for key, strict, words in (
         ("least", "above_least", ("minimum", "exclusiveMinimum")),
         ("most", "below_most", ("maximum", "exclusiveMaximum")),
     ):
         if field.get(key) is not None:
-            found[words[bool(field[strict])]] = field[key]
+            found[words[bool(field.get(strict))]] = field[key]
     return found
-
-
-def _fields() -> Iterator[dict[str, Any]]:
-    for options in (PartitionOptions, CleanOptions, MeshingOptions):
-        yield from options().fields()
 
 
 def _help(action: argparse.Action) -> str:

@@ -12,6 +12,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from .. import CleanOptions, PartitionOptions
 from ..batch import BatchError, Children
 from ..recipe.engine_options import PARTITION
 from ..tiles import TileFailed, TilesError
@@ -23,6 +24,7 @@ from .batch import add_workers, children_of
 from .ending import Terminated, terminable
 from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, UsageError
 from .files import STDOUT, Outputs, check_all, place, show
+from .options import take_limits
 from .progress import Screen, wanted
 
 _WORDS = {  # the names of steps for the user
@@ -70,6 +72,8 @@ def add_options(command: argparse.ArgumentParser) -> None:
     command.add_argument("--planar", action="store_true", default=None, help="make every polygon planar")
     command.add_argument("--report", type=place, metavar="R.json", help="the numbers of the result; -: to stdout")
     command.add_argument("--quiet", action="store_true", help="no progress, no summary")
+    take_limits(command, PartitionOptions)
+    take_limits(command, CleanOptions)
 
 
 def run(arguments: argparse.Namespace) -> int:

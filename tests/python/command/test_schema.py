@@ -1,5 +1,6 @@
 """`isimp schema`: its JSON describes the commands and their options."""
 
+import argparse
 import json
 import re
 from pathlib import Path
@@ -9,6 +10,7 @@ import pytest
 
 import isimp_engine as engine
 from isimp_engine.cli import main
+from isimp_engine.cli.schema import schema
 
 
 @pytest.fixture
@@ -48,6 +50,21 @@ def test_ranges_and_words_are_those_of_the_engine(commands: dict[str, Any]) -> N
         key: options["keep-opening"][key] for key in ("description", "flag")
     }
     assert options["texture"]["anyOf"][0] == {"type": "boolean"}
+
+
+def test_a_range_is_that_of_the_option_and_not_of_one_with_its_name(commands: dict[str, Any]) -> None:
+    def limits(command: str, name: str) -> dict[str, Any]:
+        return {key: value for key, value in commands[command]["properties"][name].items() if "imum" in key}
+
+    assert limits("tiles", "detail") == {"exclusiveMinimum": 0, "maximum": 1}
+    assert limits("colliders", "parts") == {"minimum": 1}
+    assert limits("colliders", "max-vertices") == {"minimum": 8}
+    assert limits("colliders", "tolerance") == {"exclusiveMinimum": 0}
+    assert commands["colliders"]["properties"]["thickness"]["anyOf"][1] == {"type": "number", "exclusiveMinimum": 0}
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--tolerance", type=int)
+    (given,) = (each for name, each in schema({"own": parser})["commands"]["own"]["properties"].items() if name != "h")
+    assert given == {"type": "integer", "description": "", "flag": "--tolerance"}
 
 
 def test_they_are_valid_schemas(commands: dict[str, Any]) -> None:
