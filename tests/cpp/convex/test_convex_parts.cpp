@@ -9,6 +9,7 @@
 #include "isimp/core/errors.h"
 #include "isimp/mesh/meet.h"
 #include "shapes.h"
+#include "sizes.h"
 
 namespace isimp {
 namespace {
@@ -199,7 +200,7 @@ TEST(ConvexParts, OfABallAreTheBall) {
 }
 
 TEST(ConvexParts, OfATorusLeaveItsHoleFree) {
-  const PolygonSoup torus = soup_of(shapes::torus(12, 8));
+  const PolygonSoup torus = soup_of(shapes::torus(checks::size(12, 8), checks::size(8, 6)));
   const auto fine = parts_of(torus, {.tolerance = 0.1});
   expect_convex(fine);
   EXPECT_FALSE(contain(fine, Vec3::Zero()));
@@ -208,7 +209,7 @@ TEST(ConvexParts, OfATorusLeaveItsHoleFree) {
 }
 
 TEST(ConvexParts, EncloseEveryPoint) {
-  const shapes::Arrays torus = shapes::noisy(shapes::torus(12, 8), 0.01, 1);
+  const shapes::Arrays torus = shapes::noisy(shapes::torus(checks::size(12, 8), checks::size(8, 6)), 0.01, 1);
   for (const std::int32_t most : {12, 64}) {
     const auto parts = parts_of(soup_of(torus), {.tolerance = 0.1, .most_vertices = most}, torus.vertices);
     expect_convex(parts);
@@ -256,7 +257,7 @@ TEST(ConvexParts, RefuseWhatIsNoSolid) {
   shapes::Arrays reversed = shapes::cube(2);
   for (Triangle& t : reversed.triangles) std::swap(t[0], t[1]);
   EXPECT_NE(refusal(soup_of(reversed)).find("faces inwards around (0.5"), std::string::npos);
-  shapes::Arrays half = shapes::sphere(3);
+  shapes::Arrays half = shapes::sphere(checks::size(3, 2));
   std::erase_if(half.triangles, [&](const Triangle& t) {
     return half.vertices[t[0]].z() + half.vertices[t[1]].z() + half.vertices[t[2]].z() > 0;
   });

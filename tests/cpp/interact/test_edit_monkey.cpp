@@ -20,6 +20,7 @@
 #include "isimp/simplify/partitioner.h"
 #include "polygon_judge.h"
 #include "shapes.h"
+#include "sizes.h"
 
 /// Edits of every kind at random, one after another, on partitions of every kind. bench/monkeys/monkey.py judges the
 /// changes of each; this test sees the sums of regions, and runs with sanitizers and assertions too.
@@ -104,7 +105,7 @@ void play(const Mesh& mesh, const Partition& first, std::uint32_t seed, std::map
 }
 
 TEST(EditMonkey, AnyChainOfEditsLeavesASoundPartition) {
-  const shapes::Arrays all[] = {shapes::noisy(shapes::sphere(3), 0.02, 5),
+  const shapes::Arrays all[] = {shapes::noisy(shapes::sphere(checks::size(3, 2)), 0.02, 5),
                                 shapes::noisy(shapes::torus(24, 12), 0.03, 1), shapes::plane(8),
                                 shapes::both(shapes::cube(4), shapes::noisy(shapes::sphere(2), 0.1, 3), {2, 0, 0})};
   std::map<std::string, int> done;

@@ -12,6 +12,7 @@
 #include "isimp/meshing/polygonize.h"
 #include "labelled.h"
 #include "shapes.h"
+#include "sizes.h"
 
 namespace isimp {
 namespace {
@@ -64,8 +65,8 @@ std::vector<Case> cases() {
        },
        voronoi(160), [](const MeshingReport& r) { return r.excused; }},
       {"many",  // so that threads have parts of the mesh, across which regions hang together
-       [] { return shapes::mesh(shapes::shuffled(shapes::torus(300, 150), 2)); }, voronoi(4),
-       [](const MeshingReport& r) { return r.split_for_handles + r.split_for_holes; }},
+       [] { return shapes::mesh(shapes::shuffled(shapes::torus(checks::size(300, 200), checks::size(150, 100)), 2)); },
+       voronoi(4), [](const MeshingReport& r) { return r.split_for_handles + r.split_for_holes; }},
       {"components", [] { return shapes::mesh(shapes::sphere(3)); },
        [](const Mesh& mesh) { return labelled::noise(mesh, 9, 7); },
        [](const MeshingReport& r) { return r.split_for_unconnected; }},

@@ -11,12 +11,13 @@
 #include "isimp/simplify/edges.h"
 #include "isimp/simplify/partitioner.h"
 #include "shapes.h"
+#include "sizes.h"
 
 namespace isimp::checks {
 
 /// A sphere with noise.
 inline const Mesh& bumpy() {
-  static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.003, 2));
+  static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(checks::size(4, 3)), 0.003, 2));
   return mesh;
 }
 

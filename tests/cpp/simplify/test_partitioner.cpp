@@ -9,6 +9,7 @@
 #include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
 #include "shapes.h"
+#include "sizes.h"
 
 namespace isimp {
 namespace {
@@ -17,7 +18,7 @@ using checks::message_of;
 
 /// A sphere with noise, a quarter of the faces of `checks::bumpy`.
 const Mesh& coarse() {
-  static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(3), 0.003, 2));
+  static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(checks::size(3, 2)), 0.003, 2));
   return mesh;
 }
 
@@ -25,7 +26,7 @@ const Mesh& coarse() {
 std::vector<PartitionOptions> orders() {
   return {{.proxies = 5},
           {.proxies = 40},
-          {.proxies = 400},
+          {.proxies = checks::size(400, 200)},
           {.proxies = 20},
           {.detail = 0.02},
           {.detail = 0.005},
@@ -93,7 +94,8 @@ TEST(Partitioner, AFailedOrCancelledCallLeavesTheKeptData) {
   const Partitioner kept(coarse());
   Job job;
   const Partition before = kept.run({.proxies = 20}, {}, job);
-  EXPECT_EQ(message_of([&] { (void)kept.run({.proxies = 0}, {}, job); }), "proxies must be in [1, 1280], got 0");
+  EXPECT_EQ(message_of([&] { (void)kept.run({.proxies = 0}, {}, job); }),
+            "proxies must be in [1, " + std::to_string(coarse().face_count()) + "], got 0");
   Job cancelled;
   cancelled.cancel();
   for (const PartitionOptions& options : orders())
