@@ -5,10 +5,9 @@ The scan is the owl of bench/generators/painted_scans.py, which scripts/pictures
 
 import bpy
 import numpy as np
+from actions import place, scan, sketched, tool
 from scans import material_of
 from scenario_bunny import alone, view
-from scenario_main import scan
-from scenario_tools import place, sketched, tool
 
 import isimp
 

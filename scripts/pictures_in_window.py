@@ -7,11 +7,10 @@ import json
 
 import bpy
 import numpy as np
+from actions import drag, place, scan, sketched, tool
 from mathutils import Quaternion
 from scans import material_of
 from scenario_bunny import load, view
-from scenario_main import scan
-from scenario_tools import drag, place, sketched, tool
 
 import isimp
 

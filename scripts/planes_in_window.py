@@ -4,8 +4,8 @@ The scan is the castle: its polygons in the colours of their directions next to 
 """
 
 import bpy
+from actions import sketched
 from scenario_bunny import FOLDER, load, view
-from scenario_tools import sketched
 
 import isimp
 

@@ -22,6 +22,46 @@ def cube(name="Scan", cells=6, quads=False):
     return add(name, vertices, faces)
 
 
+def pierced(places=((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, 0, 1)), radius=2.0):
+    """A rough sphere with small holes in these directions."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5, radius=radius)
+    scan = bpy.context.object
+    scan.name = "Scan"
+    points = coordinates(scan.data)
+    points += np.random.default_rng(1).normal(0, 0.005 * radius, points.shape)
+    scan.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    mode("EDIT")
+    centers = np.array([polygon.center for polygon in scan.data.polygons])
+    near = np.linalg.norm(centers[:, None] - radius * np.array(places), axis=2).min(axis=1) < 0.05 * radius
+    select_faces(scan, *np.flatnonzero(near))
+    bpy.ops.mesh.delete(type="FACE")
+    mode("OBJECT")
+    return scan
+
+
+def tube():
+    """A square plate with a square hole: a flat region that is no disc."""
+    points = [(x, y, 0) for y in range(7) for x in range(7)]
+    faces = []
+    for y in range(6):
+        for x in range(6):
+            if not (2 <= x < 4 and 2 <= y < 4):
+                a = 7 * y + x
+                faces += [(a, a + 1, a + 8), (a, a + 8, a + 7)]
+    return add("Scan", points, faces)
+
+
+def column(around=48, along=24):
+    """A standing cylinder of radius 1 and height 4: rows of quads, then the cap below and the one above."""
+    angle, high = np.meshgrid(np.arange(around) * 2 * np.pi / around, np.linspace(-2, 2, along + 1))
+    side = np.stack([np.cos(angle), np.sin(angle), high], axis=2).reshape(-1, 3)
+    k, m = (grid.ravel() for grid in np.meshgrid(np.arange(around), np.arange(along) * around))
+    a, b = m + k, m + (k + 1) % around
+    quads = np.stack([a, b, b + around, a + around], axis=1).tolist()
+    caps = [range(around - 1, -1, -1), range(along * around, (along + 1) * around)]
+    return add("Scan", side, [*quads, *caps])
+
+
 def material_of(name, image):
     """A material whose colour is an image."""
     material = bpy.data.materials.new(name)

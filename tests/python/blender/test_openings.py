@@ -1,7 +1,6 @@
 """Openings that the regions can't show are closed by Partition and reported, and Mesh agrees."""
 
 import bpy
-import numpy as np
 import pytest
 import scans
 
@@ -9,26 +8,8 @@ from isimp.blender.scene import store
 from isimp.blender.texts import text
 
 
-def pierced():
-    """A rough sphere with four small holes."""
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5, radius=2)
-    scan = bpy.context.object
-    scan.name = "Scan"
-    points = scans.coordinates(scan.data)
-    points += np.random.default_rng(1).normal(0, 0.01, points.shape)
-    scan.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
-    scans.mode("EDIT")
-    centers = np.array([polygon.center for polygon in scan.data.polygons])
-    places = 2 * np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    near = np.linalg.norm(centers[:, None] - places, axis=2).min(axis=1) < 0.1
-    scans.select_faces(scan, *np.flatnonzero(near))
-    bpy.ops.mesh.delete(type="FACE")
-    scans.mode("OBJECT")
-    return scan
-
-
 def test_small_holes_are_closed_and_large_ones_would_stay():
-    scan = pierced()
+    scan = scans.pierced()
     assert bpy.ops.isimp.partition(proxies=8) == {"FINISHED"}
     numbers = store.numbers(scan)
     assert (numbers["border_loops"], numbers["repairs"]["filled_holes"]) == (4, 4)
@@ -41,7 +22,7 @@ def test_small_holes_are_closed_and_large_ones_would_stay():
 
 
 def test_an_opening_that_was_clicked_stays_open_through_partition_undo_and_save(tmp_path):
-    scan = pierced()
+    scan = scans.pierced()
     bpy.ops.ed.undo_push(message="Made")
     assert bpy.ops.isimp.partition(proxies=8) == {"FINISHED"}
     bpy.ops.ed.undo_push(message="Partition")
@@ -71,7 +52,7 @@ def test_an_opening_that_was_clicked_stays_open_through_partition_undo_and_save(
 
 
 def test_nothing_is_kept_where_nothing_is_closed():
-    scan = pierced()
+    scan = scans.pierced()
     with pytest.raises(RuntimeError, match="Partition"):
         bpy.ops.isimp.keep_opening(place=(2, 0, 0))
     assert bpy.ops.isimp.partition(proxies=8, close_openings=False) == {"FINISHED"}

@@ -50,6 +50,10 @@ class Hand:
     def region(self, kind):
         return next(region for region in self.area.regions if region.type == kind)
 
+    def within(self, kind="WINDOW"):
+        """The context of operators that are called in a region of the viewport."""
+        return bpy.context.temp_override(window=self.window, area=self.area, region=self.region(kind))
+
     def event(self, kind, value, **more):
         self.window.event_simulate(type=kind, value=value, x=int(self.at[0]), y=int(self.at[1]), **more)
 
@@ -96,7 +100,7 @@ class Hand:
 
     def open_view(self, hide=("header", "tool_header", "toolbar", "ui")):
         """Makes the viewport fill the window, without some bars."""
-        with bpy.context.temp_override(window=self.window, area=self.area, region=self.region("WINDOW")):
+        with self.within():
             bpy.ops.screen.screen_full_area(use_hide_panels=False)
         yield 0.5
         shown = self.area.spaces.active.overlay
@@ -159,10 +163,10 @@ class Hand:
 
     def under_mouse(self):
         """The action or property of the button under the mouse; empty if there is none."""
-        manager, side = bpy.context.window_manager, self.region("UI")
+        manager = bpy.context.window_manager
         for operator, settings in (("copy_python_command_button", {}), ("copy_data_path_button", {"full_path": True})):
             manager.clipboard = ""
-            with bpy.context.temp_override(window=self.window, area=self.area, region=side):
+            with self.within("UI"):
                 call = getattr(bpy.ops.ui, operator)
                 if call.poll():
                     call(**settings)

@@ -6,10 +6,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 import scans
-from scenario_main import regions, same, scan, show_steps
-from scenario_tools import place, sketched, tool
+from actions import place, regions, same, scan, show_steps, sketched, tool
 
 import isimp
+from isimp.blender.scene import runtime
+from isimp.session import engine
 
 FOLDER = Path(os.environ.get("ISIMP_DATA", Path(__file__).parents[5] / "shared" / "data"))
 DATA = FOLDER / "scan" / "bunny_69k.ply"
@@ -17,8 +18,6 @@ DATA = FOLDER / "scan" / "bunny_69k.ply"
 
 def load(path=DATA, upright=False):
     """The bunny, or another scan, as an object three units long; y points up in the file unless it is `upright`."""
-    from isimp.session import engine
-
     points, triangles = engine.read(str(path))
     if not upright:
         points = np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
@@ -69,8 +68,6 @@ def run(hand):
     same("regions", regions(), 200)
     yield from sketched()
     yield from hand.shot("bunny-2-partition")
-
-    from isimp.blender.scene import runtime
 
     yield from tool(hand, "isimp.region_tool.object")
     x, y = place(hand, 0.0, 0.0)

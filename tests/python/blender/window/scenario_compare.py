@@ -1,11 +1,15 @@
-"""The line between scan and result: the drawing at either side of it, and the restored state afterwards."""
+"""The drawing in the view: the quick start, a scale of 2, and the line between scan and result."""
 
 import bpy
 import numpy as np
+from actions import make_scan, same, scan, settings, show_edits
 from scans import material_of
-from scenario_main import make_scan, same, scan
 
 import isimp
+from isimp.blender import preferences
+from isimp.blender.scene import runtime
+from isimp.blender.texts import viewport_text
+from isimp.blender.view import quick_start
 
 SKIPPED = 40  # pixels next to the line, where its grip and labels are
 
@@ -24,21 +28,76 @@ def pixels(hand, name):
     return found[view.y + 90 : view.y + view.height - 150, view.x + 80 : right - 10], view.x + 80
 
 
-def run(hand):
-    isimp.register()
-    make_scan()
-    yield 0.5
-    yield from hand.open_tab()
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
-        bpy.ops.view3d.view_selected()
-    hand.area.spaces.active.overlay.show_floor = False
-    bpy.ops.isimp.partition(proxies=40)
+def textured(hand):
+    """A scan with an image: both sides show it, and neither is grey."""
+    mesh = scan().data
+    image = bpy.data.images.new("Picture", 64, 64)
+    image.generated_type = "COLOR_GRID"
+    mesh.materials.append(material_of("Painted", image))
     bpy.ops.isimp.mesh()
     yield 0.5
+    yield from hand.press("isimp.compare")
+    made = runtime.get().comparison
+    same("look", made.look, "TEXTURE")
+    made.share = 0.4
+    shot, left = yield from pixels(hand, "compare-texture")
+    line = int(hand.region("WINDOW").width * 0.4) + hand.region("WINDOW").x - left
+    for half in (shot[:, : line - SKIPPED], shot[:, line + SKIPPED :]):
+        coloured = np.ptp(half, axis=2) > 0.1
+        assert coloured.mean() > 0.2, coloured.mean()
+    isimp.unregister()  # in the middle of it
+    yield 0.5
+    same("given back", (scan().hide_get(), bpy.context.object.hide_get()), (True, False))
+
+
+def start(hand):
+    """The quick start is visible at first, and hidden after a click or the first Partition."""
+    wish = preferences.get(bpy.context)
+    same("shown", quick_start.is_shown(bpy.context), True)
+    shown, _ = yield from pixels(hand, "start-1-shown")
+    yield from hand.into_view()
+    yield from hand.click(*hand.at)
+    yield 0.3
+    same("gone after a click", wish.quick_start, False)
+    gone, _ = yield from pixels(hand, "start-2-gone")
+    same("and no longer drawn", bool(np.abs(shown - gone)[: len(gone) // 2].max() > 0.3), True)
+    same("the click selects as ever", [obj.name for obj in bpy.context.selected_objects], ["Scan"])
+    wish.quick_start = True
+    hand.area.tag_redraw()
+    yield 0.3
+    settings().partition.count_by, settings().partition.proxies = "proxies", 40
+    yield from hand.press("isimp.partition")
+    same("gone after Partition", wish.quick_start, False)
+
+
+def scaled(hand):
+    """At a scale of 2 the summary takes more lines and stays clear of the sidebar."""
+    drawn, draw = [], viewport_text._draw
+
+    def noted(lines, x, y, scale):
+        drawn.append((x + max(map(viewport_text._width, lines)), len(lines)))
+        draw(lines, x, y, scale)
+
+    viewport_text._draw = noted
+    for scale in (1.0, 2.0):
+        bpy.context.preferences.view.ui_scale = scale
+        yield 1.0
+        drawn.clear()
+        hand.area.tag_redraw()
+        yield 1.0
+        right, lines = drawn[-1]
+        same("one line, or more", lines > 1, scale == 2.0)
+        same("clear of the sidebar", right <= hand.region("UI").x - hand.region("WINDOW").x, True)
+        yield from hand.shot(f"scale-{scale:.0f}")
+    viewport_text._draw = draw
+    bpy.context.preferences.view.ui_scale = 1.0
+    yield 1.0
+
+
+def compared(hand):
+    """The line: the drawing at either side of it, and the restored state afterwards."""
     result = bpy.context.object
     yield from hand.press("isimp.compare")
-    from isimp.blender.scene import runtime
-
     made = runtime.get().comparison
     same("both are hidden", (scan().hide_get(), result.hide_get()), (True, True))
     view = hand.region("WINDOW")
@@ -83,28 +142,21 @@ def run(hand):
     yield from hand.press("isimp.compare")
     yield from hand.press("isimp.swap")  # a press outside the view ends it, and is done
     same("ended by a button", runtime.get().comparison, None)
-    yield from textured(hand)
 
 
-def textured(hand):
-    """A scan with an image: both sides show it, and neither is grey."""
-    mesh = scan().data
-    image = bpy.data.images.new("Picture", 64, 64)
-    image.generated_type = "COLOR_GRID"
-    mesh.materials.append(material_of("Painted", image))
+def run(hand):
+    show_edits()
+    isimp.register()
+    preferences.get(bpy.context).quick_start = True
+    make_scan()
+    yield 0.5
+    yield from hand.open_tab()
+    with hand.within():
+        bpy.ops.view3d.view_selected()
+    hand.area.spaces.active.overlay.show_floor = False
+    yield from start(hand)
     bpy.ops.isimp.mesh()
     yield 0.5
-    yield from hand.press("isimp.compare")
-    from isimp.blender.scene import runtime
-
-    made = runtime.get().comparison
-    same("look", made.look, "TEXTURE")
-    made.share = 0.4
-    shot, left = yield from pixels(hand, "compare-texture")
-    line = int(hand.region("WINDOW").width * 0.4) + hand.region("WINDOW").x - left
-    for half in (shot[:, : line - SKIPPED], shot[:, line + SKIPPED :]):
-        coloured = np.ptp(half, axis=2) > 0.1
-        assert coloured.mean() > 0.2, coloured.mean()
-    isimp.unregister()  # in the middle of it
-    yield 0.5
-    same("given back", (scan().hide_get(), bpy.context.object.hide_get()), (True, False))
+    yield from scaled(hand)
+    yield from compared(hand)
+    yield from textured(hand)

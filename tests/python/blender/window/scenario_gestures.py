@@ -2,8 +2,9 @@
 
 import bpy
 import numpy as np
-from scenario_main import regions, same, scan
-from scenario_tools import begin, drag, labels, last, place, state, steps, tool, undone_and_redone
+from actions import begin, drag, labels, last, place, regions, same, scan, state, steps, tool, undone_and_redone
+
+from isimp.blender.scene import pointed, runtime
 
 
 def region_at(x, z):
@@ -25,8 +26,6 @@ def pressed(hand, x, z, **held):
 
 def chosen(hand):
     """Shift-clicks choose regions; a pie on the right button does something with all of them; Esc chooses none."""
-    from isimp.blender.scene import pointed
-
     before, places, seen = regions(), [], set()
     for x, z in [(0.0, 0.0), (-0.6, 0.85), *((x / 4, z / 4) for x in range(-3, 1) for z in range(-3, 4))]:
         if region_at(x, z) not in seen and len(places) < 3:
@@ -55,8 +54,6 @@ def chosen(hand):
 
 def border(hand):
     """A border lights up under the mouse; a drag moves it, as one step to undo; a click there adds a region."""
-    from isimp.blender.scene import runtime
-
     x = next(x for x in np.linspace(0, -0.98, 200) if region_at(x, 0.0) != region_at(0.0, 0.0))
     before, outer, count = size_of(0, 0), region_at(x, 0.0), regions()
     yield from hand.move(*place(hand, x + 0.3, 0.0))
@@ -99,8 +96,6 @@ def corner(hand):
 
 def without_keys(hand):
     """Each mode of the bar replaces a key."""
-    from isimp.blender.scene import pointed
-
     panel, before = bpy.context.window_manager.isimp, regions()
     other = next((x, z) for x in (0.4, 0.7, 0.9) for z in (0.5, 0.9) if region_at(x, z) != region_at(0, 0))
     for hand_mode, to, change, kind in (
@@ -187,8 +182,6 @@ def by_the_wheel(hand):
 
 def by_a_drag(hand, mode):
     """Drags the Grow tool; the preview before the mouse is released equals the result."""
-    from isimp.blender.scene import runtime
-
     yield from tool(hand, f"isimp.grow_tool.{mode}")
     live, before, count = runtime.get().live, labels(), len(steps())
     for to, name in (((0.5, 0.0), "GrowRegion"), ((-0.4, 0.0), "ShrinkRegion")):

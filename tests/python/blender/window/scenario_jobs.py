@@ -8,12 +8,15 @@ import json
 import bmesh
 import bpy
 import numpy as np
+import scans
+from actions import make_scan, place, regions, same, sketched, tool
 from scans import material_of
-from scenario_main import make_scan, regions, same
-from scenario_tools import place, sketched, tool
 from student import Student, words
 
 import isimp
+from isimp.blender.controls import settings
+from isimp.blender.texturing import texture
+from isimp.recipe import presets
 
 PLACE = np.array([412_345.0, 5_765_432.0, 61.0])  # place of the surveyor's house, in metres of UTM
 
@@ -48,8 +51,6 @@ class User(Student):
 
     def chooses(self, kind):
         """Clicks the icon of a kind of scan."""
-        from isimp.recipe import presets
-
         kinds = [preset.name for preset in presets.PRESETS if preset.is_kind]
         self.does(f"**{presets.BY_NAME[kind].label}**")
         side = self.hand.region("UI")
@@ -61,8 +62,6 @@ class User(Student):
 
     def begins(self):
         """An empty file; the caller imports the scan. The default cube may stay, since the import is active."""
-        from isimp.blender.controls import settings
-
         for obj in list(bpy.data.objects):
             bpy.data.objects.remove(obj)
         settings.show(bpy.context, None)
@@ -88,20 +87,18 @@ def artist(hand):
     yield from user.chooses("figure")
     yield from user.presses("Partition")
     user.does("**Make LODs**, under *LODs...*, makes levels of 300, 100 and 33 polygons", 2)
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+    with hand.within():
         bpy.ops.isimp.make_lods("INVOKE_DEFAULT", True)
     yield from hand.settle(120)
     yield from hand.shot("jobs-1-artist")
     same("the texture is seen at once", hand.area.spaces.active.shading.color_type, "TEXTURE")
-    from isimp.blender.texturing import texture
-
     levels = [bpy.data.objects[f"Scan_LOD{number}"] for number in range(3)]
     counts = [len(level.data.polygons) for level in levels]
     same("coarser each time", counts == sorted(set(counts), reverse=True), True)
     same("half the image each time", [texture.image_width(level) for level in levels], [256, 128, 64])
     same("with a collider", levels[0].children[0].name, "UCX_Scan_LOD0_00")
     user.does("**File > Export > LODs (.glb, .obj, .ifc)** writes each level to a file of its own", 3)
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+    with hand.within():
         bpy.ops.isimp.export_lods("EXEC_DEFAULT", filepath=str(hand.out / "owl.glb"))
     sizes = [(hand.out / f"owl_LOD{number}.glb").stat().st_size for number in range(3)]
     same("smaller files each time", sizes == sorted(sizes, reverse=True), True)
@@ -184,15 +181,20 @@ def surveyor(hand):
     user = User(hand, "surveyor")
     write_house(hand.out / "house.ply")
     yield from user.begins()
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+    with hand.within():
         bpy.ops.isimp.import_scan(filepath=str(hand.out / "house.ply"), epsg=25832)
+    yield 0.5
+    corners, view = scans.world(bpy.context.object), hand.area.spaces.active.region_3d
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    same("in the middle of the view", np.abs(np.array(view.view_location) - (low + high) / 2).max() < 0.1, True)
+    same("as large as the view", 0.85 < view.view_distance / np.linalg.norm(high - low) < 1.75, True)
     yield from user.imports()
     yield from user.chooses("building")
     yield from user.presses("Mesh")
     yield from hand.shot("jobs-2-surveyor")
     user.does("**File > Export > Building (.ifc, .dxf, .city.json)** writes the result", 3)
     for name in ("house.ifc", "house.dxf", "house.city.json"):
-        with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        with hand.within():
             bpy.ops.isimp.export_building("EXEC_DEFAULT", filepath=str(hand.out / name))
         assert (hand.out / name).stat().st_size > 500, name
         print(f"written: {name}", flush=True)
@@ -212,7 +214,7 @@ def retopologist(hand):
     make_scan()
     yield from user.imports()
     yield from user.presses("Partition")
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+    with hand.within():
         bpy.ops.view3d.view_axis(type="FRONT")
     yield 0.5
     user.does("choose the **Region** tool at the left")

@@ -1,11 +1,11 @@
 """The view while a setting changes, in both modes and with many faces, and an undo before it has come to rest."""
 
 import bpy
-from scenario_main import make_scan, regions, same
-from scenario_steps import settings, settled, shown
-from scenario_tools import sketched, view
+from actions import make_scan, regions, same, settings, settled, shown, sketched, view
 
 import isimp
+from isimp.blender.scene import runtime
+from isimp.blender.work import live
 
 
 def wait_for(hand, count):
@@ -24,9 +24,6 @@ def run(hand):
     yield 0.5
     yield from hand.open_view()
     yield from view(hand)
-
-    from isimp.blender.scene import runtime
-    from isimp.blender.work import live
 
     at_rest = live._SETTLED
     bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=14)

@@ -4,22 +4,24 @@ import shutil
 import time
 
 import bpy
-from scenario_main import make_scan, regions, same, scan
+import numpy as np
+from actions import make_scan, regions, running, same, scan, settings
+from scans import material_of
 
 import isimp
+from isimp.blender.scene import runtime
+from isimp.engine import engine
 
-DELAY = [0.0]
+DELAYS = {"replay": 0.0, "texture": 0.0}  # seconds before the work of these methods of the session
 
 
 def slow_down(name):
     """Makes a method of the session wait, polled like the engine, before its work; its last argument is the watch."""
-    from isimp.blender.scene import runtime
-
     session = runtime.get().session
     work = getattr(session, name)
 
     def slowly(*given):
-        end = time.monotonic() + DELAY[0]
+        end = time.monotonic() + DELAYS[name]
         with given[-1].part("waiting", 0.0, 0.5):
             while time.monotonic() < end:
                 given[-1].poll()
@@ -29,14 +31,8 @@ def slow_down(name):
     setattr(session, name, slowly)
 
 
-def running():
-    from isimp.blender.scene import runtime
-
-    return runtime.get().running is not None
-
-
 def press_slowly(hand, seconds):
-    DELAY[0] = seconds
+    DELAYS["replay"] = seconds
     yield from hand.find("bpy.ops.isimp.partition")
     yield from hand.click(*hand.at)
     yield 0.6
@@ -64,7 +60,6 @@ def moved_then_stopped(hand):
 
 def colliders_stopped(hand):
     """Esc ends Colliders without a new object; pressed again, they are made."""
-    from isimp.engine import engine
 
     def endless(*given, job, **more):
         while not job.cancelled:
@@ -74,7 +69,7 @@ def colliders_stopped(hand):
     cut, before = engine.convex_parts, len(bpy.data.objects)
     for work, more in ((endless, 0), (cut, 1)):
         engine.convex_parts = work
-        with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        with hand.within():
             bpy.ops.isimp.colliders("INVOKE_DEFAULT", True)
         if work is endless:
             yield 0.3
@@ -89,8 +84,8 @@ def report_stopped(hand):
     folder = hand.out / "report"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
-    for DELAY[0], is_written in ((300.0, False), (1.0, True)):
-        with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+    for DELAYS["replay"], is_written in ((300.0, False), (1.0, True)):
+        with hand.within():
             bpy.ops.isimp.write_report("INVOKE_DEFAULT", directory=f"{folder}/")
         yield 1.0
         places = [(window, area) for window in bpy.context.window_manager.windows for area in window.screen.areas]
@@ -106,6 +101,62 @@ def report_stopped(hand):
         same("report", (folder / "report.html").exists(), is_written)
 
 
+def red():
+    """The red of the result's image, None without a result; of 255."""
+    result = bpy.data.objects.get("Scan.simplified")
+    if result is None or not len(result.data.materials):
+        return None
+    shader = next(n for n in result.data.materials[0].node_tree.nodes if n.type == "BSDF_PRINCIPLED")
+    image = shader.inputs["Base Color"].links[0].from_node.image
+    return round(255 * image.pixels[0])
+
+
+def texture_stopped(hand):
+    """Mesh makes the texture too: Esc meanwhile leaves no result."""
+    make_scan(4)
+    image = bpy.data.images.new("Paint", 16, 16)
+    image.pixels.foreach_set(np.tile([1, 0, 0, 1], 256).astype(np.float32))
+    image.pack()
+    scan().data.materials.append(material_of("Scan", image))
+    bpy.ops.isimp.partition(proxies=12)
+    bpy.ops.ed.undo_push(message="partition")
+    slow_down("texture")
+    yield 0.5
+    for DELAYS["texture"], made in ((300.0, None), (1.0, 255)):
+        with hand.within():
+            bpy.ops.isimp.mesh("INVOKE_DEFAULT", True)
+        yield 0.6
+        same("Mesh under way", (running(), red()), (True, None))
+        if made is None:
+            yield from moved_then_stopped(hand)
+        yield from ended(hand)
+        yield 0.3
+        same("texture", red(), made)
+    yield from texture_changed(hand)
+
+
+def texture_changed(hand):
+    """A setting that is changed on the result makes it again, with its texture; Esc restores the setting."""
+    partition, result = settings().partition, bpy.context.object
+    partition.proxies = 24
+    for _ in range(300):
+        yield 0.1
+        if len(result.data.polygons) >= 24 and not running():
+            break
+    same("a changed setting", (len(result.data.polygons) >= 24, red(), bpy.context.object), (True, 255, result))
+    count, DELAYS["texture"] = len(result.data.polygons), 300.0
+    partition.proxies = 30
+    for _ in range(300):
+        yield 0.1
+        if running():
+            break
+    yield from hand.into_view()
+    yield from hand.key("ESC")
+    yield from ended(hand)
+    yield 1.0
+    same("after Esc", (partition.proxies, len(result.data.polygons), running()), (24, count, False))
+
+
 def run(hand):
     isimp.register()
     make_scan()
@@ -115,8 +166,8 @@ def run(hand):
     yield from hand.press("isimp.partition")
     before = regions()
     assert before > 0
-    bpy.context.window_manager.isimp.live = False  # else the number alone would be a step
-    bpy.context.window_manager.isimp.partition.count_by = "proxies"
+    settings().live = False  # else the number alone would be a step
+    settings().partition.count_by = "proxies"
     yield from hand.type_into("partition.proxies", "9")
 
     yield from press_slowly(hand, 300)
@@ -150,8 +201,8 @@ def run(hand):
     yield 1.0
     same("file closed meanwhile", running(), False)
     yield from hand.open_tab()
-    DELAY[0] = 0.0
-    bpy.context.window_manager.isimp.partition.count_by = "proxies"
+    DELAYS["replay"] = 0.0
+    settings().partition.count_by = "proxies"
     yield 0.3
     yield from hand.type_into("partition.proxies", "6")
     yield from hand.press("isimp.partition")
@@ -159,3 +210,4 @@ def run(hand):
     yield from hand.press("isimp.mesh")
     yield from colliders_stopped(hand)
     yield from report_stopped(hand)
+    yield from texture_stopped(hand)

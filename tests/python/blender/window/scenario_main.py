@@ -1,65 +1,103 @@
-"""The main job with the real buttons: Partition, Add, Delete, Mesh, undo and redo, in Object and in Edit Mode."""
+"""The main job with the real buttons, in both modes: Partition, a live setting, Regions, Mesh; undo and redo."""
 
+import bmesh
 import bpy
-import numpy as np
+import scans
+from actions import labels, last, locked, make_scan, regions, same, scan, settings, settled, show_edits, shown, steps
 
 import isimp
+from isimp.blender.scene import store
 
 
-def make_scan(subdivisions=5):
-    """A sphere with flat spots, of 20 * 4 ^ (subdivisions - 1) triangles."""
-    bpy.ops.object.select_all(action="SELECT")
-    bpy.ops.object.delete()
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions, radius=2)
-    scan = bpy.context.object
-    scan.name = "Scan"
-    for vertex in scan.data.vertices:
-        vertex.co = [max(-1.5, min(1.5, value)) for value in vertex.co]
-    bpy.ops.object.shade_flat()
-    bpy.ops.ed.undo_push(message="scan")
+def drag_field(hand, name, pixels):
+    """Drags over a number field as its user does; returns the numbers of regions that were visible meanwhile."""
+    yield from hand.find(name)
+    x, y = hand.at
+    hand.event("LEFTMOUSE", "PRESS")
+    yield
+    seen = set()
+    for step in range(1, 25):
+        hand.at = (x + pixels * step / 24, y)
+        hand.event("MOUSEMOVE", "NOTHING")
+        yield 0.06
+        seen.add(shown())
+    hand.event("LEFTMOUSE", "RELEASE")
+    yield from settled()
+    return seen
 
 
-def show_steps():
-    """Puts the steps in the sidebar, where the mouse can leave them; before the add-on is switched on."""
-    from isimp.blender.panel import common, steps
+def setting(hand):
+    """The number of regions, typed and dragged: shown at once, and written as one step to undo."""
+    yield from hand.type_into("partition.proxies", "30")
+    yield from settled()
+    same("typed", regions(), 30)
+    yield from hand.undo()
+    same("one step to undo", (regions(), settings().partition.proxies), (14, 14))
+    yield from hand.redo()
+    same("redone", (regions(), settings().partition.proxies), (30, 30))
+    yield from hand.undo()
 
-    for name in ("bl_space_type", "bl_region_type", "bl_category"):
-        setattr(steps.ISIMP_PT_steps, name, getattr(common.Panel, name))
-    steps.ISIMP_PT_steps.bl_options = set()
+    seen = yield from drag_field(hand, "partition.proxies", 60)
+    values = [regions()]
+    print("seen while dragged:", sorted(seen), flush=True)
+    assert len(seen) > 2, "nothing was shown while dragged"
+    same("dragged", (settings().partition.proxies, values[0] > 14), (values[0], True))
+    while values[-1] != 14:  # one step to undo, and one more for each place where a slow machine made the mouse rest
+        assert len(values) < 8, values
+        yield from hand.undo()
+        values.append(settings().partition.proxies)
+        same("undone", regions(), values[-1])
 
-
-def show_edits():
-    """Opens the panel Regions from the beginning; before the add-on is switched on."""
-    from isimp.blender.panel import edit
-
-    edit.ISIMP_PT_regions.bl_options = set()
-
-
-def scan():
-    return bpy.data.objects["Scan"]
-
-
-def regions():
-    """The number of regions of the scan."""
-    obj = scan()
-    if obj.mode == "EDIT":
-        obj.update_from_editmode()
-        import bmesh
-
-        edit = bmesh.from_edit_mesh(obj.data)
-        layer = edit.faces.layers.int.get("isimp_region")
-        return len({face[layer] for face in edit.faces}) if layer else 0
-    layer = obj.data.attributes.get("isimp_region")
-    if layer is None:
-        return 0
-    label = np.empty(len(obj.data.polygons), np.int32)
-    layer.data.foreach_get("value", label)
-    return len(np.unique(label))
+    for face in (100, 5000):
+        bpy.ops.isimp.add_proxy("EXEC_DEFAULT", True, face=face)
+    yield from hand.type_into("partition.proxies", "20")
+    yield from settled()
+    same("edits are done again", (regions(), len(steps())), (22, 3))
+    for _ in range(3):
+        yield from hand.undo()
+    same("and undone", (regions(), len(steps())), (14, 1))
 
 
-def same(what, seen, wanted):
-    print(f"{what}: {seen}", flush=True)
-    assert seen == wanted, f"{what}: {seen}, not {wanted}"
+def select(faces):
+    edit = bmesh.from_edit_mesh(scan().data)
+    edit.faces.ensure_lookup_table()
+    for face in edit.faces:
+        face.select_set(face.index in faces)
+    bmesh.update_edit_mesh(scan().data)
+    bpy.ops.ed.undo_push(message="select")
+
+
+def left_out():
+    return store.numbers(scan()).get("regions_left_out", 0)
+
+
+def pressed(hand, name, seen, wanted, lesser=None):
+    """Presses a button, of two next to each other the lesser one or not; checks the step, and undoes it."""
+    yield from hand.find(f"bpy.ops.isimp.{name}")
+    if lesser is not None:
+        side = hand.region("UI")
+        yield from hand.move(side.x + (side.width - 20) * (0.75 if lesser else 0.3), hand.at[1])
+        same("beside", hand.under_mouse(), f"bpy.ops.isimp.{name}")
+    yield from hand.click(*hand.at)
+    yield from hand.settle()
+    same(name, (seen(), last()), wanted)
+    if name != "lock":
+        yield from hand.undo()
+
+
+def buttons(hand):
+    """The buttons under Regions act on the selection."""
+    pairs, label, count = scans.face_pairs(scan().data), labels(), regions()
+    face, other = next(pair for pair in pairs.tolist() if label[pair[0]] != label[pair[1]])
+    select({face})
+    yield from pressed(hand, "split", regions, (count + 1, "SplitRegion"))
+    yield from pressed(hand, "grow", regions, (count, "GrowRegion"), lesser=False)
+    yield from pressed(hand, "grow", regions, (count, "ShrinkRegion"), lesser=True)
+    yield from pressed(hand, "lock", locked, (1, "LockRegions"), lesser=False)
+    yield from pressed(hand, "lock", locked, (0, "UnlockRegions"), lesser=True)
+    yield from pressed(hand, "leave_out", left_out, (1, "LeaveOutRegions"))
+    select({face, other})
+    yield from pressed(hand, "merge", regions, (count - 1, "MergeRegions"))
 
 
 def run(hand):
@@ -70,9 +108,9 @@ def run(hand):
     yield from hand.open_tab()
     yield from hand.shot("1-start")
 
-    bpy.context.window_manager.isimp.partition.count_by = "proxies"
+    settings().partition.count_by = "proxies"
     yield from hand.type_into("partition.proxies", "14")
-    same("typed", bpy.context.window_manager.isimp.partition.proxies, 14)
+    same("typed", (settings().partition.proxies, regions()), (14, 0))
     yield from hand.find("bpy.ops.isimp.partition")
     place = hand.at
     yield from hand.press("isimp.partition")
@@ -81,6 +119,7 @@ def run(hand):
     same("the button stays under the mouse", hand.under_mouse(), "bpy.ops.isimp.partition")
     same("shading", hand.area.spaces.active.shading.color_type, "VERTEX")
     yield from hand.shot("2-partition")
+    yield from setting(hand)
 
     yield from hand.into_view()
     yield from hand.key("TAB")
@@ -103,6 +142,7 @@ def run(hand):
         yield from hand.redo()
         same("after redo", regions(), wanted)
     yield from hand.undo()
+    yield from buttons(hand)
 
     yield from hand.into_view()
     yield from hand.key("TAB")
@@ -111,7 +151,7 @@ def run(hand):
     same("regions in Object Mode", regions(), 15)
     yield from hand.press("isimp.mesh")
     same("and so does this one", hand.under_mouse(), "bpy.ops.isimp.mesh")
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+    with hand.within():
         same("no tool on the result", bpy.ops.isimp.point("INVOKE_DEFAULT"), {"CANCELLED"})
         same("nor the other", bpy.ops.isimp.paint("INVOKE_DEFAULT"), {"CANCELLED"})
     result = bpy.context.object

@@ -4,8 +4,10 @@ from contextlib import suppress
 
 import bpy
 import numpy as np
-from scenario_main import make_scan, regions, same, scan
-from scenario_tools import begin, labels, last, place, sketched, state, steps, tool
+from actions import begin, labels, last, make_scan, place, regions, same, scan, sketched, state, steps, tool
+
+from isimp.blender.scene import pointed, runtime
+from isimp.blender.view import overlay
 
 BESIDE, FURTHER = (-1.12, 1.12), (-1.0, 1.16)  # places next to the scan
 
@@ -47,18 +49,13 @@ def beside(hand):
 
 def press(hand, name):
     """Runs the action of a button; a refusal is no exception."""
-    with (
-        suppress(RuntimeError),
-        bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("UI")),
-    ):
+    with suppress(RuntimeError), hand.within("UI"):
         getattr(bpy.ops.isimp, name)("INVOKE_DEFAULT", True)
     yield from hand.settle()
 
 
 def chosen(hand):
     """The faces that an importer has left selected are none that the buttons act on."""
-    from isimp.blender.scene import pointed
-
     yield from tool(hand, "isimp.region_tool.object")
     scan().data.polygons.foreach_set("select", np.ones(len(scan().data.polygons), bool))
     before = regions()
@@ -90,27 +87,24 @@ def middle():
 
 def kept(hand):
     """After an edit the old polygons stay, fainter, until the polygons of the new regions are there."""
-    from isimp.blender.scene import runtime
-    from isimp.blender.view import overlay
-
     yield from sketched()
     tick, overlay._tick = overlay._tick, lambda: None
     before, edited = state(), runtime.get().drawings[overlay._key(bpy.context, scan())]
     bpy.ops.isimp.split("INVOKE_DEFAULT", True, face=middle())
     yield from hand.settle()
     same("edited", state() != before, True)
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+    with hand.within():
         now = overlay._drawing(bpy.context, scan()).sketch
         same("new borders at once", (len(now.borders) > len(edited.sketch.borders), len(now.outline)), (True, 0))
         same("old polygons", overlay._former(bpy.context, scan()) is edited, True)
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("UI")):
+    with hand.within("UI"):
         same("old report", overlay.reported(bpy.context, scan()), (edited.sketch.numbers, False))
     yield from hand.shot("off_scan-2-kept")
     overlay._tick = tick
     for _ in range(200):
         overlay.redraw()
         yield 0.1
-        with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        with hand.within():
             if overlay._former(bpy.context, scan()) is None:
                 return
     raise AssertionError("no new polygons")
@@ -129,8 +123,6 @@ def on_the_result(hand):
 
 def left(hand):
     """The region under the mouse is highlighted, and nothing while the mouse is in the sidebar."""
-    from isimp.blender.scene import runtime
-
     for _ in range(100):
         yield from hand.move(*place(hand, 0.2, 0.21))
         if runtime.get().hover is not None:

@@ -1,15 +1,26 @@
 """The Paint tool with a real mouse and keys: each stroke is one step of the recipe and one to undo."""
 
-import bpy
 import numpy as np
-from scenario_main import regions, same, scan
-from scenario_tools import begin, drag, labels, last, place, state, steps, tool, undone_and_redone
+import scans
+from actions import (
+    begin,
+    drag,
+    labels,
+    last,
+    place,
+    regions,
+    same,
+    scan,
+    settings,
+    state,
+    steps,
+    tool,
+    undone_and_redone,
+)
 
 
 def border():
     """The number of edges of the scan between regions."""
-    import scans
-
     label = labels()
     pairs = scans.face_pairs(scan().data)
     return int(np.count_nonzero(label[pairs[:, 0]] != label[pairs[:, 1]]))
@@ -105,10 +116,6 @@ def dropped(hand):
     hand.event("LEFTMOUSE", "RELEASE")
     yield 0.3
     same("Esc drops a stroke", state(), before)
-
-
-def settings():
-    return bpy.context.window_manager.isimp
 
 
 def run(hand):

@@ -1,27 +1,35 @@
 """Reading and writing in pieces: the actions of the window meanwhile, one step to undo, and drags that settle."""
 
 import bpy
-from scenario_long_work import running
-from scenario_main import make_scan, regions, same, scan
-from scenario_steps import settings, settled, shown
-from scenario_tools import labels, state, steps, undone_and_redone, view
+from actions import (
+    labels,
+    make_scan,
+    regions,
+    running,
+    same,
+    scan,
+    settings,
+    settled,
+    shown,
+    state,
+    steps,
+    undone_and_redone,
+    view,
+)
 
 import isimp
+from isimp.blender import reading
+from isimp.blender.scene import mesh_io, runtime, selection, weights
+from isimp.blender.work import modal
 
 
 def slow_down():
     """Makes every piece take a turn of its own, as for a million faces."""
-    from isimp.blender import reading
-    from isimp.blender.scene import mesh_io, selection, weights
-    from isimp.blender.work import modal
-
     modal._AT_ONCE, reading.SPAN, mesh_io._PIECE, selection._PIECE, weights._PIECE = 0.0, 0.0, 100, 100, 20
 
 
 def weighed(hand):
     """A vertex group is read in pieces, in Object Mode; Esc drops that too."""
-    from isimp.blender.scene import runtime
-
     upper = [vertex.index for vertex in scan().data.vertices if vertex.co.z > 0]
     scan().vertex_groups.new(name="Upper").add(upper, 1.0, "REPLACE")
     yield 0.3
@@ -54,7 +62,7 @@ def selected_in_pieces(hand):
     bpy.ops.mesh.select_all(action="DESELECT")
     bpy.ops.ed.undo_push(message="none")
     done = []
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+    with hand.within():
         done.append(bpy.ops.isimp.select_by("INVOKE_DEFAULT", True, by="SIZE", share=100.0))
     same("under way", done, [{"RUNNING_MODAL"}])
     yield from hand.into_view()
@@ -75,7 +83,7 @@ def selected_in_pieces(hand):
 
 
 def pressed(hand, proxies, **more):
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+    with hand.within():
         bpy.ops.isimp.partition("INVOKE_DEFAULT", True, proxies=proxies, **more)
     yield 0.3
     same("under way", running(), True)

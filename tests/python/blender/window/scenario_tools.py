@@ -1,126 +1,36 @@
-"""The Region tool, with a real mouse: clicks, a drag and L; undo and redo of each; the drawing."""
-
-import zlib
+"""The Region tool and the Openings tool, with a real mouse: clicks, drags and L; undo, redo; the drawing."""
 
 import bpy
 import numpy as np
-from scenario_main import make_scan, regions, same, scan
+import scans
+from actions import (
+    begin,
+    drag,
+    last,
+    locked,
+    place,
+    regions,
+    same,
+    scan,
+    sketched,
+    state,
+    tool,
+    undone_and_redone,
+    view,
+)
 
-import isimp
-
-
-def tool(hand, name):
-    """Chooses a tool; its settings are drawn once where the bar is hidden."""
-    view, hidden = hand.area.spaces.active, not hand.area.spaces.active.show_region_tool_header
-    view.show_region_tool_header = True
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
-        bpy.ops.wm.tool_set_by_id(name=name)
-    yield 0.2
-    if hidden:
-        view.show_region_tool_header = False
-        yield 0.1
-
-
-def begin(hand, make=make_scan, proxies=14, bars=False):
-    """A scan in its regions, viewed from the front; bars: with the sidebar and the others."""
-    isimp.register()
-    make()
-    yield 0.5
-    yield from hand.open_tab() if bars else hand.open_view()
-    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=proxies)
-    yield from view(hand)
-
-
-def view(hand):
-    """Turns the view to the front of the scan, so that it fills the view."""
-    if bpy.app.version >= (4, 0, 0):  # where these buttons would lie over it
-        hand.area.spaces.active.show_gizmo_navigate = False
-        yield 0.5
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
-        bpy.ops.view3d.view_axis(type="FRONT")
-        bpy.ops.view3d.view_selected()
-    yield 0.8
-
-
-def place(hand, x, z):
-    """The place in the window of a place in the scan's front; x and z from -1 to 1 over the scan."""
-    from bpy_extras import view3d_utils
-
-    region, view = hand.region("WINDOW"), hand.area.spaces.active.region_3d
-    at = view3d_utils.location_3d_to_region_2d(region, view, (1.5 * x, -1.5, 1.5 * z))
-    return region.x + at[0], region.y + at[1]
-
-
-def drag(hand, begin, end, shot=None, **held):
-    """Drags from one place on the scan's front to another, with keys held."""
-    yield from hand.move(*place(hand, *begin))
-    hand.event("LEFTMOUSE", "PRESS", **held)
-    yield 0.1
-    for share in np.linspace(0, 1, 7):
-        x, z = (1 - share) * np.array(begin) + share * np.array(end)
-        yield from hand.move(*place(hand, x, z))
-    if shot:
-        yield from hand.shot(shot)
-    hand.event("LEFTMOUSE", "RELEASE", **held)
-    yield from hand.settle()
-
-
-def steps():
-    from isimp.blender.scene import store
-
-    return store.load(scan()).steps
-
-
-def undone_and_redone(hand, what, seen):
-    """Ctrl-Z undoes an action in one go, and Ctrl-Shift-Z does it again. seen: the state to compare."""
-    after, count = seen(), len(steps())
-    yield from hand.undo()
-    same(f"{what}, undone", (seen() != after, len(steps())), (True, count - 1))
-    yield from hand.redo()
-    same(f"{what}, redone", (seen(), len(steps())), (after, count))
-
-
-def labels():
-    """(faces,) the region of each face of the scan, in either mode."""
-    import scans
-
-    return scans.regions(scan())
-
-
-def state():
-    """A number for all regions: it changes if a face moves to another region."""
-    return zlib.crc32(labels())
-
-
-def last():
-    return type(steps()[-1]).__name__
-
-
-def sketched():
-    """Waits until the drawing over the scan is there, the polygons too."""
-    from isimp.blender.scene import runtime
-    from isimp.blender.view import overlay
-
-    yield 0.3
-    for _ in range(400):
-        seen = overlay.scan_shown(bpy.context)
-        if seen is None or overlay._key(bpy.context, seen) in runtime.get().drawings:
-            return
-        yield 0.05
-    raise AssertionError("no sketch was made")
+from isimp import messages
+from isimp.blender.drawing import late
+from isimp.blender.scene import runtime, store
+from isimp.blender.view import overlay
 
 
 def drawn():
-    from isimp.blender.scene import runtime
-    from isimp.blender.view import overlay
-
     key = overlay._key(bpy.context, scan())
     return runtime.get().drawings[key].sketch
 
 
 def hovered(hand):
-    from isimp.blender.scene import runtime
-
     yield from hand.move(*place(hand, 0.2, 0.2))
     for _ in range(100):
         yield from hand.move(*place(hand, 0.2, 0.21))
@@ -133,9 +43,6 @@ def hovered(hand):
 
 
 def clicked(hand):
-    from isimp.blender.scene import runtime
-    from isimp.blender.view import overlay
-
     before, keep, kept = regions(), overlay._keep, []
 
     def noted(key, made):
@@ -168,10 +75,6 @@ def colors(obj):
 
 def at_once(hand):
     """A click shows the region by a redraw before Blender hears of it, and all of it by one more."""
-    from isimp.blender.drawing import late
-    from isimp.blender.scene import runtime
-    from isimp.blender.view import overlay
-
     if not late.IS_QUIET:
         return
     yield from sketched()
@@ -239,11 +142,8 @@ def in_edit_mode(hand):
 
 def away(hand):
     """No text concerns a scan that is not shown any more."""
-    from isimp.blender.scene import runtime
-    from isimp.blender.view import overlay
-
     context = bpy.context
-    with context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+    with hand.within():
         same("hovered", overlay.hover_shown(context) is runtime.get().hover is not None, True)
         context.view_layer.objects.active = None
         same("not looked at", overlay.hover_shown(context), None)
@@ -252,8 +152,6 @@ def away(hand):
 
 def refused(hand, words, **held):
     """A click in the middle that can't be done shows the reason, in words for visible things."""
-    from isimp import messages
-
     told, unchanged = [], messages.unchanged
     messages.unchanged = lambda why: told.append(why) or unchanged(why)
     yield from hand.click(*place(hand, 0.0, 0.0), **held)
@@ -262,10 +160,35 @@ def refused(hand, words, **held):
     same("refused", told, [words])
 
 
-def locked():
-    from isimp.blender.scene import store
+def openings(hand):
+    """The Openings tool shows a closed opening; a click keeps it open, another one closes it again."""
 
-    return store.numbers(scan()).get("locked", 0)
+    def kept():
+        numbers = store.numbers(scan())
+        return numbers["kept_open"], numbers["repairs"]["filled_holes"]
+
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.delete()
+    scans.pierced([(0, -1, 0)], radius=1.5)
+    bpy.ops.ed.undo_push(message="scan")
+    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=8)
+    yield from view(hand)
+    same("the hole is closed", kept(), (0, 1))
+    yield from tool(hand, "isimp.opening_tool.object")
+    yield from hand.move(*place(hand, 0.02, 0.0))
+    yield 0.3
+    hover = runtime.get().hover
+    same("the opening is shown", (hover is not None and hover.text.startswith("Hole, "), len(hover.lines)), (True, 3))
+    yield from hand.shot("tools-7-closed")
+    for at, wanted in (((0.0, 0.0), (1, 0)), ((0.6, 0.6), (1, 0)), ((0.0, 0.0), (0, 1))):
+        yield from hand.click(*place(hand, *at))
+        yield from hand.settle()
+        same("a click keeps it open, one beside it does nothing, another closes it", kept(), wanted)
+        yield from hand.move(*place(hand, 0.02, 0.0))
+        yield 0.3
+        same("the hover text names it", "kept open" in runtime.get().hover.text, wanted == (1, 0))
+    yield from hand.undo()
+    same("undone", kept(), (1, 0))
 
 
 def run(hand):
@@ -275,9 +198,7 @@ def run(hand):
     assert len(sketch.borders)
     assert len(sketch.outline)
     assert len(sketch.corners)
-    from isimp.blender.view import overlay
-
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("UI")):
+    with hand.within("UI"):
         same("the panel tells what is drawn", overlay.previewed(bpy.context, scan()), sketch.numbers)
     yield from hand.shot("tools-1-sketch")
     yield from tool(hand, "isimp.region_tool.object")
@@ -311,8 +232,7 @@ def run(hand):
             yield from sketched()
             yield from hand.shot("tools-6-locked")
 
-    from isimp.blender.scene import runtime
-
     yield from tool(hand, "builtin.select_box")
     yield 0.3
     same("another tool", (runtime.get().hover, runtime.get().status), (None, ""))
+    yield from openings(hand)

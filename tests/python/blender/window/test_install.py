@@ -3,6 +3,7 @@
 Set ISIMP_ZIPS to a folder of zips to try those; without it the package that is installed here is packed.
 """
 
+import csv
 import math
 import os
 import re
@@ -178,6 +179,23 @@ def test_batch_as_a_command(installed, tmp_path, arguments, code, said):
     assert (done.returncode, said in done.stdout + done.stderr) == (code, True), done.stdout + done.stderr
     assert (tmp_path / "out.obj").exists() == (code == 0)
     assert "Traceback" not in done.stdout + done.stderr
+
+
+def test_the_loop_of_the_manual_does_all_scans_and_lists_those_that_fail(installed, tmp_path):
+    (loop,) = re.findall(r"^for scan in .*?^done$", (ROOT / "docs" / "manual.md").read_text(), re.MULTILINE | re.DOTALL)
+    scans = {"a.off": OFF, "b.off": "OFF\n4", "c.off": OFF.replace("0 0 1\n3", "0 0 2\n3", 1)}
+    (tmp_path / "scans").mkdir()
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    for name, text in scans.items():
+        (tmp_path / "scans" / name).write_text(text)
+    (tmp_path / "recipe.json").write_text('{"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 4}]}')
+    environment = os.environ | {"BLENDER_USER_SCRIPTS": str(installed)}
+    subprocess.run(["sh", "-c", loop.replace(".ply", ".off")], cwd=tmp_path, env=environment, check=True)
+    with (tmp_path / "results.csv").open(newline="") as file:
+        polygons = {Path(row["scan"]).name: row["polygons"] for row in csv.DictReader(file)}
+    assert polygons == {"a.off": "4", "b.off": "", "c.off": "4"}
+    assert (tmp_path / "failed.txt").read_text().split() == ["scans/b.off"]
+    assert sorted(path.name for path in (tmp_path / "out").glob("*.obj")) == ["a.obj", "c.obj"]
 
 
 def test_a_student_gets_from_the_zip_to_polygons_in_eight_actions(zips, tmp_path):

@@ -1,6 +1,6 @@
 """A real window of Debian's Blender under Xvfb, driven by simulated mouse and keys.
 
-Three scenarios make pictures, in out/window; with ISIMP_WINDOW_OUT set all do, in the folder that it names.
+Two scenarios make pictures, in out/window; with ISIMP_WINDOW_OUT set all do, in the folder that it names.
 """
 
 import os
@@ -18,18 +18,9 @@ ROOT = HERE.parents[3]
 OUT = Path(os.environ.get("ISIMP_WINDOW_OUT", ROOT / "out" / "window"))
 SIZE = 640, 1150  # pixels: the whole panel is visible
 SMALL = 360, 460  # for scenarios without buttons: less to draw
-WITHOUT_BUTTONS = {"gestures", "live", "openings", "paint", "pieces", "texture", "tools"}
-OTHER_SIZES = {
-    "off_scan": (640, 512),
-    "buttons": (480, 1180),
-    "compare": (900, 900),
-    "imports": (1200, 900),
-    "scale": (1200, 900),
-    "quick_start": (1000, 1000),
-    "people": (800, 960),
-    "jobs": (800, 960),
-}
-OF_PICTURES = {"bunny", "compare", "quick_start"}
+WITHOUT_BUTTONS = {"gestures", "live", "paint", "pieces", "tools"}
+OTHER_SIZES = {"off_scan": (640, 512), "compare": (1000, 900), "jobs": (800, 960)}
+OF_PICTURES = {"bunny", "compare"}
 LIMIT = 600  # seconds; one or two minutes on a quiet machine
 
 
