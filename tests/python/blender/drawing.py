@@ -4,10 +4,14 @@ import bpy
 
 
 class Recorder:
-    """A layout that records everything drawn on it: texts, and controls by kind and name."""
+    """A layout that records everything drawn on it: texts, and controls by kind and name.
+
+    made: the buttons, and whether each is lit; buttons: the last ones of each operator and of each text.
+    """
 
     def __init__(self, drawn):
-        object.__setattr__(self, "drawn", drawn)
+        for name, value in {"drawn": drawn, "made": [], "buttons": {}}.items():
+            object.__setattr__(self, name, value)
 
     def __setattr__(self, name, value):
         pass
@@ -22,10 +26,13 @@ class Recorder:
     def label(self, text="", **_):
         self.drawn.append(("label", text))
 
-    def operator(self, name, text="", **_):
+    def operator(self, name, text="", depress=False, **_):
         self.drawn.append(("operator", text or name))
         group, operator = name.split(".")
-        return Settable(getattr(getattr(bpy.ops, group), operator).get_rna_type())
+        made = Settable(getattr(getattr(bpy.ops, group), operator).get_rna_type())
+        self.made.append((made, depress))
+        self.buttons.update({name: made, text: made})
+        return made
 
     def prop(self, data, name, **_):
         assert name in data.bl_rna.properties, name
@@ -44,11 +51,15 @@ class Recorder:
 
 
 class Settable:
+    """A button whose operator has all properties that are set."""
+
     def __init__(self, rna):
         object.__setattr__(self, "bl_rna", rna)
+        object.__setattr__(self, "values", {})
 
     def __setattr__(self, name, value):
         assert self.bl_rna.properties.find(name) >= 0, f"no property {name}"
+        self.values[name] = value
 
 
 def controls(*classes):

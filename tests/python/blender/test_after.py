@@ -137,6 +137,7 @@ def test_modelling_continues(sculpture, change):
     assert change() == {"FINISHED"}
     scans.mode("OBJECT")
     assert len(sculpture.data.loops) > corners
+    assert scans.regions(sculpture).min() >= 0
     assert closed(sculpture)
     assert not sculpture.data.validate()
 

@@ -34,11 +34,12 @@ OPTIONS = ["seams", "sharp", "materials", "borders"] + (["face_sets"] if bpy.app
 @pytest.mark.parametrize("option", OPTIONS)
 def test_regions_respect_marked_edges(scan, option, mode):
     bpy.ops.object.mode_set(mode=mode)
-    step = Partition(proxies=6, **{option: "groups" if option == "borders" else True})
-    assert bpy.ops.isimp.replay(recipe=Recipe((step,)).to_json()) == {"FINISHED"}
+    marked = {option: "groups" if option == "borders" else True}
+    assert bpy.ops.isimp.partition(proxies=6, **marked) == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     regions, upper = scans.regions(scan), above(scan)
     assert not set(regions[upper]) & set(regions[~upper])
+    assert "groups" in weights.face_names(scan)
     assert bpy.ops.isimp.replay(recipe=Recipe((Partition(proxies=6),)).to_json()) == {"FINISHED"}
     regions = scans.regions(scan)
     assert len(set(regions[upper]) & set(regions[~upper])) == 4, "without it the four sides are whole"
@@ -90,16 +91,6 @@ def test_partition_keeps_locked_regions(scan):
     regions = scans.regions(scan)
     assert np.flatnonzero(regions == regions[0]).tolist() == [0, 1]
     assert len(set(regions)) == 10
-
-
-@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
-def test_the_panel_s_settings_list_the_barriers(scan, mode):
-    bpy.ops.object.mode_set(mode=mode)
-    bpy.ops.isimp.partition(proxies=6, seams=True)
-    bpy.ops.object.mode_set(mode="OBJECT")
-    regions, upper = scans.regions(scan), above(scan)
-    assert not set(regions[upper]) & set(regions[~upper])
-    assert "groups" in weights.face_names(scan)
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])

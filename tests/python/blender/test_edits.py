@@ -45,6 +45,8 @@ def undone_and_redone(before, after):
 @pytest.mark.parametrize(
     ("call", "settings", "wanted"),
     [
+        ("add_proxy", {"face": 70}, 7),
+        ("delete_proxy", {"face": 0}, 5),
         ("merge", {"face": 0, "other": 120}, 5),
         ("split", {"face": 0}, 7),
         ("grow", {"face": 0, "rings": 2}, 6),

@@ -223,25 +223,11 @@ def test_a_report_has_map_coordinates_and_the_scene_up(file, tmp_path):
     assert store.load(scan) is not None
 
 
-def column():
-    """A round scan that is turned, moved and scaled."""
-    around, along = 96, 60
-    angle, high = np.meshgrid(np.arange(around) * 2 * np.pi / around, np.linspace(-2, 2, along + 1))
-    side = np.stack([np.cos(angle), np.sin(angle), high], axis=2).reshape(-1, 3)
-    k, m = (grid.ravel() for grid in np.meshgrid(np.arange(around), np.arange(along) * around))
-    a, b = m + k, m + (k + 1) % around
-    quads = [tuple(q) for q in np.stack([a, b, b + around, a + around], axis=1).tolist()]
-    last = along * around
-    caps = [tuple(range(around - 1, -1, -1)), tuple(range(last, last + around))]
-    scan = scans.add("column", side.tolist(), [*quads, *caps])
-    scan.location, scan.rotation_euler, scan.scale = (10, 20, 30), (np.pi / 2, 0, 0), (2, 2, 2)
-    bpy.context.view_layer.update()
-    return scan
-
-
 def test_a_round_part_is_a_true_surface_in_step_and_a_row_of_the_report(tmp_path):
     pytest.importorskip("OCP", reason="cadquery-ocp-novtk is not installed")
-    column()
+    scan = scans.column(96, 60)
+    scan.location, scan.rotation_euler, scan.scale = (10, 20, 30), (np.pi / 2, 0, 0), (2, 2, 2)
+    bpy.context.view_layer.update()
     OPS.partition(count_by="detail", curved=True)
     OPS.mesh()
     path = tmp_path / "column.step"

@@ -8,12 +8,6 @@ import scans
 from isimp.blender.scene import store, targets
 
 
-def refused(call, message):
-    """The operator reports an error, which scripts see as a RuntimeError."""
-    with pytest.raises(RuntimeError, match=message):
-        call()
-
-
 def why_not():
     assert not bpy.ops.isimp.partition.poll()
     return targets.find(bpy.context)[1]
@@ -92,7 +86,8 @@ def test_modifiers_that_lose_track_of_faces():
     scan = scans.cube()
     scan.modifiers.new("Remesh", "REMESH").mode = "VOXEL"
     before = len(bpy.data.objects), len(bpy.data.meshes)
-    refused(lambda: bpy.ops.isimp.partition(proxies=6), "Remesh.*can't be traced back.*apply them first")
+    with pytest.raises(RuntimeError, match=r"Remesh.*can't be traced back.*apply them first"):
+        bpy.ops.isimp.partition(proxies=6)
     assert (len(bpy.data.objects), len(bpy.data.meshes)) == before
 
 
@@ -139,19 +134,6 @@ def test_the_scan_of_a_deleted_scan_is_not_missed():
     bpy.data.objects.remove(scan)
     assert bpy.ops.isimp.partition.poll()
     assert bpy.ops.isimp.partition(proxies=5) == {"FINISHED"}
-
-
-def test_faces_added_later_make_a_partition_necessary():
-    scan = scans.cube()
-    bpy.ops.isimp.partition(proxies=6)
-    scans.mode("EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-    scans.mode("OBJECT")
-    assert "has changed since" in targets.needs_regions(scan)
-    assert not bpy.ops.isimp.mesh.poll()
-    assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
-    assert bpy.ops.isimp.mesh() == {"FINISHED"}
 
 
 def test_defects_are_listed_by_kind_without_unused_vertices():

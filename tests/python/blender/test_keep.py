@@ -58,16 +58,6 @@ def test_a_duplicate_has_steps_of_its_own():
     assert scans.regions(scan).tolist() == before[0]
 
 
-def test_two_scans_in_one_scene_do_not_mix():
-    first, second = prepared("First", 8), prepared("Second", 5)
-    for scan in (first, second):
-        scans.activate(scan)
-        bpy.ops.isimp.mesh()
-    assert {"First.simplified", "Second.simplified"} <= set(bpy.data.objects.keys())
-    assert store.load(first).steps[0].proxies == 8
-    assert store.load(second).steps[0].proxies == 5
-
-
 def test_append_to_another_file_brings_the_steps(tmp_path):
     before = state(prepared())
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
@@ -91,13 +81,3 @@ def test_objects_that_share_a_mesh_share_its_regions():
     assert len(store.load(scan).steps) == 3
     bpy.ops.isimp.mesh()
     assert bpy.context.object.name == "Other.simplified"
-
-
-def test_old_steps_are_forgotten_when_there_are_too_many(monkeypatch):
-    monkeypatch.setattr(store, "MOST_NODES", 5)
-    scan = prepared()
-    for face in range(30, 42):
-        bpy.ops.isimp.partition(proxies=6)
-        bpy.ops.isimp.add_proxy(face=face)
-    assert len(scan.data.isimp.nodes) <= 6
-    assert store.load(scan).steps[1] == AddProxy(face=41)

@@ -1,62 +1,27 @@
 """Ways in besides the sidebar: menus, keys, the command; selection of similar regions; a clean way out."""
 
+import types
+
 import bpy
 import numpy as np
 import pytest
 import scans
 import ui_strings
+from drawing import Recorder
 
 from isimp import blender
 from isimp.blender import command, menus
 
 
-class Layout:
-    """Records the entries of a menu."""
-
-    def __init__(self):
-        self.drawn, self.buttons = [], {}
-
-    def operator(self, name, **_):
-        self.drawn.append(name)
-        assert name.removeprefix("isimp.") in dir(bpy.ops.isimp), f"there is no operator {name}"
-        self.buttons[name] = Button(name)
-        return self.buttons[name]
-
-    def menu(self, name, **_):
-        self.drawn.append(name)
-
-    def menu_pie(self):
-        return self
-
-    def separator(self):
-        pass
-
-
-class Button:
-    def __init__(self, name):
-        rna = getattr(bpy.ops.isimp, name.removeprefix("isimp.")).get_rna_type()
-        object.__setattr__(self, "bl_rna", rna)
-
-    def __setattr__(self, name, value):
-        assert self.bl_rna.properties.find(name) >= 0, f"no property {name}"
-        object.__setattr__(self, name, value)
-
-
-@pytest.mark.parametrize("menu", [menus.ISIMP_MT_object, menus.ISIMP_MT_pie])
-def test_entries_of_menus_exist(menu):
-    layout = Layout()
-    menu.draw(type("Menu", (), {"layout": layout})(), bpy.context)
-    assert {"isimp.partition", "isimp.mesh", "isimp.swap"} <= set(layout.drawn)
-
-
 @pytest.mark.parametrize("keeps", [True, False])
 @pytest.mark.parametrize("menu", [menus.ISIMP_MT_object, menus.ISIMP_MT_pie])
-def test_mesh_has_the_settings_of_the_panel(menu, keeps):
-    panel, layout = bpy.context.window_manager.isimp, Layout()
+def test_menus_have_operators_with_the_settings_of_the_panel(menu, keeps):
+    panel, layout = bpy.context.window_manager.isimp, Recorder([])
     panel.keep_texture = keeps
-    menu.draw(type("Menu", (), {"layout": layout})(), bpy.context)
+    menu.draw(types.SimpleNamespace(layout=layout), bpy.context)
     panel.keep_texture = True
-    assert layout.buttons["isimp.mesh"].keep_texture == keeps
+    assert {"isimp.partition", "isimp.mesh", "isimp.swap"} <= set(layout.buttons)
+    assert layout.buttons["isimp.mesh"].values["keep_texture"] == keeps
 
 
 def test_the_object_menu_has_the_entry_once():

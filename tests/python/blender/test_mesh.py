@@ -139,36 +139,6 @@ def test_regions_belong_to_the_visible_shape():
     assert labels[0] == labels[1]
 
 
-def test_moving_a_scan_changes_nothing():
-    scan = scans.dimple(scans.cube())
-    scan.scale = (2, 1, 1)
-    labels = []
-    for angle in (0.0, 1.0, 2.5):
-        scan.rotation_euler, scan.location = (angle, angle, -angle), (angle, 0, 100 * angle)
-        bpy.context.view_layer.update()
-        bpy.ops.isimp.partition(proxies=12)
-        labels.append(scans.regions(scan).tolist())
-    assert labels[0] == labels[1] == labels[2]
-
-
-def test_the_result_can_be_modelled_on():
-    """Extrude, bevel, subdivide and dissolve, as a designer would; a face pushed along its normal stays flat."""
-    scans.cube()
-    result = simplify()
-    scans.mode("EDIT")
-    scans.select_faces(result, 0)
-    normal = result.data.polygons[0].normal.copy()
-    bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": normal * 0.5})
-    bpy.ops.mesh.bevel(offset=0.1, segments=2)
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide(number_cuts=1)
-    bpy.ops.mesh.dissolve_limited(angle_limit=0.01)
-    scans.mode("OBJECT")
-    assert not result.data.validate()
-    assert len(result.data.polygons) > 6
-    assert scans.regions(result).min() >= 0
-
-
 def test_a_bound_is_kept_by_the_polygons_too(monkeypatch):
     monkeypatch.setattr(engine.within, "SLACK", 0.8)  # nearer than the regions' own planes have to be
     scan = scans.cube()

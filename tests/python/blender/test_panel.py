@@ -15,7 +15,7 @@ from isimp import recipe as rcp
 from isimp.blender import panel, reading
 from isimp.blender.controls import presets, properties, settings
 from isimp.blender.panel import main
-from isimp.blender.scene import measure, runtime, store, targets
+from isimp.blender.scene import measure, runtime, store
 from isimp.blender.scene import result as results
 from isimp.blender.texts import text
 from isimp.blender.view import clipping
@@ -142,19 +142,6 @@ def test_lines_that_change_have_their_place_before_partition():
     assert main._regions_line(store.numbers(scan), 1) == "7 regions · 1 edit"
 
 
-@pytest.mark.parametrize("letters", [22])
-def test_the_report_fits_the_default_width(letters):
-    scan = scans.dimple(scans.cube())
-    bpy.ops.isimp.partition(proxies=12)
-    bpy.ops.isimp.mesh()
-    numbers = store.numbers(scan)
-    lines = [line for line, _ in text.report_lines(numbers, "METRIC", 1.0)]
-    assert lines[0] == "12 polygons · closed"
-    assert any(line.endswith(numbers_away(numbers)) for line in lines)
-    for line in (*lines, *text.scan_lines(scan.data, numbers)):
-        assert all(len(part) <= letters for part in text.wrapped(line, letters))
-
-
 def sidebar(opened):
     """The panels that are seen in the sidebar: the main one and open ones, or all."""
     panels = [cls for cls in panel.CLASSES if issubclass(cls, bpy.types.Panel) and cls.bl_region_type == "UI"]
@@ -191,34 +178,6 @@ def test_settings_are_found_by_their_names():
     assert [name for _, name in controls(panel.more.ISIMP_PT_options)] == ["search", "seams"]
     panel_settings.search = ""
     assert controls(panel.more.ISIMP_PT_options) == everything
-
-
-def test_notes_are_one_line_that_opens():
-    scan = scans.cube()
-    bpy.ops.isimp.partition(proxies=6)
-    bpy.ops.isimp.mesh()
-    assert "notes" not in drawn_props(scan), "a cube has no notes"
-    bpy.ops.isimp.swap()
-    scan.data.vertices[0].co.x += 1e-4  # a result that is older than its scan
-    numbers = store.numbers(scan) | {"left_out": 3, "repairs": {"duplicate_faces": 2, "filled_holes": 1}}
-    closed = drawn_props(scan, numbers)
-    assert "notes" in closed
-    assert not any("ignored" in each or each == "Choose Openings" for each in closed)
-    bpy.context.window_manager.isimp.notes = True
-    opened = " ".join(drawn_props(scan, numbers))
-    bpy.context.window_manager.isimp.notes = False
-    for part in ("3 faces ignored", "2 duplicate faces", "1 hole"):
-        assert part in opened.replace("\N{NO-BREAK SPACE}", " "), part
-
-
-def drawn_props(scan, numbers=None):
-    """All that the report draws, in wide rows."""
-    drawn = []
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(main, "letters", lambda context: 80)
-        patch.setattr(panel.common, "letters", lambda context: 80)
-        main._draw_report(bpy.context, Recorder(drawn), scan, store.numbers(scan) if numbers is None else numbers)
-    return [text for _, text in drawn]
 
 
 def test_menus_and_popovers_of_the_panel_draw():
@@ -352,106 +311,6 @@ def test_the_panel_of_the_last_operation_shows_the_main_settings():
         assert blender.operators.partition.ISIMP_OT_partition.adjusted.fget(fake)[0] == name
 
 
-def test_the_report_has_the_same_rows_before_an_edit_after_it_and_after_mesh():
-    scan = scans.dimple(scans.cube())
-    rows = drawn_rows(scan)
-    assert not rows, "nothing to report before Partition"
-    seen = {}
-    bpy.ops.isimp.partition(proxies=12)
-    seen["fresh"] = drawn_rows(scan)
-    assert seen["fresh"][0].startswith("About ")
-    bpy.ops.isimp.add_proxy(face=3)
-    seen["edited"] = drawn_rows(scan)
-    numbers = store.numbers(scan) | {"regions_before": 13, "polygons": 20, "split": {"split_for_holes": 4}}
-    seen["previewed"] = drawn_rows(scan, made=numbers)
-    assert seen["previewed"][0] == "20 polygons"
-    bpy.ops.isimp.mesh()
-    seen["made"] = drawn_rows(scan)
-    triangles = sum(len(polygon.vertices) - 2 for polygon in targets.result_of(bpy.context.scene, scan).data.polygons)
-    told = " ".join(seen["made"][:2]).replace("\N{NO-BREAK SPACE}", " ")
-    assert told.startswith(f"13 polygons · {triangles} triangles · ")
-    assert told.endswith(" off")
-    bpy.ops.isimp.add_proxy(face=300)
-    seen["edited again"] = drawn_rows(scan)
-    assert {state: len(rows) for state, rows in seen.items()} == dict.fromkeys(seen, len(seen["fresh"]))
-
-
-def drawn_rows(scan, made=None):
-    """The texts of all that the report draws, from above."""
-    drawn = []
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(main, "letters", lambda context: 25)
-        patch.setattr(main.overlay, "previewed", lambda context, scan: made)
-        main._draw_report(bpy.context, Recorder(drawn), scan, store.numbers(scan))
-    return [text for _, text in drawn]
-
-
-def test_the_report_begins_with_round_parts_if_they_were_asked_for():
-    scan = scans.dimple(scans.cube(cells=10))
-    told = "No round part found: "
-    bpy.ops.isimp.partition(proxies=12)
-    assert told not in " ".join(drawn_rows(scan))
-    bpy.ops.isimp.partition(proxies=12, curved=True)
-    assert " ".join(drawn_rows(scan)).startswith(told)
-    bpy.context.window_manager.isimp.regularise_first = True
-    assert told not in " ".join(drawn_rows(scan)), "a building"
-    bpy.context.window_manager.isimp.regularise_first = False
-
-
-def test_polygons_left_bent_are_shown_and_made_flat():
-    scan = scans.dimple(scans.cube(cells=10), 0.8)
-    bpy.ops.isimp.partition(proxies=30)
-    bpy.ops.isimp.mesh(planar=True, planar_most=0.0)
-    made, numbers = bpy.context.object, store.numbers(scan)
-    line = f"{numbers['not_flat']} of {numbers['polygons']} not exactly flat"
-    rows = [row.replace("\N{NO-BREAK SPACE}", " ") for row in drawn_rows(scan)]
-    assert [line, "isimp.flatten", "Show"] == rows[rows.index(line) :][:3]
-    assert bpy.ops.isimp.show_problems(kind="BENT") == {"FINISHED"}
-    made.update_from_editmode()
-    assert sum(polygon.select for polygon in made.data.polygons) == numbers["not_flat"] > 0
-    bpy.ops.object.mode_set(mode="OBJECT")
-    assert bpy.ops.isimp.flatten() == {"FINISHED"}
-    assert not any("exactly flat" in row for row in drawn_rows(scan))
-    assert store.load(scan).steps[-1].planar_most == 1.0
-    assert bpy.context.window_manager.isimp.mesh.planar_most == 1.0
-    assert bpy.ops.isimp.show_problems(kind="BENT") == {"FINISHED"}
-    assert bpy.context.mode == "OBJECT", "there is nothing to show"
-
-
-@pytest.mark.parametrize("width", [12, 22, 25, 40, 80])
-@pytest.mark.parametrize("polygons", [None, 1_325, 12_417])
-def test_the_report_is_short_and_its_tooltip_has_the_reasons(width, polygons):
-    causes = ("holes", "handles", "pinches", "closed", "unconnected")
-    split = {f"split_for_{cause}": 11 * number for number, cause in enumerate(causes, 1)}
-    numbers = {"regions": 325, "diagonal": 1.0, "expected": {"regions": 325, "polygons": 1_325} | split}
-    empty = len(text.report_rows({"regions": 325}, "METRIC", 1.0, None, width))
-    if polygons:
-        away = {"away_mean": 0.0123, "away_max": 0.2345, "planarity_mean": 0.0123, "planarity_max": 0.2345}
-        numbers |= away | {"polygons": polygons, "closed": True, "manifold": True, "split": split}
-    rows = text.report_rows(numbers, "METRIC", 1.0, None, width)
-    assert width < 22 or len(rows) == empty  # 25: as Blender opens the sidebar
-    assert not any(alert for _, _, alert in rows)
-    assert "325 polygons" in " ".join(row for row, _, _ in rows) or polygons == 12_417
-    told = " ".join(line for line, _ in text.report_lines(numbers, "METRIC", 1.0))
-    assert "more than regions" in told
-    assert "split because they bend" in told
-    assert "not held" in text.planes_let_go(numbers | {"let_go": 3, "held": 4}), "a note: the program chose it"
-
-
-def test_the_tooltip_of_the_report_has_the_distance_and_the_flatness():
-    scans.dimple(scans.cube())
-    bpy.ops.isimp.partition(proxies=12)
-    bpy.ops.isimp.mesh()
-    told = blender.operators.problems.ISIMP_OT_report.description(bpy.context, None)
-    assert "from the scan on average" in told
-    assert "Flat within" in told, "the sides of a cube with a dimple bend"
-
-
-def numbers_away(numbers):
-    assert 0 < numbers["away_mean"] < numbers["away_max"] < 0.5
-    return f"{text.amount(numbers, 'away_max', 'METRIC', 1.0)} at most"
-
-
 def test_partition_names_the_number_of_edits_that_it_drops_and_the_remedy(capfd):
     scan = scans.dimple(scans.cube())
     bpy.ops.isimp.partition(proxies=12)
@@ -495,34 +354,6 @@ def test_the_presets_menu_draws_in_a_fresh_configuration(monkeypatch, tmp_path):
     (tmp_path / "presets" / "isimp").mkdir(parents=True)
     presets.ISIMP_MT_presets.draw(menu, bpy.context)
     assert len(drawn) == 1
-
-
-def test_divided_regions_are_selected():
-    scan = tube()
-    assert bpy.ops.isimp.partition(proxies=1, snap=False) == {"FINISHED"}
-    assert bpy.ops.isimp.mesh() == {"FINISHED"}
-    numbers, result = store.numbers(scan), bpy.context.object
-    assert numbers["polygons"] > numbers["regions"]
-    assert "more than regions" in text.report_lines(numbers, "METRIC", 1.0)[1][0]
-    assert bpy.ops.isimp.show_problems(kind="DIVIDED") == {"FINISHED"}
-    result.update_from_editmode()
-    chosen = {polygon.index for polygon in result.data.polygons if polygon.select}
-    scans.mode("OBJECT")
-    regions = scans.regions(result).tolist()
-    assert chosen == {index for index, region in enumerate(regions) if regions.count(region) > 1} != set()
-    assert targets.result_of(bpy.context.scene, scan) == result
-
-
-def tube():
-    """A square plate with a square hole: a flat region that is no disc."""
-    points = [(x, y, 0) for y in range(7) for x in range(7)]
-    faces = []
-    for y in range(6):
-        for x in range(6):
-            if not (2 <= x < 4 and 2 <= y < 4):
-                a = 7 * y + x
-                faces += [(a, a + 1, a + 8), (a, a + 8, a + 7)]
-    return scans.add("Scan", points, faces)
 
 
 def test_every_setting_of_mesh_is_drawn():

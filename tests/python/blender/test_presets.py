@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 import pytest
 import scans
+from drawing import Recorder
 
 from isimp import recipe as rcp
 from isimp.blender.controls import presets, settings
@@ -66,31 +67,12 @@ def test_a_preset_keeps_the_way_to_count_and_stays_lit_with_a_dot(way):
 
 def row():
     """The name above the row of kinds, and the kinds that are lit."""
-    names, lit = [], []
-
-    class Layout:
-        def column(self, align):
-            return self
-
-        row = column
-
-        def grid_flow(self, row_major, columns, even_columns, align):
-            return self
-
-        def label(self, text):
-            names.append(text)
-
-        def menu(self, name, text, icon):
-            assert hasattr(bpy.types, name)
-
-        def operator(self, name, text, icon, depress):
-            button = type("Button", (), {})()
-            lit.append((button, depress))
-            return button
-
-    presets.draw(bpy.context, Layout())
-    assert [button.name for button, _ in lit] == [preset.name for preset in given.PRESETS if preset.is_kind]
-    return names[0], [button.name for button, depress in lit if depress]
+    layout = Recorder([])
+    presets.draw(bpy.context, layout)
+    buttons = [(button.values["name"], is_lit) for button, is_lit in layout.made]
+    assert [name for name, _ in buttons] == [preset.name for preset in given.PRESETS if preset.is_kind]
+    (told,) = (text for kind, text in layout.drawn if kind == "label")
+    return told, [name for name, is_lit in buttons if is_lit]
 
 
 def test_no_preset_is_named_before_one_is_chosen():
@@ -98,14 +80,6 @@ def test_no_preset_is_named_before_one_is_chosen():
     for cls in (rcp.Partition, rcp.Mesh):
         settings.copy(cls, cls(), settings.group(bpy.context, cls))
     assert row() == ("What is it?", [])
-
-
-def test_a_preset_equals_partition_with_its_settings():
-    scans.cube(cells=10)
-    bpy.ops.isimp.preset(name="cad")
-    panel = settings.group(bpy.context, rcp.Partition)
-    bpy.ops.isimp.partition(**{name: getattr(panel, name) for name in settings.names(rcp.Partition)})
-    assert len(set(scans.regions(bpy.context.object))) == 6
 
 
 def test_a_scan_with_noise_has_larger_features_and_the_same_card(capfd):

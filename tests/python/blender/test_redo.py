@@ -6,13 +6,11 @@ import bpy
 import numpy as np
 import pytest
 import scans
-from test_panel import tube
 
 from isimp import blender
 from isimp.blender.operators.files import Writes
 from isimp.blender.scene import store, targets
 from isimp.blender.work.modal import RecipeOperator
-from test_openings import pierced
 from test_texture import textured_cube
 
 RECIPES = [
@@ -39,7 +37,7 @@ def stepped():
 
 
 def opened():
-    pierced()
+    scans.pierced()
     bpy.ops.isimp.partition(proxies=8)
 
 
@@ -50,7 +48,7 @@ def slivered():
 
 
 def divided():
-    tube()
+    scans.tube()
     bpy.ops.isimp.partition(proxies=1, snap=False)
     bpy.ops.isimp.mesh()
 
@@ -66,27 +64,14 @@ def textured():
     bpy.ops.isimp.mesh()
 
 
-def column():
-    """A standing cylinder: 24 rows of 48 quads, then the cap below and the one above."""
-    angle, height = np.arange(48) * np.pi / 24, np.linspace(-2, 2, 25)
-    ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], 1)
-    points = [ring + [0, 0, z] for z in height] + [np.array([[0, 0, -2.0], [0, 0, 2.0]])]
-    row, k = (a.ravel() for a in np.meshgrid(np.arange(24), np.arange(48), indexing="ij"))
-    a, b = 48 * row + k, 48 * row + (k + 1) % 48
-    faces = np.stack([a, b, b + 48, a + 48], 1).tolist()
-    faces += [[(i + 1) % 48, i, 25 * 48] for i in range(48)]
-    faces += [[24 * 48 + i, 24 * 48 + (i + 1) % 48, 25 * 48 + 1] for i in range(48)]
-    return scans.add("Scan", np.concatenate(points), faces)
-
-
 def columned():
-    scan = column()
+    scan = scans.column()
     bpy.ops.isimp.partition(proxies=14)
     scans.select_faces(scan, *range(24 * 48))
 
 
 def turned():
-    column()
+    scans.column()
     bpy.ops.isimp.partition(proxies=14, curved=True)
 
 

@@ -44,17 +44,6 @@ def test_a_new_region_leaves_the_colours_of_the_others():
     assert (scans.colors(scan)[kept] == color[kept]).all()
 
 
-def test_settings_show_the_last_partition():
-    scan = scans.dimple(scans.cube())
-    partition(proxies=12, seed=1, method="lloyd")
-    first = scans.regions(scan)
-    partition(proxies=12, seed=2, method="lloyd")
-    other = scans.regions(scan)
-    partition(proxies=12, seed=1, method="lloyd")
-    assert (scans.regions(scan) == first).all()
-    assert (other != first).any()
-
-
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
 def test_add_and_delete_at_the_selected_faces(mode):
     scan = scans.dimple(scans.cube(cells=8))
@@ -69,18 +58,6 @@ def test_add_and_delete_at_the_selected_faces(mode):
     assert bpy.ops.isimp.delete_proxy() == {"FINISHED"}
     assert np.unique(scans.regions(scan)).tolist() == list(range(11))
     assert scan.mode == mode
-
-
-def test_edit_mode_equals_object_mode():
-    labels = []
-    for mode in ("OBJECT", "EDIT"):
-        scan = scans.dimple(scans.cube(name=mode))
-        scans.mode(mode)
-        partition(proxies=9)
-        bpy.ops.isimp.add_proxy(face=7)
-        scans.mode("OBJECT")
-        labels.append((scans.regions(scan).tolist(), scans.colors(scan).tolist()))
-    assert labels[0] == labels[1]
 
 
 def test_several_faces_of_one_region_delete_it_once():

@@ -116,20 +116,6 @@ def test_uvs_images_and_material_come_back(kind, tmp_path):
         assert np.abs(pixels_of(image) - wanted).max() < 1 / 255 + 1e-6, place
 
 
-@pytest.mark.parametrize("kind", FORMATS)
-def test_materials_that_are_kept_apart_come_back(kind, tmp_path):
-    need(kind)
-    textured_cube()
-    result = simplify()
-    assert bpy.ops.isimp.texture(size=64, materials=True) == {"FINISHED"}
-    wanted = {tuple(pixels_of(image_at(material, "Base Color"))[32, 32]) for material in result.data.materials}
-    assert len(wanted) == 2
-    back = sent(kind, tmp_path, result)
-    found = [pixels_of(image_at(material, "Base Color"))[32, 32] for material in back.data.materials]
-    assert len(found) == 2
-    assert all(min(np.abs(colour - one).max() for one in found) < 1 / 255 + 1e-6 for colour in wanted)
-
-
 def test_tiles_come_back_from_usd(tmp_path):
     need("usdc")
     if bpy.app.version < (4, 0, 0):

@@ -21,37 +21,6 @@ def seen():
     return scans.regions(obj).tolist(), steps, store.numbers(obj).get("regions")
 
 
-def walk(states, step):
-    for expected in states:
-        step()
-        assert seen() == expected
-
-
-@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
-def test_every_step_is_undone_and_redone(mode):
-    scans.dimple(scans.cube(cells=5))
-    scans.push("cube")
-    scans.mode(mode)
-    scans.push("mode")
-    states = [seen()]
-    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=8)
-    states.append(seen())
-    scans.select_faces(scan(), 70)
-    bpy.ops.isimp.add_proxy("EXEC_DEFAULT", True)
-    states.append(seen())
-    bpy.ops.isimp.delete_proxy("EXEC_DEFAULT", True, face=10)
-    states.append(seen())
-    assert [state and state[1] for state in states] == [
-        None,
-        [Partition],
-        [Partition, AddProxy],
-        [Partition, AddProxy, DeleteProxy],
-    ]
-    walk(reversed(states[:-1]), bpy.ops.ed.undo)
-    walk(states[1:], bpy.ops.ed.redo)
-    assert scan().mode == mode
-
-
 def test_steps_continue_from_the_state_after_undo():
     scans.dimple(scans.cube(cells=5))
     scans.mode("EDIT")

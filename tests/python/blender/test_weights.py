@@ -45,18 +45,6 @@ def test_more_regions_where_it_was_painted(scan, name, mode):
     assert store.load(scan).steps[0].weights == name
 
 
-def test_edits_and_polygons_start_from_weighted_regions(scan):
-    bpy.ops.isimp.partition(proxies=30, weights="Group")
-    bpy.ops.isimp.add_proxy(face=3)
-    bpy.ops.isimp.mesh()
-    assert len(bpy.context.object.data.polygons) >= 31
-
-
-def test_weights_that_are_not_there_are_named(scan):
-    with pytest.raises(RuntimeError, match="There is no vertex group or numeric attribute 'None'"):
-        bpy.ops.isimp.partition(proxies=30, weights="None")
-
-
 def test_what_is_offered(scan):
     from isimp.blender.scene import weights
 

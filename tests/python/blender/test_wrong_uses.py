@@ -90,7 +90,6 @@ USES = [
     ("barriers not there", scans.cube, lambda: OPS.partition(borders="None"), "no face attribute 'None'"),
     ("part of nothing", edited, lambda: OPS.partition(part=True), "No face is selected"),
     ("a recipe that is none", scans.cube, lambda: OPS.replay(recipe="hello"), "recipe"),
-    ("an empty recipe", scans.cube, lambda: OPS.replay(recipe='{"isimp_recipe": 1, "steps": []}'), "no active step"),
     ("a recipe of the future", scans.cube, lambda: OPS.replay(recipe='{"isimp_recipe": 99, "steps": []}'), "version"),
     ("an unknown step", scans.cube, lambda: OPS.replay(recipe=recipe(step="fly")), "fly"),
     ("a wrong setting", scans.cube, lambda: OPS.replay(recipe=recipe(step="mesh", speed=3)), "speed"),
