@@ -18,25 +18,12 @@ from test_tileset import b3dm, glb
 VALUES = [None, True, -1, 0, 3, 2**31, 2**63, 10**30, 10**400, 1.5, -1e308, float("nan"), float("inf"), "", "x", "../x"]
 VALUES += ["\ud800", "a\0b", [], {}, [[]], [None], {"index": 0}, [10**400] * 3, ["a"] * 3, [float("nan")] * 16]
 ROW = {"name": "a.ply", "input": "/in/a.ply", "status": "ok", "why": None, "output": "a.obj", "seconds": 1.5}
-ROW |= {
-    "peak_mb": 30.5,
-    "faces": 12,
-    "regions": 6,
-    "polygons": 6,
-    "planarity_mean": 0.1,
-    "diagonal": 2.0,
-    "key": "0" * 32,
-}
-ROW |= {"warnings": ["thin"], "manifold": True, "scan_distance": 0.1, "scan_distance_allowed": 0.2, "bent": 1}
+ROW |= {"peak_mb": 30.5, "faces": 12, "regions": 6, "polygons": 6, "planarity_mean": 0.1, "diagonal": 2.0}
+ROW |= {"key": "0" * 32, "warnings": ["thin"], "manifold": True, "scan_distance": 0.1, "scan_distance_allowed": 0.2}
+ROW |= {"bent": 1}
 RECIPE = [
-    {
-        "step": "partition",
-        "proxies": 12,
-        "smooth": 0.5,
-        "close_openings": True,
-        "keep_openings": [[0, 0, 1]],
-        "angle": 40,
-    },
+    {"step": "partition", "proxies": 12, "smooth": 0.5, "keep_openings": [[0, 0, 1]], "angle": 40}
+    | {"close_openings": True},
     {"step": "regularise", "up": "z", "length": 0.1, "direction": [0, 0, 1]},
     {"step": "even_borders", "strength": 0.4},
     {"step": "add_worst", "times": 2},
@@ -45,16 +32,8 @@ RECIPE = [
 ]
 OBJ = ["mtllib s.mtl", "v 0 0 0 1 0 0", "v 1 0 0 0 1 0", "v 0 1 0 0 0 1", "v 1 1 0 1 1 1", "vt 0 0", "vt 1 0", "vt 0 1",
        "vn 0 0 1", "usemtl m", "f 1/1/1 2/2/1 3/3/1", "usemtl n", "f 2/-2 4/3 \\", "3/1 # end"]  # fmt: skip
-MTL = [
-    "newmtl m",
-    "Kd 1 0.5 0",
-    "map_Kd -s 1 1 1 x.png",
-    "Pr 0.5",
-    "map_Ke x.png",
-    "Ke 2 2 2",
-    "newmtl n",
-    "norm x.png",
-]
+MTL = ["newmtl m", "Kd 1 0.5 0", "map_Kd -s 1 1 1 x.png", "Pr 0.5", "map_Ke x.png", "Ke 2 2 2"]
+MTL += ["newmtl n", "norm x.png"]
 
 
 def places(value, at=()):
@@ -108,9 +87,7 @@ def picture(rng, kind="PNG"):
 
 def textured_gltf():
     """The JSON and the bytes of a GLB file with all that is read of one."""
-    data = glb(*shapes.cube(1))
-    size = struct.unpack_from("<I", data, 12)[0]
-    text, body = json.loads(data[20 : 20 + size]), data[28 + size :]
+    text, body = meshfiles.of_glb(glb(*shapes.cube(1)))
     count = text["accessors"][0]["count"]
     image = picture(random.Random(1))
     uv = np.linspace(0, 1, 2 * count).astype("<f4").tobytes()
@@ -138,17 +115,10 @@ def textured_gltf():
     return text, body
 
 
-def packed(text, body):
-    said = json.dumps(text).encode()
-    said += b" " * (-len(said) % 4)
-    chunks = struct.pack("<I4s", len(said), b"JSON") + said + struct.pack("<I4s", len(body), b"BIN\0") + body
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
-
-
 def gltf(folder: Path, rng: random.Random) -> Path:
     text, body = textured_gltf()
     path = folder / "a.glb"
-    whole = packed(changed(text, rng) if rng.random() < 0.7 else text, body)
+    whole = meshfiles.glb(changed(text, rng) if rng.random() < 0.7 else text, body)
     path.write_bytes(whole if rng.random() < 0.7 else damaged(whole, rng, 2000))
     return path
 

@@ -96,6 +96,21 @@ def gltf(path, vertices, triangles):
     path.write_text(json.dumps(document))
 
 
+def glb(document, body):
+    """A GLB file of a JSON document and bytes."""
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    body += bytes(-len(body) % 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(body), b"BIN\0") + body
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def of_glb(data):
+    """The document and the bytes of a GLB file."""
+    size = int.from_bytes(data[12:16], "little")
+    return json.loads(data[20 : 20 + size]), data[28 + size :]
+
+
 def off(path, vertices, polygons):
     lines = ["OFF", f"{len(vertices)} {len(polygons)} 0", *(" ".join(repr(float(x)) for x in v) for v in vertices)]
     lines += [" ".join(map(str, [len(p), *p])) for p in polygons]

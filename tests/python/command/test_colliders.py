@@ -1,8 +1,6 @@
 """`isimp colliders`: files of convex parts, names by program, and refusals."""
 
-import json
 import re
-import struct
 
 import numpy as np
 import pytest
@@ -25,12 +23,6 @@ def names_of_obj(path):
     return [line[2:] for line in path.read_text().splitlines() if line.startswith("o ")]
 
 
-def json_of_glb(path):
-    data = path.read_bytes()
-    (length,) = struct.unpack_from("<I", data, 12)
-    return json.loads(data[20 : 20 + length])
-
-
 @pytest.mark.parametrize(
     ("names", "first"),
     [("unreal", "UCX_desk_00"), ("unity", "desk_collider_00"), ("godot", "desk_00-convcol"), ("plain", "desk_00")],
@@ -50,7 +42,7 @@ def test_an_object_for_each_part_with_the_names_of_a_program(table, tmp_path, na
 
 def test_a_node_for_each_part(table, tmp_path):
     assert called("colliders", table, tmp_path / "desk.glb", "--quiet").returncode == 0
-    document = json_of_glb(tmp_path / "desk.glb")
+    document, _ = meshfiles.of_glb((tmp_path / "desk.glb").read_bytes())
     assert [node["name"] for node in document["nodes"]] == [f"desk_{i:02}" for i in range(5)]
     assert document["scenes"][0]["nodes"] == list(range(5))
     assert len(engine.read_textured(tmp_path / "desk.glb").triangles) == 60

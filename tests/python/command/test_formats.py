@@ -82,8 +82,7 @@ def name_in(path: Path) -> str | None:
     if path.suffix == ".gltf":
         return json.loads(path.read_text())["nodes"][0]["name"]
     if path.suffix == ".glb":
-        data = path.read_bytes()
-        return json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])["nodes"][0]["name"]
+        return meshfiles.of_glb(path.read_bytes())[0]["nodes"][0]["name"]
     if path.suffix == ".json":
         return next(iter(json.loads(path.read_text())["CityObjects"]))
     if path.suffix == ".hbjson":

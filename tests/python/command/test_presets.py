@@ -1,7 +1,6 @@
 """`--preset`: the settings of the panel in one command, with the texture or the colours of the scan."""
 
 import json
-import struct
 
 import numpy as np
 
@@ -10,35 +9,19 @@ import meshfiles
 import shapes
 from commands import called, check_line
 from isimp_engine.recipe.presets import BY_NAME
+from test_tileset import glb
 
 
 def colored(path, vertices, triangles, colors):
     """A GLB file with COLOR_0."""
-    arrays = [vertices.astype("<f4"), colors.astype(np.uint8), triangles.astype("<u4")]
-    parts = [array.tobytes() for array in arrays]
-    starts = np.cumsum([0, *map(len, parts)]).tolist()
-    kinds = [(5126, len(vertices), "VEC3"), (5121, len(colors), "VEC4"), (5125, triangles.size, "SCALAR")]
-    accessors = [
-        {"bufferView": k, "componentType": kind, "count": count, "type": shape, "normalized": k == 1}
-        for k, (kind, count, shape) in enumerate(kinds)
-    ]
-    accessors[0] |= {"min": vertices.min(axis=0).tolist(), "max": vertices.max(axis=0).tolist()}
-    scene = {
-        "asset": {"version": "2.0"},
-        "scenes": [{"nodes": [0]}],
-        "scene": 0,
-        "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOR_0": 1}, "indices": 2}]}],
-        "accessors": accessors,
-        "bufferViews": [
-            {"buffer": 0, "byteOffset": at, "byteLength": len(part)} for at, part in zip(starts, parts, strict=False)
-        ],
-        "buffers": [{"byteLength": starts[-1]}],
-    }
-    text, data = json.dumps(scene).encode(), b"".join(parts)
-    text, data = text + b" " * (-len(text) % 4), data + b"\0" * (-len(data) % 4)
-    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data
-    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
+    document, body = meshfiles.of_glb(glb(vertices, triangles))
+    data = colors.astype(np.uint8).tobytes()
+    document["bufferViews"].append({"buffer": 0, "byteOffset": len(body), "byteLength": len(data)})
+    color = {"bufferView": 2, "componentType": 5121, "count": len(colors), "type": "VEC4", "normalized": True}
+    document["accessors"].append(color)
+    document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 2
+    document["buffers"][0]["byteLength"] = len(body + data)
+    path.write_bytes(meshfiles.glb(document, body + data))
 
 
 def shares(path):

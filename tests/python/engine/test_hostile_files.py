@@ -17,7 +17,6 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 from commands import ENVIRONMENT, called
-from hostile import packed
 from isimp_engine import machine, reading
 from isimp_engine.texturing import images
 from isimp_engine.texturing.gltf_file import GltfFile
@@ -173,19 +172,14 @@ def test_a_disk_that_is_nearly_full_is_left_alone(tmp_path, monkeypatch):
 # glTF
 
 
-def document(data):
-    size = struct.unpack_from("<I", data, 12)[0]
-    return json.loads(data[20 : 20 + size]), data[28 + size :]
-
-
 @pytest.fixture
 def cube_glb(tmp_path):
     """Writes a GLB of a cube after a change of its JSON, and gives its path."""
 
     def made(change, body=None):
-        text, own = document(glb(*shapes.cube(1)))
+        text, own = meshfiles.of_glb(glb(*shapes.cube(1)))
         change(text)
-        (tmp_path / "a.glb").write_bytes(packed(text, own if body is None else body))
+        (tmp_path / "a.glb").write_bytes(meshfiles.glb(text, own if body is None else body))
         return tmp_path / "a.glb"
 
     return made
@@ -323,7 +317,7 @@ def test_images_are_read_from_the_folder_of_the_scan_and_its_sisters(tmp_path, n
 
 @pytest.mark.parametrize(("uri", "reads"), [("a%20b.bin", True), ("../a b.bin", False), ("/dev/zero", False)])
 def test_buffers_are_read_from_the_folder_of_the_file(tmp_path, uri, reads):
-    text, body = document(glb(*shapes.cube(1)))
+    text, body = meshfiles.of_glb(glb(*shapes.cube(1)))
     (tmp_path / "a").mkdir()
     for folder in (tmp_path, tmp_path / "a"):
         (folder / "a b.bin").write_bytes(body)

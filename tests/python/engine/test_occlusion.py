@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import isimp_engine as engine
+import meshfiles
 import shapes
 from test_texture import result, sample
-from test_texture_layers import json_of
 
 
 def coloured(vertices, triangles):
@@ -93,7 +93,7 @@ def test_it_is_written_and_read_again(tmp_path):
     back = engine.read_textured(tmp_path / "out.glb")
     assert list(back.layers) == ["roughness", "metallic", "occlusion", "normal"]
     assert np.array_equal(back.layers["occlusion"].images[0][:, :, 0], made.layers["occlusion"])
-    material = json_of(tmp_path / "out.glb")["materials"][0]
+    material = meshfiles.of_glb((tmp_path / "out.glb").read_bytes())[0]["materials"][0]
     assert "occlusionTexture" in material
     assert "metallicRoughnessTexture" not in material["pbrMetallicRoughness"]
     trimesh = pytest.importorskip("trimesh")

@@ -1,13 +1,13 @@
 """Roughness, metallic, emission, occlusion and normal maps of a scan, carried to the n-gons."""
 
 import json
-import struct
 
 import numpy as np
 import pytest
 from PIL import Image
 
 import isimp_engine as engine
+import meshfiles
 import shapes
 from commands import called
 from test_texture import picture, ramp, result, sample, write_plane_obj
@@ -148,14 +148,7 @@ def write_pbr_obj(folder):
 def test_an_obj_with_maps_is_read_back(tmp_path):
     soup = engine.read_textured(write_pbr_obj(tmp_path))
     assert set(soup.layers) == {"roughness", "metallic", "emission", "normal"}
-    assert {file.name for file in soup.files} == {
-        "t.mtl",
-        "t.png",
-        "rough.png",
-        "metal.png",
-        "glow.png",
-        "bent.png",
-    }
+    assert {file.name for file in soup.files} == {"t.mtl", "t.png", "rough.png", "metal.png", "glow.png", "bent.png"}
     _, _, poly, made = result(soup, np.zeros(len(soup.triangles)), size=64)
     for name in ("out.obj", "out.glb", "out.gltf"):
         files = engine.write_textured(tmp_path / name, poly, made)
@@ -268,7 +261,7 @@ def test_another_library_reads_the_layers(tmp_path):
     assert np.array_equal(surface[:, :, 2], made.layers["metallic"])
     assert np.array_equal(np.asarray(mesh.visual.material.emissiveTexture), made.layers["emission"])
     assert np.asarray(mesh.visual.material.emissiveFactor).tolist() == [1, 1, 1]
-    document = json_of(tmp_path / "out.glb")
+    document, _ = meshfiles.of_glb((tmp_path / "out.glb").read_bytes())
     assert "occlusionTexture" not in document["materials"][0]
     assert document["extensionsUsed"] == ["FB_ngon_encoding"]
     engine.write_textured(tmp_path / "out.obj", poly, made)
@@ -277,12 +270,6 @@ def test_another_library_reads_the_layers(tmp_path):
         assert f"{word} out_{name}.png" in mtl
         image = np.asarray(Image.open(tmp_path / f"out_{name}.png"))
         assert np.array_equal(image, made.layers[name])
-
-
-def json_of(path):
-    data = path.read_bytes()
-    (size,) = struct.unpack_from("<I", data, 12)
-    return json.loads(data[20 : 20 + size])
 
 
 def test_the_command_writes_the_layers_and_lists_their_files(tmp_path):

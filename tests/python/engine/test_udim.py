@@ -1,12 +1,11 @@
 """Several images: UDIM tiles in and out, and materials that are kept apart."""
 
-import json
-
 import numpy as np
 import pytest
 from PIL import Image
 
 import isimp_engine as engine
+import meshfiles
 import shapes
 from commands import called
 from test_texture import SIX, inside, painted_cube, result, sample
@@ -150,16 +149,11 @@ def transformed_glb(folder, **transform):
     path = folder / "plane.glb"
     engine.write_textured(path, poly, made)
     before = engine.read_textured(path)
-    data = path.read_bytes()
-    size = int.from_bytes(data[12:16], "little")
-    document = json.loads(data[20 : 20 + size])
+    document, body = meshfiles.of_glb(path.read_bytes())
     base = document["materials"][0]["pbrMetallicRoughness"]
     base["baseColorTexture"]["extensions"] = {"KHR_texture_transform": transform}
     document["extensionsUsed"] = ["KHR_texture_transform"]
-    text = json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    chunks = len(text).to_bytes(4, "little") + data[16:20] + text + data[20 + size :]
-    path.write_bytes(data[:8] + (12 + len(chunks)).to_bytes(4, "little") + chunks)
+    path.write_bytes(meshfiles.glb(document, body))
     return before.uv, engine.read_textured(path).uv
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import isimp_engine as engine
+import meshfiles
 import shapes
 import tilesets
 from commands import called
@@ -36,11 +37,7 @@ def glb(vertices, triangles, extensions=None):
             {"bufferView": 1, "componentType": 5125, "count": 3 * len(triangles), "type": "SCALAR"},
         ],
     } | ({"extensions": extensions} if extensions else {})
-    said = json.dumps(text).encode()
-    said += b" " * (-len(said) % 4)
-    body = position + index
-    chunks = struct.pack("<I4s", len(said), b"JSON") + said + struct.pack("<I4s", len(body), b"BIN\0") + body
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+    return meshfiles.glb(text, position + index)
 
 
 def b3dm(inside, centre=None, in_binary=False):
