@@ -77,15 +77,6 @@ print("done")
     assert (done.returncode, done.stdout, done.stderr) == (0, "done\n", "")
 
 
-@pytest.mark.parametrize("method", ["hierarchy", "lloyd", "naive", "queued"])
-def test_any_number_of_threads_gives_the_same(sheet, method):
-    few, many = (
-        engine.partition(sheet, engine.PartitionOptions(proxies=30, method=method, iterations=3, threads=threads))
-        for threads in (1, 2**31 - 1)
-    )
-    assert (few.face_region == many.face_region).all()
-
-
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs signals and pipes as POSIX has them")
 
 

@@ -12,23 +12,13 @@ import isimp_engine as engine
 import shapes
 
 
-def big_sheet():
-    return shapes.plane(700)
-
-
 def test_a_new_job_has_done_nothing():
     job = engine.Job()
     assert (job.progress, job.stage, job.cancelled) == (0.0, "", False)
 
 
-def test_a_finished_job_stands_at_one():
-    job = engine.Job()
-    engine.Mesh(*shapes.cube(), job=job)
-    assert job.progress == 1.0
-
-
 def test_progress_is_seen_from_another_thread_and_never_falls():
-    arrays, job, seen = big_sheet(), engine.Job(), []
+    arrays, job, seen = shapes.plane(700), engine.Job(), []
     done = threading.Event()
 
     def watch():
@@ -47,19 +37,32 @@ def test_progress_is_seen_from_another_thread_and_never_falls():
     assert any(stage for _, stage in seen)
 
 
-def test_cancel_from_another_thread_stops_the_call():
-    arrays, job = big_sheet(), engine.Job()
+LONG = {
+    "Mesh": lambda job: engine.Mesh(*shapes.plane(1200), job=job),
+    "partition": lambda job: engine.partition(
+        engine.Mesh(*shapes.bumpy(400)), engine.PartitionOptions(proxies=2000, method="lloyd", iterations=200), job=job
+    ),
+}
 
-    def cancel_once_begun():
+
+@pytest.mark.parametrize("call", LONG)
+@pytest.mark.parametrize("error", [engine.Cancelled, KeyboardInterrupt])
+def test_cancel_from_another_thread_and_ctrl_c_stop_a_call(call, error):
+    job = engine.Job()
+
+    def stop_once_begun():
         while job.progress == 0:
             time.sleep(0.001)
-        job.cancel()
+        if error is KeyboardInterrupt:
+            signal.raise_signal(signal.SIGINT)
+        else:
+            job.cancel()
 
-    canceller = threading.Thread(target=cancel_once_begun)
-    canceller.start()
-    with pytest.raises(engine.Cancelled):
-        engine.Mesh(*arrays, job=job)
-    canceller.join()
+    other = threading.Thread(target=stop_once_begun)
+    other.start()
+    with pytest.raises(error):
+        LONG[call](job)
+    other.join()
     assert job.cancelled
 
 
@@ -70,36 +73,6 @@ def test_a_cancelled_job_refuses_after_the_check_of_input(cube):
         engine.Mesh(cube.vertices, cube.triangles, job=job)
     with pytest.raises(engine.InvalidInput):
         engine.Mesh(cube.vertices, cube.triangles + 1, job=job)
-
-
-def test_ctrl_c_stops_a_long_call():
-    arrays, job = shapes.plane(1200), engine.Job()
-
-    def interrupt_once_begun():
-        while job.progress == 0:
-            time.sleep(0.001)
-        signal.raise_signal(signal.SIGINT)
-
-    interrupter = threading.Thread(target=interrupt_once_begun)
-    interrupter.start()
-    with pytest.raises(KeyboardInterrupt):
-        engine.Mesh(*arrays, job=job)
-    interrupter.join()
-    assert job.cancelled
-
-
-def test_many_threads_may_use_one_mesh(sheet):
-    results = [None] * 4
-
-    def read(i):
-        results[i] = (np.array(sheet.vertices).sum(), sheet.report["faces"])
-
-    threads = [threading.Thread(target=read, args=(i,)) for i in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert len(set(results)) == 1
 
 
 @pytest.fixture(scope="module")

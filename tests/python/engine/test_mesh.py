@@ -1,6 +1,5 @@
 """Mesh(vertices, triangles): accepted and refused input, the messages, and the properties."""
 
-import gc
 import re
 
 import numpy as np
@@ -146,37 +145,10 @@ def test_the_report_describes_the_mesh(cube):
     assert (sheet["closed"], sheet["border_edges"], sheet["border_loops"], sheet["euler"]) == (False, 12, 1, 1)
 
 
-def test_threads_change_nothing_but_the_time():
-    vertices, triangles = shapes.bumpy(120)
-    meshes = [engine.Mesh(vertices, triangles, threads=threads) for threads in (0, 1, 3)]
-    for mesh in meshes[1:]:
-        np.testing.assert_array_equal(mesh.component, meshes[0].component)
-        assert mesh.report == meshes[0].report
-    with pytest.raises(engine.InvalidInput, match="threads must be at least 0, got -1"):
-        engine.Mesh(vertices, triangles, threads=-1)
-
-
 def test_components_are_numbered_by_first_face():
     mesh = engine.Mesh(*shapes.two_cubes(2))
     np.testing.assert_array_equal(mesh.component, np.repeat([0, 1], 48))
     assert mesh.report["closed_components"] == 2
-
-
-def test_views_are_read_only_and_keep_the_mesh_alive():
-    mesh = engine.Mesh(*shapes.cube(30))
-    views = {name: getattr(mesh, name) for name in ("vertices", "triangles", "source_face", "component")}
-    expected = {name: array.copy() for name, array in views.items()}
-    for array in views.values():
-        assert not array.flags.writeable
-        assert not array.flags.owndata
-        with pytest.raises(ValueError, match="read-only"):
-            array[0] = 0
-    del mesh
-    gc.collect()
-    churn = [np.full((5402, 3), np.nan) for _ in range(20)]  # would land on freed memory
-    for name, array in views.items():
-        np.testing.assert_array_equal(array, expected[name])
-    assert len(churn) == 20
 
 
 def test_its_repr_describes_it(cube):

@@ -1,6 +1,7 @@
 """The engine's objects as Python treats any: copied, pickled, sent to other processes, made without __init__."""
 
 import copy
+import gc
 import inspect
 import multiprocessing
 import pickle
@@ -10,6 +11,7 @@ import pytest
 
 import isimp_engine as engine
 import shapes
+from headers import struct_fields
 from isimp_engine import _core
 
 CLASSES = [
@@ -181,3 +183,36 @@ def test_an_atlas_of_other_polygons_is_refused():
         _core._uv(polygons, atlas)
     with pytest.raises(engine.InvalidInput, match="atlas is not of these polygons"):
         _core._occlusion(mesh, part, polygons, atlas, options)
+
+
+#: the arrays of an object of made()
+VIEWS = [
+    (0, ["vertices", "triangles", "source_face", "component"]),
+    (1, ["face_region", "region_seed", "region_normal", "history"]),
+    (2, ["vertices", "loops", "loop_start", "polygon_region", "planarity", "source_vertex"]),
+]
+
+
+@pytest.mark.parametrize(("which", "names"), VIEWS)
+def test_views_are_read_only_and_keep_their_object_alive(which, names):
+    results = list(made())
+    views = {name: getattr(results[which], name) for name in names}
+    expected = {name: array.copy() for name, array in views.items()}
+    for array in views.values():
+        assert not array.flags.writeable
+        assert not array.flags.owndata
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+    results.clear()
+    gc.collect()
+    made()  # would land on freed memory
+    for name, array in views.items():
+        np.testing.assert_array_equal(array, expected[name])
+
+
+def test_every_number_and_array_of_the_headers_is_there():
+    _, part, poly, _ = made()
+    hidden = {"region_sum", "region_cell", "guided", "off_planes"}  # the start of edits, of no use outside
+    assert set(struct_fields("partition/partition.h", "Partition")) - hidden <= set(members(type(part)))
+    assert set(struct_fields("meshing/polygonize.h", "PolygonMesh")) <= set(members(type(poly)))
+    assert set(struct_fields("meshing/polygonize.h", "MeshingReport")) <= set(poly.report)

@@ -260,24 +260,6 @@ def test_map_coordinates_change_nothing():
     assert (np.abs(images[0] - images[1]).max(axis=2) > 6).mean() < 0.01
 
 
-def test_threads_and_runs_give_the_same_bits():
-    vertices, triangles = shapes.bumpy(24)
-    layers = {"roughness": engine.TextureLayer([ramp()[:, :, 0]]), "normal": engine.TextureLayer([ramp()])}
-    soup = engine.TexturedSoup(vertices * [1, 1, 4], triangles, vertices[:, :2], images=[ramp()], layers=layers)
-    mesh = engine.clean(soup.vertices, soup.triangles)
-    part = engine.partition(mesh, engine.PartitionOptions(proxies=30))
-    poly = engine.polygonize(mesh, part)
-    options = [engine.TextureOptions(size=300, occlusion=True, threads=n) for n in (1, 3, 1)]
-    one, *others = (engine.texture(mesh, part, poly, soup, each) for each in options)
-    assert one.layers["occlusion"].min() < 200
-    for other in others:
-        for name in ("image", "normal", "uv"):
-            assert np.array_equal(getattr(one, name), getattr(other, name))
-        assert {name: image.tobytes() for name, image in one.layers.items()} == {
-            name: image.tobytes() for name, image in other.layers.items()
-        }
-
-
 def test_the_source_must_be_the_meshs():
     vertices, triangles = shapes.cube(3)
     mesh = engine.clean(*shapes.bumpy(20))
