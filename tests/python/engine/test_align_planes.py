@@ -39,24 +39,6 @@ def aligned(house: House, regions: list[int], to: str, **more: object) -> engine
     return engine.align_planes(mesh, part, [face_in(part, region) for region in regions], to, **more)
 
 
-def test_planes_are_set_exactly(house: House) -> None:
-    mesh, part = house
-    wall, other = largest(mesh, part, 0)[0], largest(mesh, part, 1)[0]
-    floor = largest(mesh, part, 2)[0]
-    level = aligned(house, [floor], "level")
-    assert abs(level.region_normal[floor, 2]) == 1
-    assert level.region_held.tolist() == [2 if region == floor else 0 for region in range(part.region_count)]
-    upright = aligned(house, [wall, other], "upright")
-    assert np.abs(upright.region_normal[[wall, other], 2]).max() < 1e-12
-    square = engine.align_planes(mesh, upright, [face_in(part, wall), face_in(part, other)], "perpendicular")
-    assert abs(square.region_normal[wall] @ square.region_normal[other]) < 1e-12
-    assert np.array_equal(square.region_normal[wall], upright.region_normal[wall])
-    walls = largest(mesh, part, 0)[:2]
-    parallel = aligned(house, walls, "parallel")
-    assert abs(parallel.region_normal[walls[0]] @ parallel.region_normal[walls[1]]) > 1 - 1e-12
-    assert {"by_hand": 2}.items() <= parallel.report["snapped_to"].items()
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -90,27 +72,16 @@ def test_up_can_be_any_direction(house: House) -> None:
         engine.regularise(lying, flat, up_direction=(0, 0, 0))
 
 
-def test_set_planes_survive_pickling_and_edits_elsewhere(house: House) -> None:
+def test_set_planes_survive_pickling(house: House) -> None:
     mesh, part = house
     wall, other = largest(mesh, part, 0)[0], largest(mesh, part, 1)[0]
     upright = aligned(house, [wall, other], "upright")
+    assert np.flatnonzero(upright.region_held == 2).tolist() == sorted([wall, other])
+    assert upright.report["snapped_to"]["by_hand"] == 2
     back = pickle.loads(pickle.dumps(upright))  # noqa: S301
     assert back.report == upright.report
     for name in ("region_held", "region_offset", "region_normal"):
         assert np.array_equal(getattr(back, name), getattr(upright, name))
-    floor = largest(mesh, part, 2)[0]
-    edited = engine.split_region(mesh, upright, face_in(part, floor))
-    for region in (wall, other):
-        now = edited.face_region[face_in(part, region)]
-        assert edited.region_held[now] == 2
-        assert np.array_equal(edited.region_normal[now], upright.region_normal[region])
-    anew = engine.guided.partition_guided(
-        mesh,
-        engine.PartitionOptions(proxies=3),
-        None,
-        engine.guided.Guides(faces=np.flatnonzero(part.face_region == floor), before=upright),
-    )
-    assert anew.region_held[anew.face_region[face_in(part, wall)]] == 2
 
 
 def test_the_values_of_held_planes_are_those_of_the_engine() -> None:

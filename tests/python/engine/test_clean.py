@@ -55,12 +55,7 @@ def test_broken_faces_are_dropped_and_located():
     triangles = np.concatenate([triangles[:50], [[0, 1, 98], [3, 3, 4]], triangles[50:], triangles[7:8]])
     mesh = engine.clean(vertices, triangles)
     check_sound(mesh)
-    assert made(mesh) == {
-        "non_finite_faces": 1,
-        "repeated_index_faces": 1,
-        "duplicate_faces": 1,
-        "unused_vertices": 2,
-    }
+    assert made(mesh) == {"non_finite_faces": 1, "repeated_index_faces": 1, "duplicate_faces": 1, "unused_vertices": 2}
     where = mesh.report["repaired_at"]
     assert where["non_finite_faces"] == [50]
     assert where["repeated_index_faces"] == [51]

@@ -20,15 +20,6 @@ def found(mesh, **fields):
     return engine.partition(mesh, engine.PartitionOptions(**fields))
 
 
-@pytest.mark.parametrize("method", ["hierarchy", "teleport"])
-@pytest.mark.parametrize("fields", [{}, {"detail": 0.02}, {"tolerance": 0.003}])
-def test_a_cube_has_six_sides_for_any_request(method, fields):
-    part = found(engine.Mesh(*shapes.cube(12)), method=method, **fields)
-    assert part.region_count == part.proxies_asked == 6
-    assert part.error < 1e-12
-    assert part.report["snapped"]
-
-
 def test_detail_and_tolerance_are_the_same_in_other_units():
     mesh = engine.Mesh(*shapes.bumpy())
     part = found(mesh, detail=0.004)
@@ -67,50 +58,11 @@ def test_snap_can_be_switched_off():
     assert found(mesh, detail=0.02).report["snapped"]
 
 
-def test_a_kept_tree_equals_that_of_a_fresh_mesh():
-    vertices, triangles = shapes.bumpy()
-    mesh = engine.Mesh(vertices, triangles)
-    wanted = [
-        {"detail": 0.02},
-        {"detail": 0.0004},
-        {"detail": 0.002},
-        {"proxies": 40},
-        {"detail": 0.02, "noise": 0.001},
-    ]
-    for fields in wanted + wanted[::-1]:
-        fresh = found(engine.Mesh(vertices, triangles), **fields)
-        np.testing.assert_array_equal(found(mesh, **fields).face_region, fresh.face_region)
-
-
-@pytest.mark.parametrize("adaptivity", [0, 0.5])
-def test_a_bound_holds_for_every_vertex(adaptivity):
-    mesh = engine.Mesh(*noisy(*shapes.torus(120, 60), 0.003))
-    part = found(mesh, bound=0.03, adaptivity=adaptivity)
-    away = np.einsum("fkd,fd->fk", mesh.vertices[mesh.triangles], part.region_normal[part.face_region])
-    away = np.abs(away - part.region_offset[part.face_region][:, None]).max()
-    assert 0.02 < away <= 0.03 * (1 + 1e-9)
-    assert part.report["distance_max"] == pytest.approx(away)
-    assert part.report["warnings"] == []
-    assert part.bound == 0.03
-    assert found(mesh, proxies=part.region_count).bound is None
-
-
 def test_a_bound_in_the_noise_is_warned_of():
     mesh = engine.Mesh(*noisy(*shapes.plane(40), 0.002))
     (text,) = found(mesh, bound=0.004).report["warnings"]
     assert text.startswith("the bound is below 4 times the noise of 0.002")
     assert found(mesh, bound=0.004, noise=0).report["warnings"] == []
-
-
-@pytest.mark.parametrize("fields", [{"proxies": 40}, {"detail": 0.004}, {"bound": 0.01}])
-def test_adaptivity_is_the_same_fresh_and_kept_and_changes_something(fields):
-    arrays = shapes.bumpy()
-    arrays[0][:, 2] *= 1 + 3 * arrays[0][:, 0] ** 3
-    mesh = engine.Mesh(*arrays)
-    for adaptivity in (0.0, 0.5, 1.0, 0.5):
-        fresh = found(engine.Mesh(*arrays), adaptivity=adaptivity, **fields)
-        np.testing.assert_array_equal(found(mesh, adaptivity=adaptivity, **fields).face_region, fresh.face_region)
-    assert (fresh.face_region != found(mesh, **fields).face_region).any()
 
 
 @pytest.mark.parametrize(

@@ -51,15 +51,6 @@ def test_known_planes_are_found_from_any_face_order(data, name, regions):
         assert len(pairs) == regions == part.region_count, f"order {seed}"
 
 
-def test_a_cube_of_many_faces_is_six_quads(data):
-    mesh = engine.clean(*engine.read(data / "known/cube20.ply"))
-    poly = engine.polygonize(mesh, engine.partition(mesh, engine.PartitionOptions(proxies=6)))
-    assert np.diff([*poly.loop_start, len(poly.loops)]).tolist() == [4] * 6
-    assert len(poly.vertices) == 8
-    corners = np.abs(poly.vertices - mesh.vertices.mean(axis=0))
-    np.testing.assert_allclose(corners, np.broadcast_to(np.ptp(mesh.vertices, axis=0) / 2, (8, 3)), atol=1e-9)
-
-
 @pytest.mark.parametrize("name", ["known/empty.ply", "scan"])
 def test_unusable_input_is_named(data, tmp_path, capsys, name):
     assert main(["simplify", str(data / name), str(tmp_path / "o.ply")]) == 3

@@ -59,7 +59,4 @@ def test_the_verdict_names_the_questions_to_the_device():
     bad = gpu.verdict(
         [*base, row("queued", "cuda", 0.5, same_as_cpu=False), row("naive", "cuda", 1, problem="full")], []
     )
-    assert bad[:2] == [
-        "naive, ring, P 100: full",
-        "queued, ring, P 100: not the processor's labels",
-    ]
+    assert bad[:2] == ["naive, ring, P 100: full", "queued, ring, P 100: not the processor's labels"]

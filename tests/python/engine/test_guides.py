@@ -62,8 +62,7 @@ def test_an_attribute_needs_a_value_for_each_face():
 
 
 @pytest.mark.skipif(not (DATA / "textured").is_dir(), reason="no data folder")
-@pytest.mark.parametrize("method", ["hierarchy", "lloyd"])
-def test_parts_of_a_city_tile_are_kept_apart(method):
+def test_parts_of_a_city_tile_are_kept_apart():
     (path,) = (DATA / "textured" / "frankfurt_tile").glob("*.obj")
     mesh = engine.clean(*engine.read(path))
     height = mesh.vertices[mesh.triangles].mean(axis=1)
@@ -71,7 +70,7 @@ def test_parts_of_a_city_tile_are_kept_apart(method):
     roofs = height[:, up] > np.quantile(height[:, up], 0.6)
     barriers = guides.attribute_borders(mesh, roofs)
     assert len(barriers) > 300
-    part = engine.partition(mesh, engine.PartitionOptions(proxies=600, method=method), barriers=barriers)
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=600), barriers=barriers)
     assert crossed(mesh, part, barriers) == 0
     polygons = engine.polygonize(mesh, part)
     # Each polygon is of one side: the region's faces all are roofs or none is.

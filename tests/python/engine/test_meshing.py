@@ -1,7 +1,6 @@
 """polygonize: polygons of regions, used like a caller."""
 
 import copy
-import gc
 import itertools
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 
 import isimp_engine as engine
 import shapes
-from headers import struct_fields
 
 
 def polygons(poly):
@@ -81,36 +79,6 @@ def test_the_result_is_sound_and_the_report_true(shape, proxies):
     check(*simplified(shape(), proxies=proxies))
 
 
-def test_a_proxy_added_at_a_rounded_corner_cuts_it_by_a_triangle():
-    """The thesis's own example, from arrays to polygons."""
-    vertices, triangles = shapes.smoothed(*shapes.cube(20), 5)
-    mesh = engine.Mesh(vertices, triangles)
-    six = engine.partition(mesh, engine.PartitionOptions(proxies=6))
-    middles = vertices[triangles].mean(axis=1)
-    for tip in np.ndindex(2, 2, 2):
-        for face in np.argsort(np.linalg.norm(middles - tip, axis=1), kind="stable")[:6]:
-            seven = engine.add_proxy(mesh, six, int(face))
-            poly = engine.polygonize(mesh, seven)
-            sizes = np.diff([*poly.loop_start, len(poly.loops)])[np.argsort(poly.polygon_region)]
-            assert (sorted(sizes[:6]), sizes[6]) == ([4, 4, 4, 5, 5, 5], 3), (tip, face)
-            check(mesh, seven, poly)
-
-
-def test_the_imperfect_polygons_are_listed_by_index_and_kind():
-    cube, other = shapes.cube(), shapes.cube()
-    arrays = shapes.joined(cube, (other[0] + [0.45, 0.3, 0.2], other[1]))
-    poly = simplified(arrays, proxies=12)[2]
-    assert poly.report["excused"] > 0
-    listed = {(entry["polygon"], entry["other"]) for entry in poly.report["imperfect"] if entry["flaw"] == "excused"}
-    assert len(listed) == 2 * poly.report["excused"]
-    assert listed == {(b, a) for a, b in listed}
-    for a, b in listed:  # their boxes meet
-        low, high = zip(
-            *((p.min(0), p.max(0)) for p in (poly.vertices[polygons(poly)[q]] for q in (a, b))), strict=True
-        )
-        assert (np.maximum(*low) <= np.minimum(*high)).all()
-
-
 @pytest.mark.parametrize(
     "field", sorted(set(engine.MeshingOptions().as_dict()) - {"flatness_from"})
 )  # any number will do
@@ -118,27 +86,6 @@ def test_an_option_out_of_its_range_is_named(cube, field):
     part = engine.partition(cube, engine.PartitionOptions(proxies=6))
     with pytest.raises(engine.InvalidInput, match=field.replace("_", ".")):
         engine.polygonize(cube, part, engine.MeshingOptions(**{field: -1}))
-
-
-def test_views_are_read_only_and_keep_the_polygons_alive(sheet):
-    part = engine.partition(sheet, engine.PartitionOptions(proxies=50))
-    poly = engine.polygonize(sheet, part)
-    names = ("vertices", "loops", "loop_start", "polygon_region", "planarity", "source_vertex")
-    views = {name: getattr(poly, name) for name in names}
-    expected = {name: array.copy() for name, array in views.items()}
-    del poly
-    gc.collect()
-    engine.polygonize(sheet, part)
-    for name, array in views.items():
-        assert not array.flags.writeable
-        np.testing.assert_array_equal(array, expected[name])
-
-
-def test_every_number_and_array_of_the_header_is_there(cube):
-    poly = engine.polygonize(cube, engine.partition(cube, engine.PartitionOptions(proxies=6)))
-    assert set(poly.report) >= set(struct_fields("meshing/polygonize.h", "MeshingReport"))
-    for field in struct_fields("meshing/polygonize.h", "PolygonMesh"):
-        assert hasattr(poly, field)
 
 
 def test_flatness_follows_the_tolerance_that_found_the_regions():

@@ -1,13 +1,10 @@
 """The metric by which borders go: polygons are nearer to the scan with distances in it, edits keep it."""
 
-import copy
-
 import numpy as np
 import pytest
 
 import isimp_engine as engine
 import shapes
-from isimp_engine import recipes
 
 
 @pytest.fixture(scope="module")
@@ -74,15 +71,3 @@ def test_improving_and_evening_out_keep_it(scan):
     for edited in (engine.improve(scan, part), engine.even_borders(scan, part, 0.5)):
         assert edited.metric == "mixed"
         assert planes(scan, edited) < 0.95 * planes(scan, split(scan, "normals", proxies=60))
-
-
-def test_copies_have_it(scan):
-    part = split(scan, "distance", proxies=20)
-    assert copy.deepcopy(part).metric == "distance"
-
-
-def test_recipes_have_it():
-    steps = [{"step": "partition", "proxies": 9, "metric": "distance"}, {"step": "mesh"}]
-    assert recipes.parsed({"isimp_recipe": 1, "steps": steps}).steps[0].metric == "distance"
-    with pytest.raises(recipes.RecipeError, match="metric"):
-        recipes.parsed({"isimp_recipe": 1, "steps": [{"step": "partition", "metric": "cubes"}]})

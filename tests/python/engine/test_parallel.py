@@ -25,14 +25,6 @@ def split(mesh, **values):
 
 
 @pytest.mark.parametrize("method", THESIS)
-def test_each_method_gives_regions_and_the_same_again_from_kept_data(mesh, method):
-    first, again = split(mesh, method=method, fraction=0.25), split(mesh, method=method, fraction=0.25)
-    assert np.unique(first.face_region).tolist() == list(range(40))
-    assert np.array_equal(first.face_region, again.face_region)
-    assert first.error == again.error == first.history[-1]
-
-
-@pytest.mark.parametrize("method", THESIS)
 @pytest.mark.parametrize("power", [-30, 30])
 def test_each_method_gives_the_same_in_any_unit(mesh, method, power):
     other = engine.Mesh(mesh.vertices * 2.0**power, mesh.triangles)
@@ -48,15 +40,6 @@ def test_every_back_end_and_thread_count_gives_the_same_labels(mesh, method):
             assert np.array_equal(
                 split(mesh, method=method, threads=threads, backend=backend).face_region, one.face_region
             )
-
-
-def test_the_search_is_free_and_the_connecting_is_not(mesh):
-    grid = split(mesh, method="naive")
-    assert np.array_equal(split(mesh, method="naive", search="brute").face_region, grid.face_region)
-    flooded = split(mesh, method="naive", connect="flood")
-    assert flooded.history[:-1].tolist() == grid.history[:-1].tolist()
-    assert flooded.error != grid.error
-    assert not np.array_equal(split(mesh, method="naive", nearest=1).face_region, grid.face_region)
 
 
 @pytest.mark.parametrize("method", THESIS)
