@@ -47,10 +47,7 @@ SPLIT = rcp.Partition(proxies=8)
             (SPLIT, rcp.CutRegion(face=5, line=((5, 5, 0), (6, 5, 0)), direction=(0, 0, 1))),
             "The line does not cross this region",
         ),
-        (
-            (SPLIT, rcp.AlignPlanes(faces=(5,), to="parallel")),
-            "This is one region: select faces of two or more",
-        ),
+        ((SPLIT, rcp.AlignPlanes(faces=(5,), to="parallel")), "This is one region: select faces of two or more"),
         ((rcp.AddProxy(face=5),), "There are no regions yet: a Partition step must come first"),
         ((SPLIT, rcp.AddProxy(face=900)), "There is no face 900: the mesh has 800 faces"),
     ],

@@ -112,14 +112,6 @@ def test_colours_stay_with_their_region_and_part_neighbours(scan):
         before = after
 
 
-def test_mesh_gives_polygons_with_regions(scan):
-    outcome = Session().replay(scan, SIDES.then(Mesh()))
-    polygons = outcome.polygons
-    assert set(np.asarray(polygons.polygon_region)) <= set(range(6))
-    assert outcome.numbers["polygons"] == len(polygons.loop_start)
-    assert outcome.numbers["regions"] == 6
-
-
 def test_what_was_computed_before_is_kept(scan, monkeypatch):
     session, calls = Session(), []
     for of, name in ((engine.repairs, "clean"), (engine.guided, "partition"), (engine.replay, "edited")):
@@ -235,10 +227,7 @@ def test_a_step_switched_off_does_nothing(scan):
         (DeleteProxy(face=99999), "Step 2, Delete proxy at face 99999"),
         (rcp.PaintFaces(faces=(3, 99999)), "Step 2, Paint 2 faces into a new region: there is no face 99999"),
         (rcp.PaintFaces(faces=(3, 300)), "Step 2, Paint 2 faces into a new region: the faces to paint do not hang"),
-        (
-            rcp.MergeRegions(face=3, other=3),
-            "Step 2, Merge .*: faces 3 and 3 are in one region",
-        ),
+        (rcp.MergeRegions(face=3, other=3), "Step 2, Merge .*: faces 3 and 3 are in one region"),
         (
             rcp.CutRegion(face=3, line=((9, 9, 9), (9, 8, 9))),
             "Step 2, Cut .*: the line does not cut the region of face 3",
@@ -309,18 +298,6 @@ def test_known_outcomes_need_no_work(scan):
     assert session.known(scan, recipe) is outcome
     assert session.known(scan, recipe.then(AddProxy(face=200))) is None
     assert session.known(scan, Recipe()) is None
-
-
-def test_where_weights_are_higher_there_are_more_regions_while_their_number_stays(scan):
-    painted = (scan.vertices[scan.triangles].mean(axis=1)[:, 2] > 0).astype(np.float32)
-    scan = replace(scan, layers={"dense": painted})
-    above = []
-    for influence in (0.0, 0.5, 1.0, 2.0):
-        recipe = Recipe((Partition(proxies=60, weights="dense", influence=influence),))
-        outcome = Session().replay(scan, recipe)
-        assert outcome.numbers["regions"] == 60
-        above.append(len(np.unique(outcome.face_region[painted > 0])))
-    assert above == sorted(set(above)), above
 
 
 def test_changed_weights_do_not_use_the_cached_outcome(scan):
@@ -472,13 +449,6 @@ def test_the_search_for_polygons_within_a_bound_shows_how_far_it_is_and_can_be_s
     assert [stage for _, stage in seen] == ["meshing"] * 3
     shares = [share for share, _ in seen]
     assert 0 == shares[0] < shares[1] < shares[2] < 1  # the scan and its regions were there
-
-
-def test_a_bound_holds_for_the_polygons_too(quads):
-    for bound in (0.02, 0.1):
-        numbers = Session().replay(quads, Recipe((Partition(bound=bound), Mesh()))).numbers
-        assert 0 < numbers["scan_distance"] <= numbers["scan_distance_allowed"] == pytest.approx(1.5 * bound)
-    assert "scan_distance" not in Session().replay(quads, Recipe((Partition(proxies=12), Mesh()))).numbers
 
 
 def test_weights_and_borders_of_faces_are_those_of_the_command():

@@ -55,12 +55,7 @@ def test_every_preset_of_the_add_on_can_be_used():
 
 def test_recipes_of_earlier_versions_keep_their_meaning():
     found = recipes.options_of(read({"step": "partition", "proxies": 9, "seed": 1, "leave_out": 0.001}, MESH))
-    assert (found["smooth"], found["metric"], found["stitch"], found["keep_openings"]) == (
-        0.0,
-        "normals",
-        0.0,
-        True,
-    )
+    assert (found["smooth"], found["metric"], found["stitch"], found["keep_openings"]) == (0.0, "normals", 0.0, True)
 
 
 def test_a_setting_that_people_leave_out_has_the_default_of_the_engine():

@@ -95,12 +95,6 @@ def test_a_fat_wheel_splits_into_the_wheels_it_was_made_of(tmp_path):
         assert archive.getinfo(module_name(310)).external_attr >> 16 & 0o777 == 0o755
 
 
-def test_the_same_wheels_give_the_same_bytes(tmp_path):
-    parts = [made_wheel(tmp_path, python) for python in (310, 311)]
-    one, two = (wheels.fatten(order, tmp_path / name) for name, order in (("a", parts), ("b", parts[::-1])))
-    assert one.read_bytes() == two.read_bytes()
-
-
 def test_bills_of_materials_stay_and_that_of_auditwheel_names_one_wheel(tmp_path):
     parts = []
     for python in (310, 311):
