@@ -13,17 +13,17 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
-from commands import ENVIRONMENT, check_line, isimp
+from commands import ENVIRONMENT, called, check_line, isimp
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs files as POSIX has them")
 
 
-def simplify(scan, out, *more, **keywords):
-    return isimp("simplify", scan, out, "--proxies", 9, *more, **keywords)
+def simplify(scan, out, *more, run=called, **keywords):
+    return run("simplify", scan, out, "--proxies", 9, *more, **keywords)
 
 
 def test_a_report_to_stdout_is_alone_there(scan, tmp_path):
-    done = simplify(scan, tmp_path / "o.ply", "--report", "-", cwd=tmp_path)
+    done = simplify(scan, tmp_path / "o.ply", "--report", "-", cwd=tmp_path, run=isimp)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["regions"] == 9
     assert "9 polygons" in done.stderr
@@ -47,7 +47,7 @@ def test_devices_pipes_and_links_to_them_are_not_replaced(scan, tmp_path):
     read = []
     reader = threading.Thread(target=lambda: read.append(pipe.read_bytes()), daemon=True)
     reader.start()
-    assert simplify(scan, pipe, "--report", "/dev/null", "--labels", "/dev/null").returncode == 0
+    assert simplify(scan, pipe, "--report", "/dev/null", "--labels", "/dev/null", run=isimp).returncode == 0
     reader.join(timeout=30)
     assert pipe.is_fifo()
     assert simplify(scan, tmp_path / "o.ply").returncode == 0
@@ -126,7 +126,7 @@ def test_names_may_be_any_bytes(scan, tmp_path):
     check_line(isimp("info", os.fsdecode(missing)), 3, "miss\\udcff.ply: there is no such file")
     odd = scan.rename(tmp_path / os.fsdecode(b"scan\xff.ply"))
     out, report = tmp_path / os.fsdecode(b"o\xfe.ply"), tmp_path / "r.json"
-    done = simplify(odd, out, "--report", report, errors="surrogateescape")
+    done = simplify(odd, out, "--report", report, run=isimp, errors="surrogateescape")
     assert done.returncode == 0, done.stderr
     assert str(odd) in done.stdout
     assert json.loads(report.read_text())["input"]["path"] == str(odd)
@@ -194,9 +194,9 @@ def test_a_text_stl_on_one_line_is_read_and_a_cut_one_is_not(tmp_path):
     meshfiles.stl_ascii(path, vertices, triangles.tolist())
     text = path.read_text()
     path.write_text(text.replace("\n", " "))
-    assert "  12 faces, 8 vertices" in isimp("info", path).stdout
+    assert "  12 faces, 8 vertices" in called("info", path).stdout
     path.write_text(text[: text.rindex("endsolid")])
-    check_line(isimp("info", path), 3, path, 'no "endsolid"', "cut short")
+    check_line(called("info", path), 3, path, 'no "endsolid"', "cut short")
 
 
 def test_a_ply_of_strips_is_read(tmp_path):

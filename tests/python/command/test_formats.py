@@ -92,9 +92,11 @@ def name_in(path: Path) -> str | None:
     return None
 
 
-@pytest.mark.parametrize("output", exporting.PLAIN)
-@pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_read_is_written_as_every_kind(scans: Path, tmp_path: Path, kind: str, output: str) -> None:
+@pytest.mark.parametrize(
+    ("kind", "output"),
+    [*((kind, ".obj") for kind in KINDS), *((".obj", output) for output in exporting.PLAIN if output != ".obj")],
+)
+def test_every_kind_is_read_and_written(scans: Path, tmp_path: Path, kind: str, output: str) -> None:
     exporting_step = output in exporting.STEP_KINDS
     if exporting_step:
         pytest.importorskip("OCP", reason="cadquery-ocp-novtk is not installed")
@@ -130,7 +132,7 @@ def test_colours_and_materials_stay(scans: Path, tmp_path: Path, kind: str, outp
             assert soup.names[material[triangle]].endswith(f"side{number}")
 
 
-@pytest.mark.parametrize("output", ["obj", "glb", "gltf", "stl", "3mf", "ifc", "dxf", "city.json"])
+@pytest.mark.parametrize("output", ["obj", "glb", "city.json"])
 def test_a_batch_reads_all_kinds_and_writes_them(scans: Path, tmp_path: Path, output: str) -> None:
     assert main(["batch", str(scans), str(tmp_path / "out"), "--proxies", "6", "--format", output, "--quiet"]) == 0
     made = [path for path in (tmp_path / "out").iterdir() if path.name.endswith(output)]

@@ -17,7 +17,7 @@ import meshfiles
 import shapes
 import tilesets
 from batches import ODD, scan, whys
-from commands import ENVIRONMENT, isimp
+from commands import ENVIRONMENT, called
 from isimp_engine import batch, drafts, exporting, recipes, tiles
 from isimp_engine.cli.ending import Terminated, terminable
 from isimp_engine.cli.files import Outputs
@@ -75,7 +75,7 @@ def test_names_that_obj_files_can_not_hold_are_refused_before_the_work(tmp_path)
         assert "OBJ files can't name files so" in refusal(tmp_path / f"{name}.obj")
         assert refusal(tmp_path / f"{name}.glb") == ""
     path = write_plane_obj(tmp_path, lambda p: p)
-    done = isimp("simplify", path, tmp_path / "a\nb.obj", "--proxies", 1, "--texture", 16)
+    done = called("simplify", path, tmp_path / "a\nb.obj", "--proxies", 1, "--texture", 16)
     assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
     assert "OBJ files can't name files so" in done.stderr
 
@@ -295,14 +295,14 @@ def test_damaged_arrays_of_a_work_folder_are_named(tmp_path, content):
 @pytest.mark.parametrize(("name", "content"), [("values.json", b""), ("triangles.npy", None)])
 def test_a_damaged_work_folder_is_named_once_and_then_made_again(tmp_path, tile, name, content):
     work, command = tmp_path / "work", ["tiles", tile, tmp_path / "o.obj", "--proxies", 6, "--quiet", "--work"]
-    assert isimp(*command, work).returncode == 0
+    assert called(*command, work).returncode == 0
     damaged = work / "thin" / "000000" / name
     damaged.unlink() if content is None else damaged.write_bytes(content)
     for path in work.glob("mesh*"):
         (path / "000000" / "values.json").unlink()
-    done = isimp(*command, work)
+    done = called(*command, work)
     assert done.returncode == 3
     assert len(done.stderr.splitlines()) == 1
     assert f"{name}: is damaged; the next run begins with an empty work folder" in done.stderr
-    assert isimp(*command, work).returncode == 0
+    assert called(*command, work).returncode == 0
     assert json.loads((work / "thin" / "000000" / "values.json").read_text())

@@ -42,7 +42,7 @@ def on_floor(poly, made, points):
 @pytest.mark.parametrize("height", [0.3, 3.0])
 def test_a_wall_blocks_the_share_of_its_view_factor(height):
     soup, regions = with_wall(height)
-    _, _, poly, made = result(soup, regions, size=512, occlusion=True, occlusion_rays=1152)
+    _, _, poly, made = result(soup, regions, size=256, occlusion=True, occlusion_rays=1152)
     points = 0.1 + 0.8 * np.random.default_rng(1).random((400, 2))
     error = on_floor(poly, made, points) / 255 - open_share(points, height)
     assert np.abs(error).max() < 0.03
@@ -81,7 +81,7 @@ def test_between_two_plates_it_is_black():
     floor, triangles = shapes.plane(8)
     lid = (floor - [0.5, 0.5, 0]) * [40, 40, 1] + [0.5, 0.5, 0.01]
     soup = coloured(np.r_[floor, lid], np.r_[triangles, triangles + len(floor)])
-    _, _, poly, made = result(soup, np.repeat([0, 1], len(triangles)), size=2048, occlusion=True)
+    _, _, poly, made = result(soup, np.repeat([0, 1], len(triangles)), size=1024, occlusion=True)
     points = np.c_[np.linspace(0.2, 0.8, 20), np.full(20, 0.5)]
     assert (on_floor(poly, made, points) == 0).all()
 
