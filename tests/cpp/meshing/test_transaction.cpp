@@ -91,8 +91,8 @@ class Hands {
  public:
   Hands(State& state, Job& job, unsigned seed) : s_(state), job_(job), random_(seed) {}
 
-  /// \param transaction  the one that is open, if one is
-  void act(Transaction* transaction = nullptr) {
+  /// \param may_keep  whether corners may keep their places, as within a transaction
+  void act(bool may_keep = false) {
     const std::int32_t l = chart();
     std::vector<std::int32_t> changed;
     switch (below(7)) {
@@ -119,7 +119,7 @@ class Hands {
         return;
       }
     }
-    if (transaction && below(2) == 0)
+    if (may_keep && below(2) == 0)
       s_.update_in_place(std::move(changed));
     else
       s_.update(std::move(changed));
@@ -181,41 +181,44 @@ std::vector<Case> cases() {
   return all;
 }
 
-class Transactions : public testing::TestWithParam<unsigned> {};
-
-TEST_P(Transactions, LeaveWhatWasBehindWhenTheyAreRolledBack) {
+/// Calls fn(state, equal state, job) for each case.
+template <class Function>
+void for_each_pair(Function fn) {
   const MeshingOptions options{.threads = 1};
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
     Job job;
-    State state(c.mesh, c.part, options, job);
-    state.update({});
+    State one(c.mesh, c.part, options, job), other(c.mesh, c.part, options, job);
+    one.update({});
+    other.update({});
+    fn(one, other, job);
+  }
+}
+
+class Transactions : public testing::TestWithParam<unsigned> {};
+
+TEST_P(Transactions, LeaveWhatWasBehindWhenTheyAreRolledBack) {
+  for_each_pair([](State& state, State&, Job& job) {
     Hands hands(state, job, GetParam());
     for (int round = 0; round < 6; ++round) {
       Transaction transaction(state);
       const std::vector<std::uint64_t> before = digests(state);
-      for (int i = 0; i < 12; ++i) hands.act(&transaction);
+      for (int i = 0; i < 12; ++i) hands.act(true);
       EXPECT_NE(digests(state), before);
       transaction.rollback();
       EXPECT_EQ(digests(state), before);
       hands.act();  // the next changes begin elsewhere
       state.update({});
     }
-  }
+  });
 }
 
 TEST_P(Transactions, LeaveNothingBehindThatShowsLater) {
-  const MeshingOptions options{.threads = 1};
-  for (const Case& c : cases()) {
-    SCOPED_TRACE(c.name);
-    Job job;
-    State plain(c.mesh, c.part, options, job), tried(c.mesh, c.part, options, job);
-    plain.update({});
-    tried.update({});
+  for_each_pair([](State& plain, State& tried, Job& job) {
     {
       Transaction transaction(tried);  // rolls back as it is not committed
       Hands hands(tried, job, GetParam() + 100);
-      for (int i = 0; i < 15; ++i) hands.act(&transaction);
+      for (int i = 0; i < 15; ++i) hands.act(true);
     }
     Hands one(plain, job, GetParam()), other(tried, job, GetParam());
     for (int i = 0; i < 15; ++i) {
@@ -223,24 +226,42 @@ TEST_P(Transactions, LeaveNothingBehindThatShowsLater) {
       other.act();
       ASSERT_EQ(digests(plain), digests(tried)) << "after act " << i;
     }
-  }
+  });
 }
 
 TEST_P(Transactions, ThatAreCommittedChangeWhatTheyWouldHaveWithout) {
-  const MeshingOptions options{.threads = 1};
-  for (const Case& c : cases()) {
-    SCOPED_TRACE(c.name);
-    Job job;
-    State plain(c.mesh, c.part, options, job), kept(c.mesh, c.part, options, job);
-    plain.update({});
-    kept.update({});
+  for_each_pair([](State& plain, State& kept, Job& job) {
     Hands one(plain, job, GetParam()), other(kept, job, GetParam());
     for (int i = 0; i < 15; ++i) one.act();
     Transaction transaction(kept);
     for (int i = 0; i < 15; ++i) other.act();
     transaction.commit();
     EXPECT_EQ(digests(plain), digests(kept));
-  }
+  });
+}
+
+TEST(Transaction, UndoesArraysBesideAState) {
+  for_each_pair([](State& state, State& same, Job&) {
+    Logged<int> beside(3, 1);
+    const auto change = [&] {
+      state.move(0, state.corners.position[0] + Vec3(1, 2, 3));
+      beside.set(1, 5);
+      beside.push_back(7);
+    };
+    {
+      Transaction transaction(state, beside);
+      change();
+    }
+    EXPECT_EQ(digests(state), digests(same));
+    EXPECT_EQ(beside, std::vector<int>({1, 1, 1}));
+    {
+      Transaction transaction(state, beside);
+      change();
+      transaction.commit();
+    }
+    EXPECT_NE(digests(state), digests(same));
+    EXPECT_EQ(beside, std::vector<int>({1, 5, 1, 7}));
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Transactions, testing::Range(1U, 9U));

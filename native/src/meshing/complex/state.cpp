@@ -340,6 +340,24 @@ std::vector<Vec3> State::better_places(std::span<const std::int32_t> moving, boo
   return after;
 }
 
+void State::begin_transaction() {
+  ISIMP_ASSERT(labels.touched.empty() && pending_.united.empty() && !complex.is_pending(),
+               "a transaction begins with a state that is up to date");
+  polygons_.close_gaps();
+  for_each_array(*this, [](auto& array) { array.begin_transaction(); });
+}
+
+void State::commit() {
+  for_each_array(*this, [](auto& array) { array.commit(); });
+}
+
+void State::rollback() {
+  for_each_array(*this, [](auto& array) { array.rollback(); });
+  labels_.touched.clear();
+  complex_.drop_pending();
+  pending_ = {};
+}
+
 std::vector<std::int32_t> State::take_touched(std::map<std::int32_t, Known>& known) {
   std::vector<std::int32_t> touched = std::exchange(labels_.touched, {});
   std::sort(touched.begin(), touched.end());

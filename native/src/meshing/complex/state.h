@@ -114,6 +114,14 @@ class State {
   /// The places of some corners if they were placed together and all others stayed.
   /// \param from_vertices  whether they begin at their vertices, else at their places
   [[nodiscard]] std::vector<Vec3> better_places(std::span<const std::int32_t> moving, bool from_vertices);
+
+  // A `Transaction` calls these.
+  /// Pre: the state is up to date.
+  /// Cost: O(charts).
+  void begin_transaction();
+  void commit();
+  /// Restores labels, charts, planes, diagonals, corners, polygons and positions, the numbers of polygons included.
+  void rollback();
   /// Calls fn(array) for each array that a transaction takes back.
   template <class Function>
   void for_each_array(Function fn) const {
@@ -144,8 +152,6 @@ class State {
   [[nodiscard]] std::vector<std::int32_t> take_touched(std::map<std::int32_t, Known>& known);
   /// Derives the boundaries, planes and regions of touched charts from their faces, where they are not known.
   void derive_charts(std::span<const std::int32_t> touched, Pending& pending);
-
-  friend class Transaction;
 
   std::vector<std::int32_t> update(std::vector<std::int32_t> changed, bool in_place);
   /// Parts the tips that changes of charts have spoilt.

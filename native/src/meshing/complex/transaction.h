@@ -1,28 +1,43 @@
 #pragma once
 
-#include "complex/state.h"
+#include <tuple>
+
+#include "isimp/core/check.h"
 
 namespace isimp::meshing {
 
-/// The changes of a State since the start of the transaction, which can be undone.
+/// The changes of some parts since the start of the transaction, which can be undone. A part is a State, or an array of
+/// another class (`Logged`).
 ///
-/// One at a time. A transaction that ends without `commit` is rolled back.
-/// Pre: the state is up to date.
-/// Cost: O(charts) to begin; from then on O(size of the changes), `rollback` included.
+/// One at a time for each part. A transaction that ends without `commit` is rolled back.
+/// Cost: that of `State::begin_transaction`; from then on O(size of the changes), `rollback` included.
+template <class... Parts>
 class Transaction {
  public:
-  explicit Transaction(State& state);
-  ~Transaction();
+  explicit Transaction(Parts&... parts) : parts_(parts...) { (parts.begin_transaction(), ...); }
+  ~Transaction() {
+    if (is_open_) rollback();
+  }
   Transaction(const Transaction&) = delete;
   Transaction& operator=(const Transaction&) = delete;
 
-  void commit();
-  /// Restores labels, charts, planes, diagonals, corners, polygons and positions bit by bit, the numbers of polygons
-  /// included.
-  void rollback();
+  void commit() {
+    end([](auto& part) { part.commit(); });
+  }
+  /// Restores the parts bit by bit.
+  void rollback() {
+    end([](auto& part) { part.rollback(); });
+  }
 
  private:
-  State& s_;
+  template <class Function>
+  void end(Function fn) {
+    ISIMP_ASSERT(is_open_, "a transaction ends once");
+    std::apply([&](auto&... part) { (fn(part), ...); }, parts_);
+    is_open_ = false;
+  }
+
+  std::tuple<Parts&...> parts_;
   bool is_open_ = true;
 };
 

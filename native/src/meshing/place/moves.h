@@ -15,12 +15,6 @@ struct Move {
   Vec3 to;
 };
 
-/// Tries some moves together. They stay if no polygon has a new defect or a new intersection by them, else the corners
-/// return. `Defects::renew_hits` must follow the last trial.
-/// \return whether the moves stay
-/// Cost: `Defects::accepts` of the polygons at the corners.
-bool attempt_moves(State& state, Defects& defects, std::span<const Move> moves);
-
 /// Moves corners: all at once if no polygon becomes defective by that, else one after another, all the way or a part of
 /// it, wherever no polygon becomes defective. Sound polygons stay sound, so no move is undone later.
 /// Cost: that of judging the polygons at the corners; if one becomes defective, up to three trials a corner in addition.

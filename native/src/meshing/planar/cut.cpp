@@ -2,10 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
-#include "isimp/core/sorted.h"
 #include "judge/judge.h"
 
 namespace isimp::meshing::planar {
@@ -18,6 +18,8 @@ constexpr double kBad =
     100;  ///< mark: cost of a triangle that faces away or has no area: used only if there is no other way
 constexpr double kNever = 1e30;  // mark
 
+using Edge = std::array<std::int32_t, 2>;  // corners, the lower first
+
 /// The conditions on triangles under which the judge finds no defect in them.
 struct Rules {
   Vec3 facing = Vec3::UnitZ();  ///< normal of the chart, for triangles without a direction of the scan
@@ -28,17 +30,17 @@ struct Rules {
 /// Source: Gilbert 1979, with another cost.
 class Triangulation {
  public:
-  Triangulation(const Unit& unit, const std::vector<std::uint8_t>& kept, const std::vector<Vec3>& at,
-                const Rules& rules, const Edges& edges)
-      : unit_(unit),
-        kept_(kept),
-        at_(at),
+  /// \param on  by place in the loop: whether the corner is on the plane
+  Triangulation(const Draft& draft, const Unit& unit, const std::vector<bool>& on, const Rules& rules)
+      : draft_(draft),
+        unit_(unit),
+        on_(on),
+        at_(draft.state.corners.position),
         rules_(rules),
-        edges_(edges),
         n_(unit.loop.size()),
         cost_(n_ * n_, 0),
         via_(n_ * n_, 0) {
-    outline_ = vector_area(unit.loop, at);
+    outline_ = vector_area(unit.loop, at_);
     area_ = outline_.norm();
     up_ = area_ > 0 ? Vec3(outline_ / area_) : rules.facing;
   }
@@ -59,13 +61,18 @@ class Triangulation {
     return {std::min(unit_.loop[i], unit_.loop[j]), std::max(unit_.loop[i], unit_.loop[j])};
   }
   [[nodiscard]] bool is_core(std::size_t i, std::size_t k, std::size_t j) const {
-    return !unit_.free && kept_[i] && kept_[k] && kept_[j];
+    return !unit_.free && on_[i] && on_[k] && on_[j];
+  }
+
+  [[nodiscard]] bool is_joined(const Edge& e) const {
+    const auto& some = draft_.beyond[e[0]];
+    return std::find(some.begin(), some.end(), e[1]) != some.end();
   }
 
   void best(std::size_t i, std::size_t j) {
     double& least = cost_[i * n_ + j];
     least = kNever;
-    if (j - i < n_ - 1 && edges_.has(edge(i, j))) return;
+    if (j - i < n_ - 1 && is_joined(edge(i, j))) return;
     for (std::size_t k = i + 1; k < j; ++k) {
       const double rest = cost_[i * n_ + k] + cost_[k * n_ + j];
       if (rest >= least) continue;
@@ -110,11 +117,11 @@ class Triangulation {
     collect(k, j, here, cuts);
   }
 
+  const Draft& draft_;
   const Unit& unit_;
-  const std::vector<std::uint8_t>& kept_;
+  const std::vector<bool>& on_;
   const std::vector<Vec3>& at_;
   const Rules& rules_;
-  const Edges& edges_;
   const std::size_t n_;
   Vec3 outline_, up_;
   double area_ = 0;
@@ -122,95 +129,43 @@ class Triangulation {
   std::vector<std::size_t> via_;
 };
 
+/// The cuts of a unit; none if it is whole, or if there is no way to cut it.
+std::vector<Edge> cuts_of(const Draft& draft, const Unit& unit, double thickness) {
+  std::vector<Edge> cuts;
+  if (unit.left || draft.is_flat(unit.loop)) return cuts;
+  std::vector<bool> on;
+  for (const std::int32_t c : unit.loop) on.push_back(draft.is_on(unit, c));
+  if (!unit.free && std::find(on.begin(), on.end(), false) == on.end()) return cuts;
+  const Rules rules{draft.state.planes[unit.chart].normal, thickness};
+  Triangulation triangles(draft, unit, on, rules);
+  if (triangles.find()) triangles.collect(cuts);
+  return cuts;
+}
+
 }  // namespace
 
-bool Edges::has(const Edge& e) const {
-  const auto& some = beyond_[e[0]];
-  return std::find(some.begin(), some.end(), e[1]) != some.end();
-}
-
-void Edges::remove(const Edge& e) {
-  auto& some = beyond_[e[0]];
-  some.erase(std::find(some.begin(), some.end(), e[1]));
-}
-
-Cuts::Cuts(State& state, const Defects& defects, Draft& draft)
-    : s_(state),
-      draft_(draft),
-      thickness_(defects.bounds().thickness),
-      edges_(state.corners.count()),
-      cuts_(draft.units.size()),
-      uncut_(draft.units.size(), false) {
-  for (const Unit& u : draft.units)
-    for (std::size_t i = 0; i < u.loop.size(); ++i) {
-      const auto [a, b] = std::minmax(u.loop[i], u.loop[(i + 1) % u.loop.size()]);
-      edges_.add({a, b});
+std::vector<std::int32_t> renew_cuts(Draft& draft, double thickness) {
+  State& state = draft.state;
+  const std::vector<std::int32_t> dirty = draft.dirty.take();
+  for (const std::int32_t u : dirty)
+    for (const auto& [v, w] : state.diagonals[draft.units[u].chart]) {
+      auto& some = draft.beyond.edit(state.corners.of_vertex[v]);
+      some.erase(std::find(some.begin(), some.end(), state.corners.of_vertex[w]));
     }
-}
-
-bool Cuts::cut(std::int32_t u) {
-  const Unit& unit = draft_.units[u];
-  const auto& kept = draft_.kept[u];
-  const bool whole = !unit.free && std::all_of(kept.begin(), kept.end(), [](std::uint8_t k) { return k != 0; });
-  if (whole || unit.loop.size() == 3) return true;
-  const Rules rules{s_.planes[unit.chart].normal, thickness_};
-  Triangulation triangles(unit, kept, draft_.at, rules, edges_);
-  if (!triangles.find()) return false;
-  std::vector<Edge> cuts;
-  triangles.collect(cuts);
-  set(u, std::move(cuts));
-  return true;
-}
-
-void Cuts::set(std::int32_t u, std::vector<Edge> cuts) {
-  for (const Edge& e : cuts_[u]) edges_.remove(e);
-  cuts_[u] = std::move(cuts);
-  for (const Edge& e : cuts_[u]) edges_.add(e);
-}
-
-std::vector<std::int32_t> Cuts::renew() {
-  const std::vector<std::int32_t> dirty = draft_.dirty.take();
-  for (const std::int32_t u : dirty) set(u, {});
-  std::vector<std::int32_t> charts;
+  std::vector<std::int32_t> charts, changed;
   for (const std::int32_t u : dirty) {
-    const Unit& unit = draft_.units[u];
-    uncut_[u] = !unit.left && !is_flat(unit.loop, draft_.at, draft_.places.diagonal) && !cut(u);
-    charts.push_back(unit.chart);
-  }
-  sort_unique(charts);
-  rebuild(charts);
-  return charts;
-}
-
-void Cuts::rebuild(std::span<const std::int32_t> charts) {
-  std::vector<std::int32_t> changed;
-  for (const std::int32_t l : charts) {
+    const std::int32_t l = charts.emplace_back(draft.units[u].chart);
     std::vector<std::array<std::int32_t, 2>> diagonals;
-    for (std::int32_t u = draft_.first[l]; u < draft_.first[l + 1]; ++u)
-      for (const auto& [a, b] : cuts_[u]) diagonals.push_back({s_.corners.vertex[a], s_.corners.vertex[b]});
-    if (diagonals == s_.diagonals[l]) continue;
-    s_.set_diagonals(l, std::move(diagonals));
+    for (const auto& [a, b] : cuts_of(draft, draft.units[u], thickness)) {
+      draft.beyond.edit(a).push_back(b);
+      diagonals.push_back({state.corners.vertex[a], state.corners.vertex[b]});
+    }
+    if (diagonals == state.diagonals[l]) continue;
+    state.set_diagonals(l, std::move(diagonals));
     changed.push_back(l);
   }
-  s_.collect(changed);
-}
-
-Cuts::Past Cuts::past() const {
-  Past past;
-  for (const std::int32_t u : draft_.dirty.all()) past.push_back({u, cuts_[u], uncut_[u]});
-  return past;
-}
-
-void Cuts::restore(Past past) {
-  draft_.dirty.take();
-  std::vector<std::int32_t> charts;
-  for (Was& was : past) {
-    charts.push_back(draft_.units[was.unit].chart);
-    uncut_[was.unit] = was.uncut;
-    set(was.unit, std::move(was.cuts));
-  }
-  sort_unique(charts);
-  rebuild(charts);
+  state.collect(changed);
+  return charts;
 }
 
 }  // namespace isimp::meshing::planar

@@ -3,18 +3,9 @@
 #include <algorithm>
 
 #include "planar/fit.h"
+#include "planar/solve.h"
 
 namespace isimp::meshing::planar {
-namespace {
-
-std::vector<std::int32_t> first_units(const std::vector<Unit>& units, std::size_t charts) {
-  std::vector<std::int32_t> first(charts + 1, 0);
-  for (const Unit& u : units) ++first[u.chart + 1];
-  for (std::size_t l = 1; l < first.size(); ++l) first[l] += first[l - 1];
-  return first;
-}
-
-}  // namespace
 
 std::vector<std::int32_t> Waiting::take() {
   for (const std::int32_t i : some_) has_[i] = false;
@@ -22,20 +13,27 @@ std::vector<std::int32_t> Waiting::take() {
   return std::exchange(some_, {});
 }
 
-Draft::Draft(const State& state)
-    : units(units_of(state)),
-      first(first_units(units, state.labels.charts.size())),
-      places(places_of(state, units, state.options.planar_reach * state.mesh.diagonal())),
-      around(units, state.corners.count()),
-      at(places.start),
-      moving(state.corners.count()),
-      dirty(units.size()) {
-  for (const Unit& u : units) kept.emplace_back(u.loop.size(), 0);
-  for (std::int32_t c = 0; c < state.corners.count(); ++c) moving.add(c);
-  weigh(units, places.base);
+Draft::Draft(State& s, const Job& job)
+    : state(s), unit_of(s.labels.charts.size(), kNone), beyond(s.corners.count()), moving(s.corners.count()) {
+  std::vector<Unit> all = units_of(s);
+  places = places_of(s, all, s.options.planar_reach * s.mesh.diagonal());
+  around = Around(all, s.corners.count());
+  weigh(all, places.base);
+  solve(all, around, places, s.threads, job);
+  for (std::size_t u = 0; u < all.size(); ++u) {
+    const std::vector<std::int32_t>& loop = all[u].loop;
+    unit_of[all[u].chart] = static_cast<std::int32_t>(u);
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const auto [a, b] = std::minmax(loop[i], loop[(i + 1) % loop.size()]);
+      beyond.edit(a).push_back(b);
+    }
+  }
+  for (std::int32_t c = 0; c < s.corners.count(); ++c) moving.add(c);
+  dirty = Waiting(all.size());
+  units.assign(std::move(all));
 }
 
-void Draft::place(State& state, const Job& job) {
+void Draft::place(const Job& job) {
   const std::vector<std::int32_t> corners = moving.take();
   const auto n = static_cast<std::int32_t>(corners.size());
   std::vector<Vec3> to(corners.size());
@@ -44,15 +42,13 @@ void Draft::place(State& state, const Job& job) {
     for (std::int32_t i = begin; i < end; ++i) to[i] = meet(corners[i]);
   });
   for (std::int32_t i = 0; i < n; ++i) {
-    const std::int32_t c = corners[i];
-    at[c] = to[i];
-    state.move(c, to[i]);
-    for (const auto& [u, place] : around.of(c)) dirty.add(u);
+    state.move(corners[i], to[i]);
+    for (const auto& [u, place] : around.of(corners[i])) dirty.add(u);
   }
 }
 
 void Draft::lower(std::int32_t corner, double reach) {
-  places.reach[corner] = std::min(places.reach[corner], reach);
+  places.reach.edit(corner) = std::min(places.reach[corner], reach);
   moving.add(corner);
 }
 

@@ -166,14 +166,9 @@ std::vector<bool> within_rings(const std::vector<Unit>& units, const Around& aro
   return is_near;
 }
 
-Vec3 meet_at(std::int32_t corner, const std::vector<Unit>& units, const Around& around, const Places& places,
-             Kept& kept) {
-  Corner c(units, around.of(corner), places, corner);
+Vec3 meet_at(std::int32_t corner, const std::vector<Unit>& units, const Around& around, const Places& places) {
   Vec3 at;
-  const std::uint32_t set = c.place(at);
-  for (const auto& [unit, place] : around.of(corner)) kept[unit][place] = 0;
-  for (std::size_t i = 0; i < c.all().size(); ++i)
-    if (set >> i & 1) kept[c.all()[i].unit][c.all()[i].place] = 1;
+  Corner(units, around.of(corner), places, corner).place(at);
   return at;
 }
 
@@ -185,7 +180,12 @@ Kept meet(const std::vector<Unit>& units, const Around& around, const Places& pl
   const auto n = static_cast<std::int32_t>(places.start.size());
   threads.blocks(n, kBlock, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     job.poll();
-    for (std::int32_t c = begin; c < end; ++c) at[c] = meet_at(c, units, around, places, kept);
+    for (std::int32_t c = begin; c < end; ++c) {
+      Corner corner(units, around.of(c), places, c);
+      const std::uint32_t set = corner.place(at[c]);
+      for (std::size_t i = 0; i < corner.all().size(); ++i)
+        if (set >> i & 1) kept[corner.all()[i].unit][corner.all()[i].place] = 1;
+    }
   });
   return kept;
 }

@@ -15,7 +15,8 @@ struct Around {
   struct Use {
     std::int32_t unit, place;  ///< place in the unit's loop
   };
-  explicit Around(const std::vector<Unit>& units, std::int32_t corners);
+  Around() = default;
+  Around(const std::vector<Unit>& units, std::int32_t corners);
   [[nodiscard]] std::span<const Use> of(std::int32_t corner) const {
     return std::span(uses_).subspan(start_[corner], start_[corner + 1] - start_[corner]);
   }
@@ -40,10 +41,7 @@ constexpr double kOnPlane = 1e-7;
 /// Cost: O(corners * 2^planes), at most 7 planes of each.
 Kept meet(const std::vector<Unit>& units, const Around& around, const Places& places, const Threads& threads,
           const Job& job, std::vector<Vec3>& at);
-/// Applies `meet` to one corner.
-/// \param kept  by unit, by place in its loop: the entries of this corner are set
-/// \return its new place
-Vec3 meet_at(std::int32_t corner, const std::vector<Unit>& units, const Around& around, const Places& places,
-             Kept& kept);
+/// The place of one corner by `meet`.
+Vec3 meet_at(std::int32_t corner, const std::vector<Unit>& units, const Around& around, const Places& places);
 
 }  // namespace isimp::meshing::planar

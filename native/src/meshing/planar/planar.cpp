@@ -8,9 +8,9 @@
 
 #include "discs/no_length.h"
 #include "isimp/core/sorted.h"
+#include "judge/trials.h"
 #include "planar/cut.h"
 #include "planar/draft.h"
-#include "planar/solve.h"
 
 namespace isimp::meshing::planar {
 namespace {
@@ -26,8 +26,8 @@ constexpr double kOfFace = 0.7;  ///< cost of each face of a polygon that is tri
 class HoldBack {
  public:
   /// \param defects  of the polygons before; later of the planar ones
-  HoldBack(State& state, const Defects& defects, Draft& draft, bool is_last)
-      : s_(state), f_(defects), draft_(draft), is_last_(is_last) {
+  HoldBack(const Defects& defects, Draft& draft, bool is_last)
+      : s_(draft.state), f_(defects), draft_(draft), is_last_(is_last) {
     for (std::int32_t l = 0; l < s_.labels.chart_count(); ++l) kinds_.push_back(f_.kinds(l) & ~kBent);
     for (const Hit& h : f_.hits()) met_.insert({h.a, h.b});
   }
@@ -72,12 +72,11 @@ class HoldBack {
     for (std::int32_t part = 0; part < s_.polygons.count_of(l); ++part) {
       const auto loop = s_.polygons.of(s_.polygons.first_of(l) + part);
       const std::uint8_t kinds = new_kinds(l, f_.of(l).polygons[part]);
-      if (kinds == 0 && (is_flat(loop, draft_.at, draft_.places.diagonal) || draft_.units[draft_.unit_of(l)].left))
-        continue;
+      const std::int32_t u = draft_.unit_of[l];
+      if (kinds == 0 && (draft_.is_flat(loop) || draft_.units[u].left)) continue;
       const Cause cause = kinds & (kCrossing | kNoArea) ? Cause::crossing : kinds ? Cause::flipped : Cause::apart;
       const auto is_mended = [&] { return new_kinds(l, f_.defects_now(l, part)) == 0; };
-      if ((kinds != 0 && !firmly && settle(loop, {draft_.unit_of(l)}, cause, is_mended)) ||
-          give_up(l, loop, cause, firmly)) {
+      if ((kinds != 0 && !firmly && settle(loop, {u}, cause, is_mended)) || give_up(l, loop, cause, firmly)) {
         any = true;
       } else {
         stuck_.push_back(l);
@@ -115,7 +114,7 @@ class HoldBack {
       freed = u;
     }
     if (freed != kNone) {
-      draft_.units[freed].free = true;
+      draft_.units.edit(freed).free = true;
       return note(freed, cause);
     }
     if (best.corner == kNone) return false;
@@ -126,36 +125,35 @@ class HoldBack {
   bool settle(const Hit& h) {
     std::vector<std::int32_t> corners(h.corners.begin(), h.corners.end());
     sort_unique(corners);
-    return settle(corners, {draft_.unit_of(h.a), draft_.unit_of(h.b)}, Cause::meeting,
+    return settle(corners, {draft_.unit_of[h.a], draft_.unit_of[h.b]}, Cause::meeting,
                   [&] { return !f_.meet_now(h.a, h.b); });
   }
 
   /// Replaces `best` if a shorter move of a corner mends a defect at a lower cost.
   template <class Function>
   void find_way(std::int32_t c, Function is_mended, Way& best) {
-    const Vec3 was = draft_.at[c];
+    const Vec3 was = s_.corners.position[c];
     const double moved = draft_.moved(c), reach = draft_.places.reach[c], before = worth(c);
     if (moved <= kNoLength * draft_.places.diagonal) return;
     for (const double share : kShares) {
-      draft_.places.reach[c] = share * moved;
+      draft_.places.reach.set(c, share * moved);
       const Vec3 to = draft_.meet(c);
-      const double cost = before - worth(c);
-      if (cost >= best.cost || to == was) continue;
       s_.move(c, to);
-      if (is_mended()) best = {cost, c, share * moved};
+      const double cost = before - worth(c);
+      if (cost < best.cost && to != was && is_mended()) best = {cost, c, share * moved};
     }
     s_.move(c, was);
-    draft_.places.reach[c] = reach;
-    draft_.meet(c);
+    draft_.places.reach.set(c, reach);
   }
 
   /// The loss of the polygons at a corner if it were on none of their planes.
   [[nodiscard]] double worth(std::int32_t c) const {
     double sum = 0;
     for (const auto& [u, place] : draft_.around.of(c)) {
-      const auto& kept = draft_.kept[u];
-      if (draft_.units[u].free || kept.size() == 3 || !kept[place]) continue;
-      sum += std::find(kept.begin(), kept.end(), 0) == kept.end() ? kWhole : 1;
+      const Unit& unit = draft_.units[u];
+      const auto is_on = [&](std::int32_t d) { return draft_.is_on(unit, d); };
+      if (unit.free || unit.loop.size() == 3 || !is_on(c)) continue;
+      sum += std::all_of(unit.loop.begin(), unit.loop.end(), is_on) ? kWhole : 1;
     }
     return sum;
   }
@@ -164,8 +162,8 @@ class HoldBack {
   /// \param corners  the corners of the defect
   /// \return whether there was a step left
   bool give_up(std::int32_t l, std::span<const std::int32_t> corners, Cause cause, bool firmly) {
-    const std::int32_t u = draft_.unit_of(l);
-    return acted_[u] || (take_step(draft_.units[u], corners, firmly) && note(u, cause));
+    const std::int32_t u = draft_.unit_of[l];
+    return acted_[u] || (take_step(draft_.units.edit(u), corners, firmly) && note(u, cause));
   }
 
   bool take_step(Unit& unit, std::span<const std::int32_t> corners, bool firmly) {
@@ -184,7 +182,7 @@ class HoldBack {
     if (!is_triangle && set(unit.free)) return true;
     bool any = false;  // the polygons around it may have moved
     for (const std::int32_t c : unit.loop)
-      if (draft_.at[c] != draft_.places.start[c]) {
+      if (s_.corners.position[c] != draft_.places.start[c]) {
         draft_.lower(c, 0);
         any = true;
       }
@@ -192,7 +190,7 @@ class HoldBack {
   }
 
   void blame(std::int32_t u, Cause cause) {
-    if (draft_.units[u].cause == Cause::none) draft_.units[u].cause = cause;
+    if (Unit& unit = draft_.units.edit(u); unit.cause == Cause::none) unit.cause = cause;
   }
 
   bool note(std::int32_t u, Cause cause) {
@@ -216,91 +214,77 @@ class HoldBack {
 class TakeBack {
  public:
   /// \param reach  by corner: its largest move before any was held back
-  TakeBack(State& state, Defects& defects, Draft& draft, Cuts& cuts, const std::vector<double>& reach, const Job& job)
-      : s_(state), f_(defects), draft_(draft), cuts_(cuts), reach_(reach), job_(job) {}
+  TakeBack(Defects& defects, Draft& draft, const std::vector<double>& reach, const Job& job)
+      : s_(draft.state), f_(defects), draft_(draft), reach_(reach), job_(job) {}
 
   /// Tries each unit that is cut, the largest first: all steps at it, then one after another.
   /// Cost: a cut and a judgement of the polygons around for each of them and of their corners held back.
   void run() {
     std::vector<std::int32_t> order;
     for (std::size_t u = 0; u < draft_.units.size(); ++u)
-      if (cuts_.added(u) > 0) order.push_back(static_cast<std::int32_t>(u));
+      if (draft_.added(draft_.units[u]) > 0) order.push_back(static_cast<std::int32_t>(u));
     std::stable_sort(order.begin(), order.end(),
                      [&](auto a, auto b) { return draft_.units[a].scan.area > draft_.units[b].scan.area; });
     for (const std::int32_t u : order) {
       job_.poll();
-      const std::vector<std::int32_t>& loop = draft_.units[u].loop;
-      if (cuts_.added(u) == 0 || attempt(u, true, loop)) continue;
-      attempt(u, true, {});
-      for (const std::int32_t c : loop) attempt(u, false, {&c, 1});
+      const std::vector<std::int32_t> loop = draft_.units[u].loop;
+      if (draft_.added(draft_.units[u]) == 0 || take_back(u, true, loop)) continue;
+      take_back(u, true, {});
+      for (const std::int32_t c : loop) take_back(u, false, {&c, 1});
     }
     f_.renew_hits();
   }
 
  private:
+  /// Undoes the steps at a unit if fewer polygons and no defect result.
   /// \param bind     whether the plane of the unit is to count again
   /// \param corners  of the unit, which may move as far as at the start
   /// \return whether there were such steps, and they are taken back
-  bool attempt(std::int32_t u, bool bind, std::span<const std::int32_t> corners) {
-    Unit& unit = draft_.units[u];
-    const bool was_free = unit.free;
-    bool any = bind && was_free;
-    std::vector<double> were;
-    for (const std::int32_t c : corners) {
-      were.push_back(draft_.places.reach[c]);
-      any = any || were.back() < reach_[c];
-      draft_.places.reach[c] = reach_[c];
-    }
-    if (!any) return false;
-    if (bind) unit.free = false;
-    draft_.ask(u);
-    draft_.place(s_, job_);
-    Cuts::Past past = cuts_.past();
-    const std::vector<std::int32_t> charts = cuts_.renew();
-    std::size_t before = 0, after = 0;
-    for (const auto& [other, edges, uncut] : past) {
-      before += edges.size();
-      after += static_cast<std::size_t>(cuts_.added(other));
-    }
-    if (after < before && are_flat(charts) && f_.accepts(charts)) return true;
-    unit.free = was_free;
-    for (std::size_t i = 0; i < corners.size(); ++i) draft_.places.reach[corners[i]] = were[i];
-    draft_.ask(u);
-    draft_.place(s_, job_);
-    cuts_.restore(std::move(past));
-    return false;
+  bool take_back(std::int32_t u, bool bind, std::span<const std::int32_t> corners) {
+    const auto is_held = [&](std::int32_t c) { return draft_.places.reach[c] < reach_[c]; };
+    if (!(bind && draft_.units[u].free) && std::none_of(corners.begin(), corners.end(), is_held)) return false;
+    std::vector<std::int32_t> charts;
+    const auto change = [&] {
+      const std::int32_t before = s_.polygons.count();
+      if (bind) draft_.units.edit(u).free = false;
+      for (const std::int32_t c : corners) draft_.places.reach.set(c, reach_[c]);
+      draft_.ask(u);
+      draft_.place(job_);
+      charts = renew_cuts(draft_, f_.bounds().thickness);
+      return s_.polygons.count() < before && are_flat(charts);
+    };
+    return attempt(s_, f_, charts, kNone, change, meshing::Places::moved, draft_.units, draft_.places.reach,
+                   draft_.beyond);
   }
 
   [[nodiscard]] bool are_flat(std::span<const std::int32_t> charts) const {
     bool all = true;
     for (const std::int32_t l : charts)
-      if (!draft_.units[draft_.unit_of(l)].left)
-        s_.polygons.for_each_of(
-            l, [&](std::int32_t q) { all = all && is_flat(s_.polygons.of(q), draft_.at, draft_.places.diagonal); });
+      if (!draft_.units[draft_.unit_of[l]].left)
+        s_.polygons.for_each_of(l, [&](std::int32_t q) { all = all && draft_.is_flat(s_.polygons.of(q)); });
     return all;
   }
 
   State& s_;
   Defects& f_;
   Draft& draft_;
-  Cuts& cuts_;
   const std::vector<double>& reach_;
   const Job& job_;
 };
 
-PlanarOutcome sum_up(const State& state, const Draft& draft, const Cuts& cuts) {
+PlanarOutcome sum_up(const Draft& draft) {
   PlanarOutcome out;
   PlanarReport& r = out.report;
   r.asked = true;
   std::int32_t* const counts[] = {&r.added_for_apart, &r.added_for_apart, &r.added_for_crossing, &r.added_for_flipped,
                                   &r.added_for_meeting};  // in the order of Cause
   double whole = 0;
-  for (std::size_t u = 0; u < draft.units.size(); ++u) {
-    const Unit& unit = draft.units[u];
-    whole += cuts.is_whole(u) ? 1 : 0;
-    r.faces_added += cuts.added(u);
-    *counts[static_cast<std::size_t>(unit.cause)] += cuts.added(u);
-    if (unit.scan.snapped && !unit.held) out.let_go.push_back(state.labels.charts[unit.chart].region);
+  for (const Unit& unit : draft.units) {
+    const std::int32_t added = draft.added(unit);
+    whole += added == 0 && !unit.left ? 1 : 0;
+    r.faces_added += added;
+    *counts[static_cast<std::size_t>(unit.cause)] += added;
+    if (unit.scan.snapped && !unit.held) out.let_go.push_back(draft.state.labels.charts[unit.chart].region);
   }
   sort_unique(out.let_go);
   r.whole = draft.units.empty() ? 1.0 : whole / static_cast<double>(draft.units.size());
@@ -310,22 +294,22 @@ PlanarOutcome sum_up(const State& state, const Draft& draft, const Cuts& cuts) {
 }  // namespace
 
 PlanarOutcome make_planar(State& state, Defects& defects, bool is_last, const Job& job) {
-  Draft draft(state);
-  Cuts cuts(state, defects, draft);
-  HoldBack hold_back(state, defects, draft, is_last);
-  solve(draft.units, draft.around, draft.places, state.threads, job);
+  Transaction transaction(state);
+  defects.keep();
+  Draft draft(state, job);
+  HoldBack hold_back(defects, draft, is_last);
   const std::vector<double> reach = draft.places.reach;  // before corners are held back
   std::vector<std::int32_t> judged;
   for (int round = 0; round == 0 || hold_back.act(std::move(judged), round > kGentle); ++round) {
     job.poll();
-    draft.place(state, job);
-    judged = cuts.renew();
+    draft.place(job);
+    judged = renew_cuts(draft, defects.bounds().thickness);
     defects.judge(judged);
   }
-  if (hold_back.stuck().empty() || is_last) TakeBack(state, defects, draft, cuts, reach, job).run();
-  PlanarOutcome out = sum_up(state, draft, cuts);
-  out.stuck = hold_back.stuck();
-  return out;
+  if (!hold_back.stuck().empty() && !is_last) return {{}, {}, hold_back.stuck()};
+  transaction.commit();
+  TakeBack(defects, draft, reach, job).run();
+  return sum_up(draft);
 }
 
 bool is_planar(const State& state) {

@@ -15,7 +15,8 @@ namespace isimp::meshing::planar {
 struct PlanarOutcome {
   PlanarReport report;
   std::vector<std::int32_t> let_go;  ///< regions whose snapped planes were released, in rising order
-  std::vector<std::int32_t> stuck;   ///< charts with a polygon that could not be made planar, or not without a defect
+  /// Charts with a polygon that could not be made planar, or not without a defect. If there is one, nothing has changed.
+  std::vector<std::int32_t> stuck;
 };
 
 /// Makes every polygon planar: planes and corners are moved together so that corners lie on all their planes. A corner
@@ -23,7 +24,7 @@ struct PlanarOutcome {
 /// corners less, (2) is triangulated, (3) returns to its old positions. A chart is stuck if it has a defect there too. A
 /// polygon that is planar at its old place is never cut for a defect.
 /// \param is_last  stuck polygons keep their old shape, though it is not planar
-/// \param defects  of the present state; up to date afterwards
+/// \param defects  of the present state; up to date afterwards, unless a chart is stuck
 /// Cost: about twenty sparse solves in three unknowns a polygon, and a judgement of the changed charts in each round.
 PlanarOutcome make_planar(State& state, Defects& defects, bool is_last, const Job& job);
 

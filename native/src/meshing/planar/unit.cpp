@@ -62,7 +62,7 @@ void Places::limit(std::span<const Unit> units) {
     if (u.held)
       for (const std::int32_t c : u.loop) to_held[c] += std::abs(u.normal.dot(start[c]) - u.offset);
   for (std::size_t c = 0; c < reach.size(); ++c)
-    reach[c] =
+    reach.edit(c) =
         std::min(reach[c], std::max(kMost * base, std::min(to_held[c] + kMoveOfEdge * base, kMostToHeld * base)));
 }
 
@@ -100,15 +100,15 @@ Places places_of(const State& state, const std::vector<Unit>& units, double base
   p.start = state.corners.position;
   p.base = base;
   p.diagonal = state.mesh.diagonal();
-  p.reach.assign(p.start.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> most(p.start.size(), std::numeric_limits<double>::infinity());
   for (const Unit& u : units)
     for (std::size_t i = 0; i < u.loop.size(); ++i) {
       const std::int32_t a = u.loop[i], b = u.loop[i + 1 < u.loop.size() ? i + 1 : 0];
       const double length = (p.start[a] - p.start[b]).norm();
-      p.reach[a] = std::min(p.reach[a], length);
-      p.reach[b] = std::min(p.reach[b], length);
+      for (const std::int32_t c : {a, b}) most[c] = std::min(most[c], length);
     }
-  for (double& reach : p.reach) reach = std::max(kMoveOfEdge * reach, kLeast * base);
+  for (double& reach : most) reach = std::max(kMoveOfEdge * reach, kLeast * base);
+  p.reach.assign(std::move(most));
   p.limit(units);
   return p;
 }

@@ -48,9 +48,9 @@ struct Unit {
 
 /// The corners, with the largest move of each.
 struct Places {
-  std::vector<Vec3> start;    ///< (C) their places in the polygons of the mesher
-  std::vector<double> reach;  ///< (C) largest distance from `start`
-  double base = 0;            ///< the reach of the options, scene units
+  std::vector<Vec3> start;  ///< (C) their places in the polygons of the mesher
+  Logged<double> reach;     ///< (C) largest distance from `start`
+  double base = 0;          ///< the reach of the options, scene units
   double diagonal = 0;
 
   /// Whether a corner may be at x.

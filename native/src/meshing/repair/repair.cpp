@@ -6,7 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include "complex/transaction.h"
 #include "isimp/core/sorted.h"
 #include "isimp/core/to_integer.h"
 #include "judge/bounds.h"
@@ -264,13 +263,12 @@ void make_planar(State& state, Defects& defects, Mender& mender, RepairOutcome& 
   constexpr int kSplits = 6, kTries = 16;  // steps until a chart falls apart; steps in all
   bool is_last = false;
   for (int go = 0;; ++go) {
-    Transaction transaction(state);
-    defects.keep();
     const planar::PlanarOutcome found = planar::make_planar(state, defects, is_last, job);
-    outcome.planar = found.report;
-    outcome.let_go = found.let_go;
-    if (found.stuck.empty() || is_last) return transaction.commit();
-    transaction.rollback();
+    if (found.stuck.empty()) {
+      outcome.planar = found.report;
+      outcome.let_go = found.let_go;
+      return;
+    }
     const bool any = mender.break_up(found.stuck, go >= kSplits);
     is_last = !any || go + 1 == kTries;
     mender.judge_all();
