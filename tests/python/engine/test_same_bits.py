@@ -26,8 +26,7 @@ def model():
 def partition(method):
     def call(model, threads):
         options = engine.PartitionOptions(proxies=30, method=method, iterations=3, threads=threads)
-        found = engine.partition(engine.Mesh(model.mesh.vertices, model.mesh.triangles), options)
-        return found.face_region.copy(), found.error
+        return engine.partition(engine.Mesh(model.mesh.vertices, model.mesh.triangles), options)
 
     return call
 

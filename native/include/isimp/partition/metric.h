@@ -16,6 +16,7 @@ struct RegionSum {
   double x = 0, y = 0, z = 0;  ///< sum of area * normal
   double weight = 0;           ///< sum of area * (1 + |normal|^2); normals are unit only up to float rounding
   std::int32_t faces = 0;
+  std::int32_t unused = 0;  ///< in place of padding, so that equal sums are equal bytes in pickles
 
   [[nodiscard]] double length() const { return std::sqrt(x * x + y * y + z * z); }
   [[nodiscard]] double error() const { return std::max(0.0, weight - 2 * length()); }
