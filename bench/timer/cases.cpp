@@ -191,12 +191,12 @@ Case edit_case(const SetupPtr& setup, const std::shared_ptr<Base>& base, const s
 }
 
 Case polygonize_case(const SetupPtr& setup, const std::shared_ptr<Base>& base, const std::string& name,
-                     std::int32_t threads) {
-  const auto run = [setup, base, threads](int) {
+                     const MeshingOptions& options) {
+  const auto run = [setup, base, options](int) {
     const Partition& regions = base->get();
     PolygonMesh polygons;
     Job job;
-    Sample sample{{timed([&] { polygons = polygonize(*setup->mesh, regions, {.threads = threads}, job); })}, {}};
+    Sample sample{{timed([&] { polygons = polygonize(*setup->mesh, regions, options, job); })}, {}};
     const MeshingReport& report = polygons.report;
     sample.facts["polygons"] = report.polygons;
     sample.facts["regions"] = report.regions;
@@ -259,8 +259,9 @@ std::vector<Case> all_cases(const SetupPtr& setup) {
   cases.push_back(bound_case(setup, "bound_coarse", 0.01));
   cases.push_back(edit_case(setup, base, "add", add_proxy));
   cases.push_back(edit_case(setup, base, "delete", delete_proxy));
-  cases.push_back(polygonize_case(setup, base, "polygonize", 1));
-  cases.push_back(polygonize_case(setup, base, "polygonize_two_threads", 2));
+  cases.push_back(polygonize_case(setup, base, "polygonize", {.threads = 1}));
+  cases.push_back(polygonize_case(setup, base, "polygonize_two_threads", {.threads = 2}));
+  cases.push_back(polygonize_case(setup, base, "polygonize_planar", {.planar = true, .threads = 1}));
   cases.push_back(write_case(setup, base));
   return cases;
 }

@@ -293,6 +293,9 @@ def rows(results: dict[str, Result], growth: dict[str, Result]) -> list[Row]:
             if "polygonize_two_threads" in result["cases"]:
                 same = same_polygons(result)
                 table.append(threads_row("polygonize", "polygons", where, result, same=same, bar=None))
+            if "polygonize_planar" in result["cases"]:
+                ratio = median(per_round(result, "polygonize_planar")) / reference_round(result)
+                table.append(Row("polygonize to planar polygons", where, "", f"{ratio:.2f} REF rounds", None))
     table += growth_rows(growth)
     return sorted(table, key=lambda row: row.what)
 

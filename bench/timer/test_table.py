@@ -54,11 +54,12 @@ class Table(unittest.TestCase):
 
     def test_other_polygons_on_two_threads_are_an_error(self) -> None:
         given = result(871_414, 7000, 70, 0.079)
-        for case, ms in (("polygonize", 400.0), ("polygonize_two_threads", 250.0)):
+        for case, ms in (("polygonize", 400.0), ("polygonize_two_threads", 250.0), ("polygonize_planar", 700.0)):
             given["cases"][case] = runs(ms, polygons=600, manifold=True)
         rows = table.rows({"dragon/500": given}, {})
         assert table.sound(rows, {"dragon/500": given})
         assert any(row.measured == "1.60 x (wall: 1.60 x), same polygons" for row in rows)
+        assert any(row.measured == "2.00 REF rounds" and "planar" in row.what for row in rows)
         given["cases"]["polygonize_two_threads"][0][0]["fingerprint"] = "2"
         rows = table.rows({"dragon/500": given}, {})
         assert not table.sound(rows, {"dragon/500": given})
