@@ -62,7 +62,7 @@ OPTIONS = {
 TYPES = "double|float|int|(?:std::)(?:u?int(?:8|32|64)_t|size_t|ptrdiff_t)"
 DECLARATION = re.compile(
     rf"^([ \t]*)((?:static |inline )*)(?:const|constexpr) ({TYPES})\s+(k[A-Z]\w*\s*(?:=|\{{)[^;]*);"
-    r"([^\n]*(?:\n[ \t]*//[^\n]*(?=\n))*)",
+    r"([^\n]*(?:\n\1[ \t]+//[^\n]*(?=\n))*)",  # a comment that begins where the declaration does is of the next one
     re.M,
 )
 ANOTHER = re.compile(r",\s*(?=k[A-Z]\w*\s*(?:=|\{))")
@@ -93,9 +93,10 @@ def text_of(comment: str) -> str:
 
 def declared(file: str, text: str) -> Iterator[tuple[re.Match[str], list[Constant]]]:
     """Each declaration of a source, with its constants."""
+    end = 0
     for at in DECLARATION.finditer(text):
-        before = text[: at.start()]
-        above = ABOVE.search(before)
+        before, between, end = text[: at.start()], text[end : at.start()], at.end()
+        above = ABOVE.search(between)
         meaning = text_of(at.group(5)) or (text_of(above.group(1)) if above else "")
         data = (TUNED.findall(before) or [""])[-1]
         kind = "tuned" if data else ""

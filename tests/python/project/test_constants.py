@@ -55,6 +55,29 @@ constexpr int kSix = 6;  // mark
     ]
 
 
+def test_a_comment_above_is_of_the_constant_below():
+    text = """// tuned houses
+/// The first.
+constexpr double kOne = 1;
+/// rounding: the second,
+/// of two lines.
+constexpr double kTwo = 2;
+struct Any {
+  static constexpr int kThree = 3;  ///< work: the third,
+                                    ///< of two lines
+  /// limit: the fourth
+  static constexpr int kFour = 4;
+};
+"""
+    found = [(c.name, c.kind, c.meaning) for _, some in constants.declared("f.h", text) for c in some]
+    assert found == [
+        ("kOne", "tuned", "The first."),
+        ("kTwo", "rounding", "the second, of two lines."),
+        ("kThree", "work", "the third, of two lines"),
+        ("kFour", "limit", "the fourth"),
+    ]
+
+
 def test_constants_become_functions_where_they_are_declared_and_included():
     texts = {
         "src/flat/flat.h": "#pragma once\nconstexpr double kHigh = 2;  // tuned houses: x\n",

@@ -15,12 +15,13 @@ using Mat3 = Eigen::Matrix3d;
 // tuned planar
 /// Weight of the square step of a corner, if the square distance of a mean unit has weight 1. Source: own trials.
 constexpr double kStep = 0.7;
-constexpr double kMostTurn = 0.2;  ///< largest turn of a plane in a round, radians
-constexpr double kDamping = 1e-9;
-/// rounding: the noise, as a share of the reach, below which a plane costs more, the power of that factor, and its largest value.
-constexpr double kQuiet = 0.15, kPower = 3, kMostTrust = 1e4;
-constexpr double kTooFar = 4;  ///< times the usual noise: planes that were moved by more cost more
-constexpr double kDearer = 4;  ///< largest increase of that cost in one round, as a factor
+constexpr double kMostTurn = 0.2;   ///< largest turn of a plane in a round, radians
+constexpr double kDamping = 1e-9;   ///< rounding: share of the square diagonal, for a system that is singular
+constexpr double kQuiet = 0.15;     ///< noise, as a share of the reach, below which a plane costs more
+constexpr double kPower = 3;        ///< power of the ratio of that noise to the plane's: factor on the cost
+constexpr double kMostTrust = 1e4;  ///< largest such factor
+constexpr double kTooFar = 4;       ///< times the usual noise: planes that were moved by more cost more
+constexpr double kDearer = 4;       ///< largest increase of that cost in one round, as a factor
 
 /// The noise of the unit in the middle: one of few faces may be planar by chance.
 double usual_noise(const std::vector<Unit>& units) {

@@ -16,7 +16,7 @@
 /// Changes to single regions with the cost of the changed faces. `Labels` as in relax.h.
 namespace isimp {
 
-/// Label of a face that was removed from its region and waits for another.
+/// mark: label of a face that was removed from its region and waits for another.
 inline constexpr std::int32_t kOpen = -2;
 /// mark: during a flood, kOffered - k is the label of an open face whose best offer is that of its region k.
 inline constexpr std::int32_t kOffered = -4;
