@@ -12,6 +12,8 @@ a run that was cut off continues.
 A comment begins with the kind of its constant (`KINDS`). Where it does not, the constant was tuned on the data that the
 last line `// tuned DATA` above it names.
 
+Lists of numbers have a kind and a row, but are not measured.
+
 A value is halved and doubled; of shares and cosines from .6 to 1, and of factors from 1 to 1.5, the difference from 1.
 
 A row has the number of tried runs and of runs with other bits, and the changes in % of the number of polygons and of
@@ -60,11 +62,13 @@ OPTIONS = {
     "flatness": ("unrecorded", "bend beyond which a polygon is split"),
 }
 TYPES = "double|float|int|(?:std::)(?:u?int(?:8|32|64)_t|size_t|ptrdiff_t)"
+LISTS = r"std::array(?:<[^;={]*>)?"
 DECLARATION = re.compile(
-    rf"^([ \t]*)((?:static |inline )*)(?:const|constexpr) ({TYPES})\s+(k[A-Z]\w*\s*(?:=|\{{)[^;]*);"
+    rf"^([ \t]*)((?:static |inline )*)(?:const|constexpr) ({TYPES}|{LISTS})\s+(k[A-Z]\w*(?:\[\w*\])?\s*(?:=|\{{)[^;]*);"
     r"([^\n]*(?:\n\1[ \t]+//[^\n]*(?=\n))*)",  # a comment that begins where the declaration does is of the next one
     re.M,
 )
+OF_NUMBERS = re.compile(r"[\s{},\d.e+-]*\}")
 ANOTHER = re.compile(r",\s*(?=k[A-Z]\w*\s*(?:=|\{))")
 ABOVE = re.compile(r"(?:^|(?<=\n))((?:[ \t]*//[^\n]*\n)+)$")
 TAG = re.compile(rf"({'|'.join(KINDS)})(?: ([a-z]\w*))?(?:: (.*)|$)", re.S)
@@ -80,6 +84,7 @@ class Constant:
     kind: str = ""
     data: str = ""
     meaning: str = ""
+    is_list: bool = False
 
     @property
     def key(self) -> str:
@@ -104,10 +109,15 @@ def declared(file: str, text: str) -> Iterator[tuple[re.Match[str], list[Constan
             kind, data, meaning = (group or "" for group in tag.groups())
         found = []
         for one in ANOTHER.split(re.sub(r"//[^\n]*", "", at.group(4))):
-            name, value = re.match(r"(k\w+)\s*(.*)", " ".join(one.split())).groups()
-            value = value.removeprefix("= ") if value.startswith("=") else value[1:-1]
-            found.append(Constant(file, name, at.group(3), value, kind, data, meaning.strip()))
-        yield at, found
+            name, size, value = re.match(r"(k\w+)(\[\w*\])?\s*(.*)", " ".join(one.split())).groups()
+            value = value.removeprefix("= ")
+            is_list = bool(size) or at.group(3).startswith("std::array")
+            if is_list and not OF_NUMBERS.fullmatch(value):
+                continue
+            value = value[1:-1].strip() if value.startswith("{") else value
+            found.append(Constant(file, name, at.group(3), value, kind, data, meaning.strip(), is_list))
+        if found:
+            yield at, found
 
 
 def sources(root: Path = ROOT) -> dict[str, str]:
@@ -180,6 +190,8 @@ def looked_up(texts: dict[str, str], places: dict[str, int]) -> dict[str, str]:
         use = re.compile(r"(?<![\w.>])(" + "|".join(sorted(known)) + r")\b(?!\s*\()")
         parts, end = [], 0
         for at, found in declared(file, text):
+            if found[0].is_list:
+                continue
             indent, storage = at.group(1), at.group(2)
             parts.append(use.sub(r"\1()", text[end : at.start()]))
             end = at.end()
@@ -203,13 +215,17 @@ def tuned() -> list[Constant]:
     return [c for c in constants() if c.kind == "tuned"]
 
 
+def measured() -> list[Constant]:
+    return [c for c in tuned() if not c.is_list]
+
+
 def places_of(some: list[Constant]) -> dict[str, int]:
     return {c.key: k for k, c in enumerate(some)}
 
 
 def build(folder: Path, jobs: int) -> Path:
     """Builds a copy of the tree. Unchanged files keep their times, so that ninja does not build them again."""
-    changed = {f"native/{f}": t for f, t in looked_up(sources(), places_of(tuned())).items()}
+    changed = {f"native/{f}": t for f, t in looked_up(sources(), places_of(measured())).items()}
     changed |= {f"native/include/{LOOKUP}": HEADER, "native/src/core/lookup.cpp": SOURCE}
     for path in (p for part in PARTS for p in [ROOT / part, *(ROOT / part).rglob("*")] if p.is_file()):
         changed.setdefault(str(path.relative_to(ROOT)), "")
@@ -316,9 +332,9 @@ def compared(base: dict[str, tuple[int, float]], rows: dict[str, Change]) -> lis
 
 def measure(only: list[str], out: Path) -> None:
     results = json.loads(out.read_text()) if out.exists() else {}
-    engine = Engine(places_of(tuned()))
+    engine = Engine(places_of(measured()))
     base = {name: (o.polygons, o.distance) for name, o in engine.base.items()}
-    for c in tuned() + options():
+    for c in measured() + options():
         is_wanted = not only or any(part in c.key for part in only)
         if not is_wanted or results.get(c.key, {}).get("value") == c.value:
             continue

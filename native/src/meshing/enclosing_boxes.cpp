@@ -18,6 +18,7 @@ namespace {
 
 // tuned unrecorded
 constexpr double kThinnest = 1e-3;  ///< the least side of a box, as a share of its largest
+/// unit: corners of each side of a box
 constexpr std::array<std::array<int, 4>, 6> kSides{
     {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
 

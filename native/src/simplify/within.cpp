@@ -9,10 +9,10 @@
 namespace isimp {
 namespace {
 
-constexpr double kShares[] = {1.0, 0.5, 0.25};  // share of the bound; borders and corners may use up half of it
 // tuned bound
-constexpr double kStep = 0.75;  // factor for the regions' own bound, of one try
-constexpr double kLeast = 0.2;  // least share of the bound that is tried
+constexpr double kShares[] = {1.0, 0.5, 0.25};  // share of the bound; borders and corners may use up half of it
+constexpr double kStep = 0.75;                  // factor for the regions' own bound, of one try
+constexpr double kLeast = 0.2;                  // least share of the bound that is tried
 
 /// Area and diagonal of the box of the faces of which polygons are made.
 std::pair<double, double> size_of_kept(const Mesh& mesh, const Partition& partition) {

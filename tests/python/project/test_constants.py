@@ -35,7 +35,11 @@ constexpr int kLost = 0;  // of no kind
 // tuned houses
 constexpr double kOne = 0.5, kTwo = 2;  ///< first
                                         ///< second
-constexpr std::array kThree = {1, 2};
+constexpr std::array kThree = {1, 2};  // a list
+constexpr std::array<double, 2> kLong{0.5,
+                                      1e-3};
+constexpr double kPlain[] = {1, 2};
+constexpr std::array kNames = {"a", "b"};
 /// rounding: a share
 static constexpr float kFour{1e-6F};
 
@@ -49,6 +53,9 @@ constexpr int kSix = 6;  // mark
         ("kLost", "0", "", "", "of no kind"),
         ("kOne", "0.5", "tuned", "houses", "first second"),
         ("kTwo", "2", "tuned", "houses", "first second"),
+        ("kThree", "1, 2", "tuned", "houses", "a list"),
+        ("kLong", "0.5, 1e-3", "tuned", "houses", ""),
+        ("kPlain", "1, 2", "tuned", "houses", ""),
         ("kFour", "1e-6F", "rounding", "", "a share"),
         ("kFive", "3", "tuned", "houses", "and more"),
         ("kSix", "6", "mark", "", ""),
@@ -83,11 +90,13 @@ def test_constants_become_functions_where_they_are_declared_and_included():
         "src/flat/flat.h": "#pragma once\nconstexpr double kHigh = 2;  // tuned houses: x\n",
         "src/flat/regions.cpp": """#include "flat/flat.h"
 constexpr int kLow = 3;  // work
+constexpr std::array kSteps = {1, 2};  // tuned houses: y
 double f() { return kHigh * kLow; }
 """,
     }
     changed = constants.looked_up(texts, {"src/flat/flat.h:kHigh": 7})
     assert "constexpr double kHigh() ISIMP_LOOKUP(double, 7, (2))" in changed["src/flat/flat.h"]
+    assert "constexpr std::array kSteps = {1, 2};" in changed["src/flat/regions.cpp"]
     assert "return kHigh() * kLow;" in changed["src/flat/regions.cpp"]
 
 

@@ -16,7 +16,7 @@ enum class PlyScalar { i8, u8, i16, u16, i32, u32, f32, f64 };
 
 /// Bytes of a number in a binary file.
 constexpr std::size_t size_of(PlyScalar type) {
-  constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
+  constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};  // format
   return kSizes[static_cast<std::size_t>(type)];
 }
 

@@ -8,6 +8,7 @@
 namespace isimp::meshing {
 namespace {
 
+// tuned unrecorded
 constexpr std::array kShares{1.0, 0.5, 0.2};  ///< shares of a way; the first accepted one is used
 constexpr std::size_t kCornersAPoll = 64;     ///< work: corners from one poll to the next
 
