@@ -27,15 +27,20 @@ constexpr std::array kBalls = {10, 30, 80};  ///< points to which a first surfac
 constexpr double kWorstBall = 2;  ///< nearnesses: kinds that are further from a ball are not tried in larger ones
 constexpr std::array kKinds = {CurvedKind::sphere, CurvedKind::cylinder, CurvedKind::cone, CurvedKind::revolution};
 
+// Factors on the score: of kinds that explain the points alike, the simplest one is chosen. Free forms have 1.
+constexpr double kPreferPlane = 1.25;    ///< factor on the score of a plane
+constexpr double kPreferCylinder = 1.1;  ///< factor on the score of a cylinder
+constexpr double kPreferOther = 1.05;    ///< factor on the score of a cone and of a sphere
+
 double preference(CurvedKind kind) {
   switch (kind) {
     case CurvedKind::plane:
-      return 1.25;
+      return kPreferPlane;
     case CurvedKind::cylinder:
-      return 1.1;
+      return kPreferCylinder;
     case CurvedKind::cone:
     case CurvedKind::sphere:
-      return 1.05;
+      return kPreferOther;
     case CurvedKind::revolution:
     case CurvedKind::extrusion:
       return 1;

@@ -33,8 +33,10 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
   return t;
 }
 
-constexpr double kNoDirection =
-    1e-12;  ///< rounding: share of the area: with a shorter vector area, faces define no direction
+/// rounding: share of the area: with a shorter vector area, faces define no direction
+constexpr double kNoDirection = 1e-12;
+// tuned unrecorded
+constexpr std::int32_t kFacesAChart = 60;  ///< with fewer, it is as quick to measure all charts again
 
 /// A boundary half-edge of a chart, found from one of its faces.
 std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> faces) {
@@ -260,7 +262,7 @@ void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const st
     labels_.charts.edit(giver).face = kept;
   }
   touch(charts);
-  if (mesh.face_count() / 60 < labels.chart_count()) return;  // it is as quick to measure all of them again
+  if (mesh.face_count() / kFacesAChart < labels.chart_count()) return;
   pending_.handed_faces.insert(pending_.handed_faces.end(), faces.begin(), faces.end());
   const auto is_simple = [&](std::int32_t l) {  // neither held nor of a region that may change with its faces
     return labels.charts[l].cause == Cause::region && !planes[l].held &&

@@ -24,10 +24,21 @@ namespace isimp {
 /// smooths borders alike for few regions and many, and does not change exact shapes. The exponent is a little above 1,
 /// since the gain of a face from a region that bends much is mostly noise. The weight stays well below the gain of a
 /// face across a crease of 45 degrees.
-inline BorderWeight border_weight(double error) { return {std::min(1.64 * std::pow(error, 1.35), 0.18)}; }
+inline BorderWeight border_weight(double error) {
+  // tuned borders
+  constexpr double kOfError = 1.64;     // weight over that power of the error
+  constexpr double kPower = 1.35;       // power of the error
+  constexpr double kMostWeight = 0.18;  // largest weight
+  return {std::min(kOfError * std::pow(error, kPower), kMostWeight)};
+}
 
 /// As `border_weight`, for regions of other methods, whose error relaxing has to lower.
-inline BorderWeight light_border_weight(double error) { return {std::min(0.6 * error, 0.12)}; }
+inline BorderWeight light_border_weight(double error) {
+  // tuned unrecorded
+  constexpr double kLightOfError = 0.6;      // weight over the error
+  constexpr double kMostLightWeight = 0.12;  // largest weight
+  return {std::min(kLightOfError * error, kMostLightWeight)};
+}
 
 /// The weight of a border as long as a region is wide, as a share of a region's area. It is in proportion to the error,
 /// so that exact shapes do not change; from kMostError on, where regions are far from planar, it is constant.
