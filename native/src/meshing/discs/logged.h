@@ -65,12 +65,9 @@ class Logged {
 
   void begin_transaction() {
     ISIMP_ASSERT(!is_open_, "one transaction at a time");
-    is_open_ = true;
+    if (now_.size() > room_) make_room(now_.size() + now_.size() / 2);
     size_ = now_.size();
-    if (size_ <= room_) return;
-    room_ = size_ + size_ / 2;
-    place_.reset(static_cast<std::uint32_t*>(std::calloc(room_, sizeof(std::uint32_t))));
-    if (!place_) throw std::bad_alloc();
+    is_open_ = true;
   }
   void commit() {
     kept_.clear();
@@ -102,6 +99,14 @@ class Logged {
   }
 
  private:
+  /// Without memory for it nothing changes.
+  void make_room(std::size_t room) {
+    auto* place = static_cast<std::uint32_t*>(std::calloc(room, sizeof(std::uint32_t)));
+    if (!place) throw std::bad_alloc();
+    place_.reset(place);
+    room_ = room;
+  }
+
   struct Kept {
     std::int32_t place;
     T value;
