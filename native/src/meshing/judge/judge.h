@@ -37,9 +37,10 @@ struct PolygonDefects {
 };
 
 // tuned unrecorded
-/// The cosine between a polygon and its chart up to which it counts as flipped; the second for polygons that planar
-/// ones were cut into, which may be steep where the bent one was.
-constexpr double kFacingChart = 0.2, kFacingApart = 0.02;
+/// The cosine between a polygon and its chart up to which it counts as flipped.
+constexpr double kFacingChart = 0.2;
+/// The same for polygons that planar ones were cut into. They may be steep where the bent one was.
+constexpr double kFacingApart = 0.02;
 
 struct Bounds {
   double bend = 0;       ///< scene units; no bound if not above 0

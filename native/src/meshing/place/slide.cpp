@@ -25,7 +25,7 @@ constexpr double kOfNeedle = 4;  // degrees above kReflex that one below kNeedle
 constexpr double kBend = 1200;   // degrees that a bend of sqrt(area / charts) counts as
 // tuned shapes
 constexpr double kShortEdge = 0.3;  // edges shorter than this, in sqrt(area / charts), do not become shorter
-constexpr double kFacing = 0.9;     // cosine of how far a polygon may turn from its chart by a move
+constexpr double kFacing = 0.9;  // least cosine between a polygon that a move turns away from its chart, and that chart
 // tuned needles
 constexpr double kWorth = 1;    // degrees that a move has to gain
 constexpr double kTiny = 1e-6;  // rounding: share of the shortest edge: a corner with less freedom gains nothing

@@ -45,7 +45,8 @@ inline BorderWeight light_border_weight(double error) {
 /// \param smooth  PartitionOptions::smooth
 inline double border_price(double error, double smooth) {
   // tuned shapes
-  constexpr double kNu = 0.6, kMostError = 0.1;  // over the error: weight of a border as wide as its region; the most
+  constexpr double kNu = 0.6;         // weight, over the error, of a border as long as its region is wide
+  constexpr double kMostError = 0.1;  // largest error that counts
   return kNu * smooth * std::min(error, kMostError);
 }
 

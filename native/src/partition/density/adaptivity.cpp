@@ -15,8 +15,7 @@ namespace {
 // tuned adaptivity
 constexpr double kRadius = 0.01;        // share of the size
 constexpr double kStepsARadius = 6.0;   // averagings over neighbouring faces until normals have spread by one edge
-constexpr double kClusterSteps = 0.58;  // number of these that one step over neighbouring clusters of one face each
-                                        // equals
+constexpr double kClusterSteps = 0.58;  // averagings over clusters of one face each that spread as far as one of these
 constexpr int kFewestSteps = 12;        // for which faces are still joined into larger clusters
 constexpr double kQuiet = 0.2;          // share of the area that is taken to be rough by noise alone
 constexpr double kFloor = 0.1;          // share of the mean that is added to each

@@ -29,8 +29,8 @@ constexpr std::size_t kMostCosts = 20000;   // limit
 constexpr std::int32_t kManyFaces = 50000;  // work: from here on many small patches merge at once
 // tuned found
 constexpr std::int32_t kFacesATreeProxy = 96;  // for patches of 6 faces
-constexpr double kUsual = 0.7;                 // quantile of the best prices of neighbours: twice that merges at once
-constexpr double kFar = 1.0 / 16;              // share of the limit up to which faces merge by that
+constexpr double kUsual = 0.7;     // quantile of the best prices of a level's patches; twice it is the level's price
+constexpr double kFar = 1.0 / 16;  // share of the limit: up to levels of this price patches merge at once
 
 std::vector<std::int32_t> components_of_faces(const Surface& surface) {
   std::vector<std::int32_t> component;
