@@ -9,12 +9,12 @@ namespace isimp::curved {
 namespace {
 
 // tuned round
-constexpr double kEasier = 0.62;  ///< least good share of the border of a sphere, a tube and a fillet; else kMost
-constexpr double kHalf = 0.5;     ///< share of its border along planes, of a fillet
-constexpr double kSome = 0.25;    ///< least good share of the border of a full turn; share that faces may add when they
-                                  ///< move
-constexpr double kNearPlane = 0.45;  ///< times the nearness: faces of planes of free forms are not so near to them
-constexpr double kDisc = 2.3;        ///< outline of a disc of n equilateral triangles, in edges, over the root of n
+constexpr double kEasier = 0.62;      ///< least good share of the border of a sphere, a tube and a fillet; else kMost
+constexpr double kHalf = 0.5;         ///< share of its border along planes, of a fillet
+constexpr double kOfFullTurn = 0.25;  ///< least good share of the border of a full turn
+constexpr double kMayGain = 0.25;     ///< share of its border that may become good when faces move
+constexpr double kNearPlane = 0.45;   ///< times the nearness: faces of planes of free forms are not so near to them
+constexpr double kDisc = 2.3;         ///< outline of a disc of n equilateral triangles, in edges, over the root of n
 
 /// Some edges of the border of a patch: the point inside, the one outside and its surface; kNone at the border of the scan
 /// and where there is none.
@@ -93,7 +93,8 @@ class Gates {
         const bool is_sphere = found_[k].surface.kind == CurvedKind::sphere;
         const bool is_easier = is_sphere || found_[k].surface.closed || along_planes(k, kept) > kHalf;
         const double most = is_easier ? kEasier : kMost;
-        const double more = good_share(k, kept) - (round[k] > kFullTurn ? kSome : most) + (may_gain_ ? kSome : 0);
+        const double more =
+            good_share(k, kept) - (round[k] > kFullTurn ? kOfFullTurn : most) + (may_gain_ ? kMayGain : 0);
         if (more > least) continue;
         least = more;
         worst = k;
