@@ -12,6 +12,8 @@ namespace isimp::meshing {
 constexpr double kReflex = 190;  ///< degrees: from here on a corner counts as reflex
 
 constexpr double kNeedle = 20;  ///< degrees: below, a corner is sharp
+/// The cosine of about kNeedle: a triangle with a sharper corner is a needle.
+constexpr double kSharpCosine = 0.94;
 
 /// Measures of the corner angles of some polygons, in degrees.
 struct Angles {

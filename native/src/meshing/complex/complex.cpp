@@ -5,14 +5,13 @@
 #include <cmath>
 #include <utility>
 
+#include "complex/angles.h"
 #include "discs/polyline.h"
 #include "isimp/core/check.h"
 #include "isimp/core/sorted.h"
 
 namespace isimp::meshing {
 namespace {
-// tuned needles
-constexpr double kSharpCosine = 0.94;  ///< cosine of 20 degrees: a triangle with a sharper corner is a needle
 // tuned street
 constexpr double kOfTriangle = 0.2;  ///< share of its chart's area that a triangle may leave out or add
 
