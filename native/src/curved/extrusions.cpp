@@ -73,7 +73,7 @@ class Extrusions {
     if (kept_[k] && f.surface.kind != CurvedKind::cylinder) return false;
     double square = 0;
     for (const std::int32_t i : f.points) square += std::abs(p_.normal[i].dot(axis)) < kSquare ? p_.area[i] : 0;
-    return square > kMost * f.area;
+    return square > kMostOfSurface * f.area;
   }
 
   /// Some faces, at equal steps.

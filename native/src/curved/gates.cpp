@@ -9,8 +9,8 @@ namespace isimp::curved {
 namespace {
 
 // tuned round
-constexpr double kEasier = 0.62;      ///< least good share of the border of a sphere, a tube and a fillet; else kMost
-constexpr double kHalf = 0.5;         ///< share of its border along planes, of a fillet
+constexpr double kEasier = 0.62;  ///< least good share of the border of spheres, tubes and fillets; else kMostOfSurface
+constexpr double kHalf = 0.5;     ///< share of its border along planes, of a fillet
 constexpr double kOfFullTurn = 0.25;  ///< least good share of the border of a full turn
 constexpr double kMayGain = 0.25;     ///< share of its border that may become good when faces move
 constexpr double kNearPlane = 0.45;   ///< times the nearness: faces of planes of free forms are not so near to them
@@ -92,7 +92,7 @@ class Gates {
         if (found_[k].is_plane() || !kept[k] || (found_[k].surface.closed && round[k] > kFullTurn)) continue;
         const bool is_sphere = found_[k].surface.kind == CurvedKind::sphere;
         const bool is_easier = is_sphere || found_[k].surface.closed || along_planes(k, kept) > kHalf;
-        const double most = is_easier ? kEasier : kMost;
+        const double most = is_easier ? kEasier : kMostOfSurface;
         const double more =
             good_share(k, kept) - (round[k] > kFullTurn ? kOfFullTurn : most) + (may_gain_ ? kMayGain : 0);
         if (more > least) continue;

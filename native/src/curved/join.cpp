@@ -87,7 +87,8 @@ class Joiner {
     const double turn = kTurnsMore * near_.turn;
     const bool is_one = a.surface.kind == CurvedKind::revolution || b.surface.kind == CurvedKind::revolution;
     if (!is_seen(*surface, s) || !(is_one || surface->closed || turn_share(*surface, s) > kFullTurn)) return false;
-    if (explained(*surface, a.points, turn) < kMost || explained(*surface, b.points, turn) < kMost) return false;
+    if (explained(*surface, a.points, turn) < kMostOfSurface || explained(*surface, b.points, turn) < kMostOfSurface)
+      return false;
     const Samples rest = explained_samples(*surface, both.points);
     both.surface = fit(CurvedKind::revolution, rest).value_or(*surface);
     if (explained(both.surface, both.points, turn) < explained(*surface, both.points, turn)) both.surface = *surface;

@@ -7,9 +7,9 @@
 namespace isimp::detail {
 
 void SoupBuilder::reserve(std::size_t vertices, std::size_t polygons) {
-  soup_.vertices.reserve(std::min(vertices, kMost));
-  soup_.loop_start.reserve(std::min(polygons, kMost));
-  soup_.loops.reserve(std::min(3 * polygons, kMost));
+  soup_.vertices.reserve(std::min(vertices, kMostIndices));
+  soup_.loop_start.reserve(std::min(polygons, kMostIndices));
+  soup_.loops.reserve(std::min(3 * polygons, kMostIndices));
 }
 
 void SoupBuilder::too_many(const char* what) const {

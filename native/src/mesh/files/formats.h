@@ -34,28 +34,28 @@ class SoupBuilder {
   SoupBuilder(const FileText& file, const Threads& threads) : file_(file), threads_(threads) {}
   void reserve(std::size_t vertices, std::size_t polygons);
   void add_vertex(const Vec3& p) {
-    if (soup_.vertices.size() == kMost) too_many("vertices");
+    if (soup_.vertices.size() == kMostIndices) too_many("vertices");
     soup_.vertices.push_back(p);
   }
   void begin_polygon() {
-    if (soup_.loops.size() == kMost || soup_.loop_start.size() == kMost) too_many("corners");
+    if (soup_.loops.size() == kMostIndices || soup_.loop_start.size() == kMostIndices) too_many("corners");
     soup_.loop_start.push_back(static_cast<std::int32_t>(soup_.loops.size()));
   }
   /// Any number: `finish` checks it, since some formats allow faces before their vertices.
   void add_corner(std::int64_t vertex) {
-    if (soup_.loops.size() == kMost) too_many("corners");
+    if (soup_.loops.size() == kMostIndices) too_many("corners");
     soup_.loops.push_back(corner(vertex));
   }
   /// A vertex index for `loops`; one that does not fit becomes kOut, which the check refuses.
   static std::int32_t corner(std::int64_t vertex) {
-    return vertex < 0 || vertex > static_cast<std::int64_t>(kMost) ? kOut : static_cast<std::int32_t>(vertex);
+    return vertex < 0 || vertex > static_cast<std::int64_t>(kMostIndices) ? kOut : static_cast<std::int32_t>(vertex);
   }
   /// Number of polygons with `corners` corners each that can still be added.
   [[nodiscard]] std::size_t room_for_polygons(std::size_t corners) const {
-    const std::size_t starts = kMost - soup_.loop_start.size();
-    return corners == 0 ? starts : std::min(starts, (kMost - soup_.loops.size()) / corners);
+    const std::size_t starts = kMostIndices - soup_.loop_start.size();
+    return corners == 0 ? starts : std::min(starts, (kMostIndices - soup_.loops.size()) / corners);
   }
-  [[nodiscard]] std::size_t room_for_vertices() const { return kMost - soup_.vertices.size(); }
+  [[nodiscard]] std::size_t room_for_vertices() const { return kMostIndices - soup_.vertices.size(); }
   /// Adds vertices within that room, for the caller to set.
   std::span<Vec3> add_vertices(std::size_t count);
   /// Adds `count` polygons with `corners` corners each. The caller sets the corners, polygon after polygon.
@@ -70,8 +70,8 @@ class SoupBuilder {
   PolygonSoup finish(std::int32_t first_index, Job& job);
 
  private:
-  static constexpr std::size_t kMost = 0x7fffffff - 1;  // limit
-  static constexpr std::int32_t kOut = 0x7fffffff;      // limit: replaces every number that no vertex can have
+  static constexpr std::size_t kMostIndices = 0x7fffffff - 1;  // limit
+  static constexpr std::int32_t kOut = 0x7fffffff;             // limit: replaces every number that no vertex can have
   [[noreturn]] void too_many(const char* what) const;
 
   const FileText& file_;

@@ -17,7 +17,7 @@ constexpr double kAgain = 4;         ///< factor on the cost of a link to a loop
 constexpr double kAgainOfFew = 1e6;  ///< such a factor where loops are few: one chain is to reach all of them
 constexpr std::size_t kFew = 8;      ///< most loops that are few
 constexpr std::size_t kRow = 12;     ///< holes of a row that one polygon may lie at
-constexpr std::int32_t kMost = 8;    ///< limit: links that are kept between the same two loops
+constexpr std::int32_t kMostBetweenLoops = 8;  ///< limit: links that are kept between the same two loops
 
 /// The shortest way found between two boundary loops over an edge in the middle.
 struct Link {
@@ -103,7 +103,7 @@ class Ears {
     std::vector<Link> few;
     for (std::size_t i = 0, same = 0; i < links_.size(); ++i) {
       same = i > 0 && links_[i].from == links_[i - 1].from && links_[i].to == links_[i - 1].to ? same + 1 : 0;
-      if (same < kMost) few.push_back(links_[i]);
+      if (same < kMostBetweenLoops) few.push_back(links_[i]);
     }
     links_ = std::move(few);
     for (const Link& l : links_) ++start_[l.from + 1];

@@ -58,7 +58,7 @@ class Chains {
     std::int32_t left_at = kNone;
   };
 
-  static constexpr std::size_t kMost = Wall::kMostCorners;  // unit
+  static constexpr std::size_t kCornersAHole = Wall::kMostCorners;  // unit
 
   /// A cut between two corners of holes.
   struct Link {
@@ -73,19 +73,19 @@ class Chains {
   /// Lists the corners of some holes, their ways out, and the cuts between them: in a chain in the given order only
   /// those between a hole and the next one.
   void list_links(std::span<const std::int32_t> holes, bool in_order) {
-    const std::size_t places = holes.size() * kMost;
+    const std::size_t places = holes.size() * kCornersAHole;
     places_.assign(places, nullptr);
     outs_.assign(places, std::numeric_limits<double>::infinity());
     for (std::size_t i = 0; i < holes.size(); ++i)
       for (std::size_t c = 0; c < wall_.corners(holes[i]).size(); ++c) {
-        places_[i * kMost + c] = &wall_.corners(holes[i])[c];
+        places_[i * kCornersAHole + c] = &wall_.corners(holes[i])[c];
         const Wall::Way& way = out_[holes[i]][c];
-        if (!is_forbidden(*places_[i * kMost + c], way.end)) outs_[i * kMost + c] = way.price;
+        if (!is_forbidden(*places_[i * kCornersAHole + c], way.end)) outs_[i * kCornersAHole + c] = way.price;
       }
     links_.assign(places * places, {});
     for (std::size_t a = 0; a < places; ++a)
       for (std::size_t b = 0; b < places; ++b) {
-        const std::size_t i = a / kMost, j = b / kMost;
+        const std::size_t i = a / kCornersAHole, j = b / kCornersAHole;
         if (!places_[a] || !places_[b] || i == j || (in_order && j != i + 1)) continue;
         if (!is_forbidden(*places_[a], *places_[b]))
           links_[a * places + b] = {Wall::least_price(*places_[a], *places_[b]), false};
@@ -108,33 +108,33 @@ class Chains {
     list_links(holes, in_order);
     const auto with = [&](std::size_t set, std::size_t i) { return in_order ? set + 1 : set | std::size_t{1} << i; };
     const auto may_follow = [&](std::size_t set, std::size_t i) { return in_order ? set == i : !(set >> i & 1); };
-    std::vector<WayThrough> states(sets * n * kMost);  // by set, hole and corner
+    std::vector<WayThrough> states(sets * n * kCornersAHole);  // by set, hole and corner
     const double left_out = kCostLeftOut * wall_.size();
-    for (std::size_t a = 0; a < n * kMost; ++a)
-      states[with(in_order ? a / kMost : 0, a / kMost) * n * kMost + a].price =
+    for (std::size_t a = 0; a < n * kCornersAHole; ++a)
+      states[with(in_order ? a / kCornersAHole : 0, a / kCornersAHole) * n * kCornersAHole + a].price =
           outs_[a] + left_out * static_cast<double>(n - 1);
     WayThrough last;
     for (std::size_t set = 1; set < sets; ++set)
-      for (std::size_t c = 0; c < n * kMost; ++c) {
-        const std::size_t at = set * n * kMost + c, i = c / kMost;
+      for (std::size_t c = 0; c < n * kCornersAHole; ++c) {
+        const std::size_t at = set * n * kCornersAHole + c, i = c / kCornersAHole;
         if (!std::isfinite(states[at].price)) continue;
         const auto& [low, high] = wall_.box(holes[i]);
         const double apart = kApart * (high - low).minCoeff();
-        for (std::size_t d = i * kMost; d < (i + 1) * kMost && places_[d]; ++d) {
+        for (std::size_t d = i * kCornersAHole; d < (i + 1) * kCornersAHole && places_[d]; ++d) {
           if (d == c) continue;
           const double through = (places_[c]->at - places_[d]->at).norm();
           const double so_far = states[at].price + kThrough * through;
           const auto set_to = [&](WayThrough& to, double price) {
-            to = {price, static_cast<std::int32_t>(at), static_cast<std::int32_t>(d % kMost)};
+            to = {price, static_cast<std::int32_t>(at), static_cast<std::int32_t>(d % kCornersAHole)};
           };
           const bool is_strip = states[at].before == kNone && through < apart;  // between the two cuts
           if (!is_strip && so_far + outs_[d] < last.price) set_to(last, so_far + outs_[d]);
           for (std::size_t j = 0; j < n; ++j) {
             if (!may_follow(set, j)) continue;
-            for (std::size_t e = j * kMost; e < (j + 1) * kMost && places_[e]; ++e) {
-              WayThrough& next = states[with(set, j) * n * kMost + e];
+            for (std::size_t e = j * kCornersAHole; e < (j + 1) * kCornersAHole && places_[e]; ++e) {
+              WayThrough& next = states[with(set, j) * n * kCornersAHole + e];
               // Boundaries are searched only for cuts that would be cheaper.
-              const double price = so_far + links_[d * n * kMost + e].price - left_out;
+              const double price = so_far + links_[d * n * kCornersAHole + e].price - left_out;
               if (price < next.price && is_free(d, e)) set_to(next, price);
             }
           }
@@ -151,15 +151,15 @@ class Chains {
     while (true) {
       const std::size_t n = holes.size();
       const auto at = static_cast<std::size_t>(last.before);
-      const std::int32_t hole = holes[at / kMost % n];
+      const std::int32_t hole = holes[at / kCornersAHole % n];
       const auto corners = wall_.corners(hole);
       const auto left_at = static_cast<std::size_t>(last.left_at);
       if (to.vertex == kNone) to = out_[hole][left_at].end;
       chain.push_back({corners[left_at], to});
-      to = corners[at % kMost];
+      to = corners[at % kCornersAHole];
       last = states[at];
       if (last.before != kNone) continue;
-      chain.push_back({out_[hole][at % kMost].end, to});
+      chain.push_back({out_[hole][at % kCornersAHole].end, to});
       return chain;
     }
   }
@@ -167,7 +167,7 @@ class Chains {
   const Wall& wall_;
   std::vector<std::vector<Wall::Way>> out_;                    // by hole and corner
   std::set<std::pair<std::int32_t, std::int32_t>> forbidden_;  // pairs of vertices
-  // Of the holes of a search: a place is a corner of a hole, kMost a hole.
+  // Of the holes of a search: a place is a corner of a hole, kCornersAHole a hole.
   std::vector<const LoopPlace*> places_;
   std::vector<double> outs_;  // by place: the price of the way out
   std::vector<Link> links_;   // by two places

@@ -262,7 +262,7 @@ class EarClipper {
 /// Cost: O(n^3).
 class LeastSurface {
  public:
-  static constexpr std::size_t kMost = 64;  ///< limit: most corners of a polygon
+  static constexpr std::size_t kMostCorners = 64;  ///< limit: most corners of a polygon
 
   /// \param thin  triangles thinner than this are used only if there is no other way; 0: no bound
   LeastSurface(const std::vector<Point>& points, bool convex, std::span<const std::int32_t> polygon,
@@ -334,9 +334,9 @@ class LeastSurface {
   std::span<const std::int32_t> polygon_;
   const std::size_t n_;
   // By corner, or by two corners: arrays in place, as most polygons have few corners and would wait for the allocations.
-  std::array<Vec3, kMost> at_;
-  std::array<double, kMost * kMost> cost_;
-  std::array<std::uint8_t, kMost * kMost> via_;
+  std::array<Vec3, kMostCorners> at_;
+  std::array<double, kMostCorners * kMostCorners> cost_;
+  std::array<std::uint8_t, kMostCorners * kMostCorners> via_;
 };
 
 }  // namespace
@@ -364,7 +364,7 @@ PolygonDefects judge_polygon(std::span<const std::int32_t> polygon, std::span<co
 void triangulate(const FlatPolygon& view, std::span<const std::int32_t> polygon, std::span<const Vec3> position,
                  const Bounds& bounds, const Facet& like, std::vector<Facet>& facets) {
   const std::size_t n = view.points.size();
-  if (n <= 3 || n > LeastSurface::kMost ||
+  if (n <= 3 || n > LeastSurface::kMostCorners ||
       !LeastSurface(view.points, view.convex, polygon, position, bounds.no_slivers ? 4 * bounds.thickness : 0)
            .cut(like, facets))
     EarClipper(view.points, polygon).cut(like, facets);

@@ -15,8 +15,8 @@ namespace {
 // tuned planar
 constexpr double kMoveOfEdge = 0.5;  ///< largest move of a corner, as a share of its shortest edge
 constexpr double kLeast = 0.3;       ///< largest move of a corner at the least, as a share of the reach of the options
-constexpr double kMost = 1.5;        ///< largest move of a corner at the most, as a share of the reach of the options
-constexpr double kMostToHeld = 6;    ///< replaces kMost if given planes are further off
+constexpr double kMostMove = 1.5;    ///< largest move of a corner at the most, as a share of the reach of the options
+constexpr double kMostToHeld = 6;    ///< replaces kMostMove if given planes are further off
 /// A spread whose smallest eigenvalue is above this share of the next fixes no plane.
 constexpr double kThin = 0.25;
 
@@ -63,7 +63,7 @@ void Places::limit(std::span<const Unit> units) {
       for (const std::int32_t c : u.loop) to_held[c] += std::abs(u.normal.dot(start[c]) - u.offset);
   for (std::size_t c = 0; c < reach.size(); ++c)
     reach.edit(c) =
-        std::min(reach[c], std::max(kMost * base, std::min(to_held[c] + kMoveOfEdge * base, kMostToHeld * base)));
+        std::min(reach[c], std::max(kMostMove * base, std::min(to_held[c] + kMoveOfEdge * base, kMostToHeld * base)));
 }
 
 bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double diagonal) {

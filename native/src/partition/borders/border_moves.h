@@ -151,8 +151,8 @@ struct BorderMoves {
 
   /// Labels of the faces that share just a vertex with a face.
   struct Ring {
-    static constexpr int kMost = 24;  // limit
-    std::array<std::int32_t, kMost> label;
+    static constexpr int kMostLabels = 24;  // limit
+    std::array<std::int32_t, kMostLabels> label;
     int size = 0;
     /// The number of them in the one region minus the number in the other.
     [[nodiscard]] int gain(std::int32_t own, std::int32_t other) const {
@@ -176,7 +176,7 @@ struct BorderMoves {
     for (int k = 0; k < 3; ++k) {  // around the vertex between edges k and k + 1
       const std::int32_t goal = around[(k + 1) % 3];
       std::int32_t before = face, at = around[k];
-      for (int step = 0; step < Ring::kMost / 3 && at != goal && at != graph.size(); ++step) {
+      for (int step = 0; step < Ring::kMostLabels / 3 && at != goal && at != graph.size(); ++step) {
         if (!reach.holds(at)) return false;
         if (before != face) ring.label[ring.size++] = labels.get(at);
         go_on_round(before, at);

@@ -19,7 +19,7 @@ constexpr double kClusterSteps = 0.58;  // averagings over clusters of one face 
 constexpr int kFewestSteps = 12;        // for which faces are still joined into larger clusters
 constexpr double kQuiet = 0.2;          // share of the area that is taken to be rough by noise alone
 constexpr double kFloor = 0.1;          // share of the mean that is added to each
-constexpr double kMost = 8.0;           // largest factor on the density
+constexpr double kMostDensity = 8.0;    // largest factor on the density
 
 /// Faces, or clusters of a few, that normals spread over.
 struct NormalField {
@@ -141,7 +141,8 @@ std::vector<float> adaptive_weights(const Surface& surface, double adaptivity, c
   mean /= total;
   double weighted = 0.0;
   for (std::size_t u = 0; u < rough.size(); ++u) {
-    rough[u] = std::clamp(std::pow((rough[u] + kFloor * mean) / ((1 + kFloor) * mean), adaptivity), 1 / kMost, kMost);
+    rough[u] = std::clamp(std::pow((rough[u] + kFloor * mean) / ((1 + kFloor) * mean), adaptivity), 1 / kMostDensity,
+                          kMostDensity);
     weighted += rough[u] * field.area[u];
   }
   for (std::size_t i = 0; i < weight.size(); ++i)

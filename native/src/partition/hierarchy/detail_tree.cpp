@@ -148,12 +148,12 @@ double finest_for(double detail) {
 
 std::int32_t small_count(std::int32_t faces) {
   // tuned round
-  constexpr std::int32_t kFaces = 20;      // faces of a small region
-  constexpr std::int32_t kFewest = 120;    // least number of small regions
-  constexpr std::int32_t kMost = 450;      // largest number of small regions
-  constexpr std::int32_t kMostFine = 700;  // largest number of small regions of scans of more faces than kFine
-  constexpr std::int32_t kFine = 100000;   // faces of a scan that is fine
-  return std::min(faces, std::clamp(faces / kFaces, kFewest, faces > kFine ? kMostFine : kMost));
+  constexpr std::int32_t kFaces = 20;         // faces of a small region
+  constexpr std::int32_t kFewest = 120;       // least number of small regions
+  constexpr std::int32_t kMostRegions = 450;  // largest number of small regions
+  constexpr std::int32_t kMostFine = 700;     // largest number of small regions of scans of more faces than kFine
+  constexpr std::int32_t kFine = 100000;      // faces of a scan that is fine
+  return std::min(faces, std::clamp(faces / kFaces, kFewest, faces > kFine ? kMostFine : kMostRegions));
 }
 
 DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, Job& job, std::int32_t threads)
