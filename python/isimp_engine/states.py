@@ -61,12 +61,12 @@ class Split:
 
 
 def repair_of(step: rcp.Partition, clean: CleanOptions) -> Repair:
-    """The repair of a partition step. clean: of what the step does not have."""
+    """The repair of a partition step. clean: the options that the step does not have."""
     return Repair.by(CleanOptions(**clean.as_dict() | rcp.engine_options(step, rcp.CLEAN)), step.keep_openings)
 
 
 def split_of(step: rcp.Partition, guides: GuidesOf, clean: CleanOptions, **more: Any) -> Split:
-    """The split of a partition step, also of the add-on's own class. clean: of what the step does not have.
+    """The split of a partition step, also of the add-on's own class. clean: the options that the step does not have.
 
     more: further values of PartitionOptions.
     """

@@ -86,7 +86,7 @@ Some largest_first(const std::vector<Region>& regions) {
   return some;
 }
 
-/// Gives regions of one direction with nearly the same plane one plane: the one set by hand if there is one.
+/// Makes nearly equal planes of one direction one plane: the one set by hand if there is one.
 void align_offsets(std::vector<Region>& regions, Some all, const Limits& limits, const Job& job) {
   std::stable_partition(all.begin(), all.end(), [&](std::int32_t r) { return regions[r].is_by_hand(); });
   std::vector<bool> done(regions.size(), false);

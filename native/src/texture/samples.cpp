@@ -13,7 +13,7 @@ namespace {
 // tuned texture
 constexpr float kSeen = 1.5F;  // texels of the gutter that show at an edge, between pixels
 
-/// Finds the texels of a polygon. Their weight of the closest point is 0 so far.
+/// Finds the texels of a polygon. Their weight of the closest point is 0.
 /// \return whether there are any
 bool find_own(const Scene& scene, std::int32_t q, Samples& samples) {
   const TexelBox& box = samples.box;

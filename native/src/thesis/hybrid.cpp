@@ -211,7 +211,7 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
   sum_regions(surface.graph(), regions, job);
   const Threads threads(options.threads);
   if (!faithful) {
-    // The borders are first those of the coarse faces, which were smoothed there; relaxing moves them on the dense
+    // The borders begin at the coarse faces, which were smoothed there; relaxing moves them on the dense
     // mesh.
     const BorderWeight weight{0.5 * light_border_weight(regions.error()).edge};
     relax_borders(surface.graph(), regions, weight, kDenseSweeps, threads, job);

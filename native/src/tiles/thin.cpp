@@ -10,8 +10,8 @@ namespace isimp::tiles {
 namespace {
 
 // tuned tiles
-constexpr std::size_t kLargestRing = 40;     // limit: faces around a vertex that may go
-constexpr std::int64_t kEnough = 20;         // limit: passes of one cost end if at most one of kEnough faces goes
+constexpr std::size_t kLargestRing = 40;  // limit: faces around a vertex that may go
+constexpr std::int64_t kEnough = 20;      // limit: passes of one cost end if they remove at most one of kEnough faces
 constexpr std::int32_t kPollEvery = 0x3fff;  // work
 constexpr double kLeastCosine = 0.2;         // between a face and the mean direction of the scan's faces in it
 constexpr double kLeastQuality = 0.05;       // twice the area of a new face by the square of its longest edge

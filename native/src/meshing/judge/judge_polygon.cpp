@@ -97,7 +97,7 @@ bool is_convex(const std::vector<Point>& p) {
 }
 
 /// Whether edge i touches edge j, j > i, elsewhere than where they follow each other. Corners that planes put on an edge are
-/// beside it by the rounding to float32, so less than `thickness` is a touch.
+/// off it by the rounding to float32, so less than `thickness` is a touch.
 bool touch(const std::vector<Point>& p, std::size_t i, std::size_t j, double thickness) {
   const std::size_t n = p.size();
   const Point &a = p[i], &b = p[i + 1], &c = p[j], &d = p[j + 1 < n ? j + 1 : 0];
