@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "find.h"
+#include "isimp/core/tiny.h"
 #include "numbers.h"
 #include "surfaces.h"
 
@@ -86,7 +87,7 @@ class Bends {
   [[nodiscard]] Vec3 middle(std::size_t k) const {
     Vec3 sum = Vec3::Zero();
     for (const std::int32_t i : found_[k].points) sum += p_.area[i] * p_.centre[i];
-    return sum / std::max(p_.area_of(found_[k].points), 1e-300);
+    return sum / std::max(p_.area_of(found_[k].points), kTiny);
   }
 
   [[nodiscard]] std::optional<Bend> between(std::size_t i, std::size_t j) const {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "isimp/core/tiny.h"
 #include "isimp/core/to_integer.h"
 
 namespace isimp::curved {
@@ -221,7 +222,7 @@ class Cutter {
     for (std::size_t k = 0; k < parts; ++k) {
       normal[k] = grid_.is_cap(static_cast<std::int32_t>(k)) ? Vec2(0, normal[k].y() < 0 ? -1 : 1)
                                                              : Vec2(normal[k].normalized());
-      all.emplace_back(normal[k], normal[k].dot(middle[k]) / std::max(area[k], 1e-300));
+      all.emplace_back(normal[k], normal[k].dot(middle[k]) / std::max(area[k], kTiny));
     }
     // The edges of a pipe and of its bend meet exactly if both depend on the radius alone.
     if (p_.kind == CurvedKind::cylinder) all[0] = {normal[0], normal[0].x() * sinc * p_.radius};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "isimp/core/tiny.h"
 #include "numbers.h"
 
 namespace isimp::curved {
@@ -178,7 +179,7 @@ class Borders {
       turn += f_.area(i) * (1 - r.normal.dot(normal_.at(i)));
       area += f_.area(i);
     }
-    area = std::max(area, 1e-300);
+    area = std::max(area, kTiny);
     return std::sqrt(square / area) / near_.distance + turn / area / (1 - std::cos(2 * near_.turn));
   }
 

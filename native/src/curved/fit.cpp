@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "isimp/core/symmetric.h"
+#include "isimp/core/tiny.h"
 #include "least.h"
 
 namespace isimp::curved {

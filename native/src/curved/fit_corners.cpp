@@ -4,7 +4,7 @@
 
 #include "cells.h"
 #include "isimp/core/symmetric.h"
-#include "least.h"
+#include "isimp/core/tiny.h"
 
 namespace isimp::curved {
 namespace {

@@ -7,8 +7,8 @@
 #include "fit.h"
 #include "grid.h"
 #include "isimp/core/symmetric.h"
+#include "isimp/core/tiny.h"
 #include "isimp/core/to_integer.h"
-#include "least.h"
 
 namespace isimp::curved {
 namespace {

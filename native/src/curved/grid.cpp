@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "isimp/core/tiny.h"
 #include "isimp/core/to_integer.h"
 #include "numbers.h"
 
@@ -103,7 +104,7 @@ class Profile {
     }
     std::array<double, 8> s{};
     for (std::size_t k = 0; k < s.size(); ++k) s[k] = sum_[k][j] - sum_[k][i];
-    const double w = std::max(s[0], 1e-300), length = std::max(std::hypot(s[1], s[2]), 1e-300);
+    const double w = std::max(s[0], kTiny), length = std::max(std::hypot(s[1], s[2]), kTiny);
     const double m0 = s[1] / length, m1 = s[2] / length, r = s[3] / w, z = s[4] / w;
     const double rr = s[5] / w - r * r, rz = s[6] / w - r * z, zz = s[7] / w - z * z;
     straight_[i][j] = w * std::max(0.0, m0 * m0 * rr + 2 * m0 * m1 * rz + m1 * m1 * zz);
@@ -180,7 +181,7 @@ void begin_at(CurvedProxy& proxy, double at) {
   Vec2 first = corner(proxy, 0);
   for (double left = at; edge < n; ++edge) {
     const Vec2 t = corner(proxy, (edge + 1) % n) - corner(proxy, edge);
-    first = corner(proxy, edge) + std::min(1.0, left / std::max(t.norm(), 1e-300)) * t;
+    first = corner(proxy, edge) + std::min(1.0, left / std::max(t.norm(), kTiny)) * t;
     if (left < t.norm()) break;
     left -= t.norm();
   }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "face_labels.h"
+#include "isimp/core/tiny.h"
 #include "numbers.h"
 
 namespace isimp::curved {
@@ -32,7 +33,7 @@ class Before {
         area_[r] += faces.area(i);
         middle_[r] += faces.area(i) * faces.centre(i);
       }
-    for (std::size_t r = 0; r < area_.size(); ++r) middle_[r] /= std::max(area_[r], 1e-300);
+    for (std::size_t r = 0; r < area_.size(); ++r) middle_[r] /= std::max(area_[r], kTiny);
   }
 
   [[nodiscard]] std::int32_t region(std::int32_t i) const { return part_.face_region[f_.graph().mesh_face[i]]; }

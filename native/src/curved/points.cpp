@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "isimp/core/symmetric.h"
+#include "isimp/core/tiny.h"
 #include "numbers.h"
 
 namespace isimp::curved {
@@ -43,7 +44,7 @@ class Splitter {
       sum += f_.area(i) * f_.centre(i);
       area += f_.area(i);
     }
-    return sum / std::max(area, 1e-300);
+    return sum / std::max(area, kTiny);
   }
 
   /// Whether a flat region has its centre away from all of its faces.

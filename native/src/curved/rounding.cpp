@@ -9,6 +9,7 @@
 
 #include "cells.h"
 #include "face_labels.h"
+#include "isimp/core/tiny.h"
 #include "isimp/partition/partition.h"
 #include "numbers.h"
 
@@ -36,7 +37,7 @@ class Rounding {
         before_[label_[i]] += f_.area(i);
         middle_[label_[i]] += f_.area(i) * f_.centre(i);
       }
-    for (std::size_t r = 0; r < before_.size(); ++r) middle_[r] /= std::max(before_[r], 1e-300);
+    for (std::size_t r = 0; r < before_.size(); ++r) middle_[r] /= std::max(before_[r], kTiny);
   }
 
   Partition run(Job& job) {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "least.h"
+#include "isimp/core/tiny.h"
 
 namespace isimp::curved {
 namespace {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "isimp/core/tiny.h"
 #include "isimp/partition/curved.h"
-#include "least.h"
 
 /// Geometry of a curved surface at a point.
 namespace isimp::curved {

@@ -9,6 +9,7 @@
 
 #include "exact_sums.h"
 #include "isimp/core/errors.h"
+#include "isimp/core/tiny.h"
 
 namespace isimp {
 namespace {
@@ -88,7 +89,7 @@ std::vector<FaceNormal> face_normals(const Mesh& mesh, Job& job) {
     const Vec3 cross = ab.cross(ac);
     const double length = detail::norm(cross);
     const double longest = std::max({detail::dot(ab, ab), detail::dot(ac, ac), detail::dot(bc, bc)});
-    normals[f] = {cross / std::max(length, 1e-300), length > kThin * longest};
+    normals[f] = {cross / std::max(length, kTiny), length > kThin * longest};
   }
   return normals;
 }

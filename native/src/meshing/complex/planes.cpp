@@ -8,6 +8,7 @@
 
 #include "isimp/core/prefetch.h"
 #include "isimp/core/symmetric.h"
+#include "isimp/core/tiny.h"
 
 namespace isimp::meshing {
 namespace {
@@ -223,7 +224,7 @@ Scale scale_of(const Labels& labels, std::span<const Plane> planes) {
   }
   if (count == 0) return scale;
   scale.size = std::sqrt(area / count);
-  scale.deviation = std::sqrt(scale.square / std::max(area, 1e-300));
+  scale.deviation = std::sqrt(scale.square / std::max(area, kTiny));
   scale.error /= count;
   scale.square /= count;
   return scale;

@@ -27,8 +27,8 @@ constexpr double kBend = 1200;   // degrees that a bend of sqrt(area / charts) c
 constexpr double kShortEdge = 0.3;  // edges shorter than this, in sqrt(area / charts), do not become shorter
 constexpr double kFacing = 0.9;  // least cosine between a polygon that a move turns away from its chart, and that chart
 // tuned needles
-constexpr double kWorth = 1;    // degrees that a move has to gain
-constexpr double kTiny = 1e-6;  // rounding: share of the shortest edge: a corner with less freedom gains nothing
+constexpr double kWorth = 1;            // degrees that a move has to gain
+constexpr double kLeastFreedom = 1e-6;  // rounding: share of the shortest edge: with less a corner gains nothing
 
 class CornerSlider {
  public:
@@ -148,7 +148,7 @@ class CornerSlider {
     find_beside(c);
     const Freedom free = freedom_of(c);
     const double shortest = shortest_round(at);
-    if (free.most[0] + free.most[1] < kTiny * shortest) return;
+    if (free.most[0] + free.most[1] < kLeastFreedom * shortest) return;
     const double now = angles_round(at);
     if (!(now > 0)) return;
     for (Beside& b : beside_) b.facing = facing(b);

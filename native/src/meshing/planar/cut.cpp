@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "isimp/core/tiny.h"
 #include "judge/judge.h"
 
 namespace isimp::meshing::planar {
@@ -88,7 +89,7 @@ class Triangulation {
     const Vec3 area = (b - a).cross(c - a) / 2;
     const double size = area.norm();
     const double extent = std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-    const double share = kOfSurface * size / std::max(area_, 1e-300);
+    const double share = kOfSurface * size / std::max(area_, kTiny);
     const bool faces = area.dot(up_) > 0;
     if (is_core(i, k, j)) return faces || size <= rules_.thickness * extent ? share : kBad;
     const double turn = std::max(area.dot(direction(i, k, j)), area.dot(rules_.facing));

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "isimp/core/symmetric.h"
+#include "isimp/core/tiny.h"
 #include "planar/blocks.h"
 
 namespace isimp::meshing::planar {
@@ -122,7 +123,7 @@ class Solver {
     const std::span<Link> links = std::span(links_).subspan(first_[c], first_[c + 1] - first_[c]);
     const auto n = static_cast<Eigen::Index>(links.size());
     if (n == 0) return;
-    const double share = places_.base / std::max(places_.reach[c], 1e-300);
+    const double share = places_.base / std::max(places_.reach[c], kTiny);
     const double cost = kStep * share * share;
     form_.resize(n, n);
     off_.resize(n);
@@ -192,13 +193,13 @@ class Solver {
 void weigh(std::vector<Unit>& units, double base) {
   const double usual = usual_noise(units);
   for (Unit& u : units) {
-    const double quiet = kQuiet * base / std::max({u.noise, usual, 1e-300});
+    const double quiet = kQuiet * base / std::max({u.noise, usual, kTiny});
     u.trust = std::clamp(std::pow(quiet, kPower), 1.0, kMostTrust);
   }
 }
 
 void weigh_again(std::vector<Unit>& units) {
-  const double most = kTooFar * std::max(usual_noise(units), 1e-300);
+  const double most = kTooFar * std::max(usual_noise(units), kTiny);
   for (Unit& u : units) {
     if (u.is_fixed() || u.free) continue;
     const double beyond = u.offset - u.normal.dot(u.scan.centre);

@@ -9,6 +9,7 @@
 
 #include "isimp/core/sorted.h"
 #include "isimp/core/symmetric.h"
+#include "isimp/core/tiny.h"
 
 namespace isimp::meshing::planar {
 namespace {
@@ -66,7 +67,7 @@ class Corner {
     for (const auto& [u, place] : uses) {
       if (!units[u].binds()) continue;
       const double one = units[u].loop.size() == 3 ? kOfTriangle : units[u].missed ? kOfMissed : 1;
-      all_.push_back({u, place, one * (1 + kOfArea * units[u].scan.area / std::max(area, 1e-300))});
+      all_.push_back({u, place, one * (1 + kOfArea * units[u].scan.area / std::max(area, kTiny))});
     }
     std::stable_sort(all_.begin(), all_.end(), [](const auto& a, const auto& b) { return a.weight > b.weight; });
     if (all_.size() > kMostPlanes) all_.resize(kMostPlanes);

@@ -7,6 +7,7 @@
 
 #include "density/normal_filter.h"
 #include "hierarchy/contraction.h"
+#include "isimp/core/tiny.h"
 #include "isimp/partition/noise.h"
 
 namespace isimp {
@@ -117,7 +118,7 @@ std::vector<float> adaptive_weights(const Surface& surface, double adaptivity, c
     const Job::Stage smoothing(job, "finding details", 0.0, 0.6);
     return faces_of(surface.graph(), job);
   }();
-  const double edges = kRadius * surface_size(mesh) / std::max(mean_edge(mesh), 1e-300);
+  const double edges = kRadius * surface_size(mesh) / std::max(mean_edge(mesh), kTiny);
   double steps = std::clamp(kStepsARadius * edges * edges, 3.0, 4000.0);
   const double all = field.graph.size();
   while (steps * kClusterSteps * field.graph.size() / all > 2 * kFewestSteps) {

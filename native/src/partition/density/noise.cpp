@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "isimp/core/tiny.h"
 #include "parts.h"
 
 namespace isimp {
@@ -181,7 +182,7 @@ double estimate_noise(const Mesh& mesh, const Threads& threads, Job& job) {
   if (noise == 0) return 0.0;
   const double doubt = ramp(noise, kFelt * edge, kStrong * edge);
   if (doubt == 0) return noise;
-  const double ratio = of_twice / std::max(median_along(mesh, 1, of_once, threads, job), 1e-300);
+  const double ratio = of_twice / std::max(median_along(mesh, 1, of_once, threads, job), kTiny);
   const double trust = ramp(ratio, kShape, kNoise) * (1 - ramp(ratio, kNoiseToo, kShapeToo)) *
                        (1 - ramp(growth_of(mesh, twice, job), kSteady, kGrows));
   return noise * (1 - doubt * (1 - trust));
