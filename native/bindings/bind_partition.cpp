@@ -194,8 +194,9 @@ void bind_partition_result(py::module_& m) {
           "region_normal @ x is this, x in the caller's coordinates; else empty.")
       .def_property_readonly(
           "region_held", viewer<Partition>(&Partition::region_held),
-          "(R,) uint8: 1 where regularise snapped the plane, 2 where align_planes set it; polygons keep to it. "
-          "Empty: none.")
+          "(R,) uint8: 1 where regularise snapped the plane, 2 where align_planes set it, 4 where it is of a cell of a "
+          "round part: polygons keep to these. 3 where align_planes released it: neither held nor snapped. Else 0. "
+          "Empty: all 0.")
       .def_property_readonly(
           "bound", [](const Partition& part) { return given_or_none(is_bounded(part), part.bound); },
           "The given bound, scene units; None without.")
