@@ -393,7 +393,7 @@ def reach_findings(
 
 def _regions_that_keep(surface: Surface, part: engine.Partition, poly: engine.PolygonMesh) -> np.ndarray:
     """The regions with given planes that were not let go, or by some of their polygons only."""
-    held, region = np.asarray(part.region_held) > 0, np.asarray(poly.polygon_region)
+    held, region = engine.planes.is_held(np.asarray(part.region_held)), np.asarray(poly.polygon_region)
     if not held.any():
         return np.flatnonzero(held)
     released = np.zeros(len(held), bool)
