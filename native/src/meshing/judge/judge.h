@@ -39,7 +39,7 @@ struct PolygonDefects {
 // tuned unrecorded
 /// The cosine between a polygon and its chart up to which it counts as flipped.
 constexpr double kFacingChart = 0.2;
-/// The same for polygons that planar ones were cut into. They may be steep where the bent one was.
+/// Polygons that planar ones were cut into are flipped up to this cosine. They may be steep where the bent one was.
 constexpr double kFacingApart = 0.02;
 
 struct Bounds {
