@@ -13,7 +13,6 @@ from isimp.blender.tools import opening, part, point, under
 from isimp.blender.view import overlay
 from isimp.recipe import Mesh
 from isimp.session import Session, StepFailed
-from test_openings import pierced
 
 OPS = bpy.ops.isimp
 PRESS = SimpleNamespace(type="LEFTMOUSE", value="PRESS", ctrl=False, oskey=False)
@@ -89,7 +88,7 @@ def test_locked_regions_are_known_once_the_outcome_is_cached(monkeypatch):
 
 
 def test_a_part_is_found_on_the_mesh_that_is_split(monkeypatch):
-    scan = pierced()
+    scan = scans.pierced()
     OPS.partition(proxies=8)
     monkeypatch.setattr(under, "_fits", lambda known, scan: True)  # as with a window, where arrays are kept
     runtime.get().ground = None
