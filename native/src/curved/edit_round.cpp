@@ -6,11 +6,11 @@
 #include <string>
 #include <utility>
 
-#include "face_labels.h"
+#include "cells/patches.h"
+#include "cells/rounding.h"
+#include "find/face_labels.h"
+#include "fit/numbers.h"
 #include "isimp/core/errors.h"
-#include "numbers.h"
-#include "patches.h"
-#include "rounding.h"
 
 namespace isimp::curved {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "patches.h"
-#include "rounding.h"
+#include "cells/patches.h"
+#include "cells/rounding.h"
 
 namespace isimp {
 

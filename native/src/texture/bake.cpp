@@ -7,12 +7,12 @@
 #include <limits>
 #include <string>
 
-#include "flood.h"
+#include "images/flood.h"
+#include "images/sampler.h"
+#include "images/samples.h"
+#include "images/shade.h"
 #include "isimp/core/check.h"
 #include "isimp/core/to_integer.h"
-#include "sampler.h"
-#include "samples.h"
-#include "shade.h"
 
 namespace isimp {
 namespace {

@@ -10,12 +10,12 @@
 #include <thread>
 #include <vector>
 
-#include "flood.h"
+#include "images/flood.h"
+#include "images/ray_tree.h"
+#include "images/relief.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/threads.h"
 #include "isimp/core/to_integer.h"
-#include "ray_tree.h"
-#include "relief.h"
 
 namespace isimp {
 namespace {

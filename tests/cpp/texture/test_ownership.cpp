@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "ownership.h"
+#include "draw/ownership.h"
 
 namespace isimp::detail {
 namespace {

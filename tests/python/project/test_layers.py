@@ -32,8 +32,10 @@ ORDER = [
 UNRELATED = {("interact", "meshing"), ("meshing", "interact")}
 #: folders of a module, lowest first; a file may include files of its own and of lower folders
 ROOMS = {
+    "curved": ["fit", "find", "cells", ""],
     "mesh": ["surface", "files", "cleaning", ""],
     "meshing": ["discs", "complex", "judge", "place", "planar", "repair", "flat", ""],
+    "texture": ["layout", "draw", "images", ""],
 }
 PRIVATE = {"CGAL": {"mesh", "meshing"}, "OpenMesh": {"thesis"}, "thrust": {"parallel"}}
 
