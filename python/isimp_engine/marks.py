@@ -34,12 +34,11 @@ def marks_of(source: Source, given: dict[str, Any]) -> Marks:
     for name, values in arrays.items():
         _check(name, values, {"cuts": (None, 2), "part": (None,)}.get(name, (source.faces,)), not source.is_whole)
     if "cuts" in arrays:
-        edges = arrays["cuts"]
-        count = len(source.vertices) if source.is_whole else None
-        if (bad := np.argwhere((edges < 0) | (False if count is None else edges >= count))).size:
+        edges, count = arrays["cuts"], len(source.vertices)
+        if (bad := np.argwhere((edges < 0) | (source.is_whole & (edges >= count)))).size:
             row, end = bad[0]
             text = f"{{}}: row {row} (the first is 0) names vertex {edges[row, end]}; "
-            known = "begin with 0" if count is None else f"are 0 to {count - 1}"
+            known = f"are 0 to {count - 1}" if source.is_whole else "begin with 0"
             raise OptionError(f"{text}the vertices of the scan {known}", "cuts")
     chosen = arrays.get("part", np.zeros(0, int))
     if len(chosen) and not (chosen.min() >= 0 and (chosen.max() < source.faces or not source.is_whole)):

@@ -211,8 +211,7 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
   sum_regions(surface.graph(), regions, job);
   const Threads threads(options.threads);
   if (!faithful) {
-    // The borders begin at the coarse faces, which were smoothed there; relaxing moves them on the dense
-    // mesh.
+    // The borders begin as those of the coarse mesh, where they were smoothed. Relaxing moves them on the dense mesh.
     const BorderWeight weight{0.5 * light_border_weight(regions.error()).edge};
     relax_borders(surface.graph(), regions, weight, kDenseSweeps, threads, job);
   }

@@ -30,7 +30,7 @@ def numbers_away(numbers):
 
 
 def drawn_rows(scan, numbers=None, made=None, room=25):
-    """The texts of all that the report draws, from above."""
+    """The texts that the report draws, from top to bottom."""
     drawn = []
     with pytest.MonkeyPatch.context() as patch:
         for place in (main, panel.common):

@@ -15,7 +15,7 @@ import shapes
 pytest.importorskip("resource", reason="each case is a fork with limits, as POSIX has them")
 from bench.monkeys import draws, judging, monkey
 
-# Twenty seconds of the processor together. A new option or edit changes the draws of all cases.
+# Both tests need twenty seconds of the processor. A new option or edit changes the draws of all cases.
 MADE_SEED, MADE_CASES = 5, range(70)
 FILE_SEED, FILE_CASES = 3, range(40)
 FACES = 1000

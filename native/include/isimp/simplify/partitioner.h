@@ -37,8 +37,8 @@ class Partitioner {
   ///
   /// - `proxies`: exactly that many regions.
   /// - `detail` or `tolerance`: as many as the surface shows at that tolerance t, independent of its resolution. On a
-  ///   curved surface the mean distance from the regions' planes is about t. t never counts as less than
-  ///   kNoiseDeviations (choose_cut.h) of the noise. lloyd and teleport then make that number.
+  ///   curved surface the mean distance from the regions' planes is about t. t counts as at least
+  ///   kNoiseDeviations (choose_cut.h) times the deviation of the noise. lloyd and teleport then make that number.
   /// - `bound`: few regions, each with all its vertices within that of one plane.
   ///
   /// No region is empty, each is connected, every face of a kept component is in one. Every kept component gets at

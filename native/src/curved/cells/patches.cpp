@@ -120,11 +120,19 @@ CurvedSurface fitted(const Faces& faces, const CurvedSurface& surface, const Som
   return again.radius > 0 && rms(again, s) < rms(surface, s) ? again : surface;
 }
 
-/// The planes fitted once more, to the faces themselves: one small region gives no exact normal.
-void fit_planes(const Faces& faces, Scene& scene) {
+/// By surface: its faces, if is_in(face, surface).
+template <class IsIn>
+std::vector<Some> members_of(const Faces& faces, const Scene& scene, IsIn is_in) {
   std::vector<Some> members(scene.found.size());
   for (std::int32_t i = 0; i < faces.size(); ++i)
-    if (const std::int32_t k = scene.label[i]; k != kNone && scene.found[k].is_plane()) members[k].push_back(i);
+    if (const std::int32_t k = scene.label[i]; k != kNone && is_in(i, k)) members[k].push_back(i);
+  return members;
+}
+
+/// The planes fitted once more, to the faces themselves: one small region gives no exact normal.
+void fit_planes(const Faces& faces, Scene& scene) {
+  const std::vector<Some> members =
+      members_of(faces, scene, [&](std::int32_t, std::int32_t k) { return scene.found[k].is_plane(); });
   for (std::size_t k = 0; k < members.size(); ++k) {
     if (members[k].empty()) continue;
     const Samples s = samples_of(faces, members[k]);
@@ -135,10 +143,9 @@ void fit_planes(const Faces& faces, Scene& scene) {
 
 /// Drops surfaces where the regions leave only the noise of a scan, and the surface leaves much more: sides of a prism.
 void drop_prisms(const Faces& faces, const Before& before, Scene& scene, std::vector<bool>& kept) {
-  std::vector<Some> members(scene.found.size());
-  for (std::int32_t i = 0; i < faces.size(); ++i)
-    if (const std::int32_t k = scene.label[i]; k != kNone && !scene.found[k].is_plane() && before.region(i) != kNone)
-      members[k].push_back(i);
+  const std::vector<Some> members = members_of(faces, scene, [&](std::int32_t i, std::int32_t k) {
+    return !scene.found[k].is_plane() && before.region(i) != kNone;
+  });
   for (std::size_t k = 0; k < members.size(); ++k) {
     if (members[k].empty()) continue;
     const Samples s = samples_of(faces, members[k]);
@@ -198,15 +205,12 @@ Scene find_patches(const Faces& faces, const Partition& part, std::span<const st
   const Before before(faces, part);
   drop_prisms(faces, before, scene, kept);
   add_extrusions(faces, scene, kept, job);
-  std::vector<Some> members(scene.found.size());
-  for (std::int32_t i = 0; i < faces.size(); ++i) {
-    std::int32_t& k = scene.label[i];
-    if (k == kNone) continue;
-    if ((!kept[k] && !scene.found[k].is_plane()) || before.region(i) == kNone)
+  for (std::int32_t i = 0; i < faces.size(); ++i)
+    if (std::int32_t& k = scene.label[i];
+        k != kNone && ((!kept[k] && !scene.found[k].is_plane()) || before.region(i) == kNone))
       k = kNone;
-    else if (!scene.found[k].is_plane())
-      members[k].push_back(i);
-  }
+  std::vector<Some> members =
+      members_of(faces, scene, [&](std::int32_t, std::int32_t k) { return !scene.found[k].is_plane(); });
   for (std::size_t k = 0; k < members.size(); ++k) {
     if (members[k].empty()) continue;
     CurvedProxy proxy;

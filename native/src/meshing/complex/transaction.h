@@ -10,7 +10,7 @@ namespace isimp::meshing {
 /// another class (`Logged`).
 ///
 /// One at a time for each part. A transaction that ends without `commit` is rolled back.
-/// Cost: that of `State::begin_transaction`; from then on O(size of the changes), `rollback` included.
+/// Cost: `State::begin_transaction`, then O(size of the changes). `rollback` has the same cost as the changes.
 template <class... Parts>
 class Transaction {
  public:
