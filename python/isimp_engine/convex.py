@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._core import InvalidInput, Job, PolygonMesh, _convex_parts
 from .result import Result
+from .settings import OptionError
 from .source import Source, source_of
 
 _Arrays = tuple[NDArray[Any], NDArray[Any], NDArray[Any], NDArray[Any]]
@@ -19,6 +20,8 @@ NAMES: Mapping[str, Callable[[str, int], str]] = {
     "godot": lambda name, number: f"{name}_{number:02}-convcol",
     "plain": lambda name, number: f"{name}_{number:02}",
 }
+_FEWEST_VERTICES = 8  # of a box
+_FARTHEST = 1e30  # as in meshes
 MOST_VERTICES = 64  #: the default; engines of games allow at most 64 to 255
 THICKNESS = 0.02  #: of walls, share of the diagonal
 
@@ -65,16 +68,21 @@ def convex_parts(
     Cancelled.
     """
     if tolerance is not None and not tolerance > 0:
-        raise InvalidInput(f"tolerance must be a length above 0, got {tolerance}")
+        raise OptionError(f"{{}} must be a length above 0, got {tolerance}", "tolerance")
     if thickness is not False and not thickness > 0:
-        raise InvalidInput(f"thickness must be a length above 0, got {thickness}")
+        raise OptionError(f"{{}} must be a length above 0, got {thickness}", "thickness")
     if parts is not None and parts < 1:
-        raise InvalidInput(f"parts must be at least 1, got {parts}")
+        raise OptionError(f"{{}} must be at least 1, got {parts}", "parts")
+    if most_vertices < _FEWEST_VERTICES:
+        raise OptionError(f"{{}} must be at least {_FEWEST_VERTICES}, got {most_vertices}", "most_vertices")
     arrays, points = _content(polygons, job)
     if enclose is False:
         points = np.zeros((0, 3))
     elif enclose is not True:
         points = np.asarray(enclose)
+    for of, some in (("vertex", arrays[0]), ("point to enclose", points)):
+        if np.size(some) and np.isfinite(some).all() and np.abs(some).max() > _FARTHEST:
+            raise InvalidInput(f"a {of} has a coordinate that is larger than {_FARTHEST:g}, the largest supported")
     vertices, loops, loop_start, region = arrays
     if thickness is True:
         thickness = THICKNESS * float(np.linalg.norm(np.ptp(vertices, axis=0))) if len(vertices) else 0.0

@@ -32,6 +32,11 @@ def _short(stem: str) -> str:
     return os.fsencode(stem)[:_LONGEST].decode("utf-8", "ignore")
 
 
+def readable(name: str) -> str:
+    """A file name as text for the inside of a file: bytes that are no UTF-8 become question marks in a diamond."""
+    return os.fsencode(name).decode("utf-8", "replace")
+
+
 def save_array(path: Path, values: Any, *, synced: bool = False) -> None:
     """Write an array as a .npy file. numpy's own way to a file raises no error on a full disk.
 

@@ -3,11 +3,12 @@
 import math
 import re
 
-#: metres
-UNITS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, '"': 0.0254, "ft": 0.3048}
+#: metres of each unit of a scene
+UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": 0.0254, "ft": 0.3048}
+_WRITTEN = UNITS | {'"': UNITS["in"]}
 
 _NUMBER = r"((?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)"
-_LENGTH = re.compile(rf"{_NUMBER}(?:/{_NUMBER})?\s*({'|'.join(map(re.escape, UNITS))})?")
+_LENGTH = re.compile(rf"{_NUMBER}(?:/{_NUMBER})?\s*({'|'.join(map(re.escape, _WRITTEN))})?")
 
 
 def length_of(text: str | float, unit: str | None) -> float:
@@ -23,4 +24,4 @@ def length_of(text: str | float, unit: str | None) -> float:
         return value
     if unit is None:
         raise ValueError(f": '{text}' needs the unit of the scene")
-    return value * UNITS[found[3]] / UNITS[unit]
+    return value * _WRITTEN[found[3]] / UNITS[unit]

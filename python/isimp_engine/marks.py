@@ -57,6 +57,8 @@ def _check(name: str, values: NDArray[Any], shape: tuple[int | None, ...], longe
         wanted = f"{wanted} or more" if longer and shape[0] is not None else wanted
         kind = "numbers" if name in ("weights", "borders") else "integers"
         raise OptionError(literal(f": must be ({wanted}) {kind}, is {values.shape} {values.dtype}"), name)
+    if np.isnan(values).any():
+        raise OptionError(literal(f": face {int(np.isnan(values).argmax())} has no number"), name)
 
 
 def guides_of(marks: Marks, angle: float | None, repaired: Repaired, job: Job) -> Guides:

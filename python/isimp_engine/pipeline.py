@@ -64,6 +64,11 @@ class Regions:
         return self.repaired.mesh
 
     @property
+    def unit(self) -> str:
+        """The unit of the scene."""
+        return self.source.unit_or(self.settings.unit)
+
+    @property
     def step(self) -> float | None:
         """The step that sizes were snapped to, scene units."""
         own, recipe = self.settings, self.settings.recipe
@@ -94,7 +99,7 @@ class Model(Regions):
     def write(self, path: str | PathLike[str], **given: Any) -> dict[str, Any]:
         """Write the polygons without their texture; see `exporting.write`."""
         known: dict[str, Any] = {"surfaces": self.surfaces, "partition": self.partition, "mesh": self.mesh}
-        known |= {"crs": self.settings.crs, "unit": self.settings.unit}
+        known |= {"crs": self.settings.crs, "unit": self.unit}
         return exporting.write(path, self.polygons, **known | given)
 
     def report(self, sizes: bool = True) -> dict[str, Any]:
@@ -129,7 +134,7 @@ class Model(Regions):
             "output": self.found.report,
             "clicks": self.clicks,
             "clutter": [each.as_dict() for each in self.clutter],
-            "validity": exporting.validity(self.polygons, self.surfaces, settings.unit),
+            "validity": exporting.validity(self.polygons, self.surfaces, self.unit),
             "texture": self.texture and self.texture.report,
         }
 

@@ -179,7 +179,7 @@ def _triangles(path: str | PathLike[str]) -> tuple[NDArray[np.float64], NDArray[
         from .texturing import glb  # reads files by this module
 
         with reader(path, "is damaged, or not glTF 2.0"):
-            return glb.geometry(place, place.read_bytes())[:2]
+            return glb.shape(place)
     return None
 
 
@@ -209,6 +209,14 @@ def read_polygons(
             vertices, triangles = found
             return vertices, triangles.ravel(), np.arange(0, triangles.size, 3, dtype=np.int32)
         return _core.read_polygons(place, job=job, threads=threads)
+
+
+def unit_of(path: Path, job: Job | None = None) -> str | None:
+    """The unit of a file's coordinates, if the file states it: 3MF does. Raises FileError or Cancelled."""
+    if kind_of(path) != ".3mf":
+        return None
+    with plain(path, job=job) as place, reader(place, "is damaged, or not 3MF"):
+        return three_mf.unit_of(place)
 
 
 def head_of(path: Path, size: int) -> bytes:

@@ -73,7 +73,7 @@ def why_not_round(mesh: Mesh, part: Partition) -> str:
         times = np.bincount(pairs[some].ravel(), minlength=regions)
         turn = np.bincount(pairs[some].ravel(), np.repeat(angle[some], 2), regions) / np.maximum(times, 1)
         bent = times >= 2
-        if area[bent].sum() < _LEAST_BENT * area.sum():
+        if not area[bent].sum() > _LEAST_BENT * area.sum():  # none has an area, for one
             continue
         height = 2 * area[bent] / around[bent] * turn[bent] / 8  # of an arc as wide as the region over its chord
         order = np.argsort(height)

@@ -78,13 +78,13 @@ def simplify(
     detail: float | None = None,
     tolerance: float | None = None,
     bound: float | None = None,
-    planar: bool = False,
+    planar: bool | None = None,
     regularise: float | bool | RegulariseOptions | None = None,
     scale: str | None = None,
     snap_sizes: float | str | None = None,
-    curved: bool = False,
+    curved: bool | None = None,
     texture: int | bool | None = None,
-    keep_openings: bool = False,
+    keep_openings: bool | None = None,
     preset: str | None = None,
     recipe: RecipeLike | None = None,
     strict: bool = False,
@@ -103,7 +103,8 @@ def simplify(
     snap_sizes: move planes, axes and radii so that sizes are multiples of this length (1.0 in scene units; "1mm" or
     "1/16in" with `unit`) where their uncertainty allows it; report["sizes"] lists the moves. It turns on planar and
     regularise.
-    texture: keep the scan's texture in an image of this size; True: as dense as the scan's.
+    texture: keep the scan's texture in an image of this size; True: as dense as the scan's. With `preset` too the
+    result has none without it, while the command keeps it where OUTPUT can have one.
     keep_openings: keep all holes and handles; else the ones that the regions can't show are closed in a noisy scan.
     preset: settings for a kind of scan: "figure", "building", "room", "cad", "city", "drawn", "generated", "low_poly".
     recipe: steps that the add-on exported: a path, or the value of its JSON. Options given here come before its own.
@@ -123,8 +124,8 @@ def simplify(
         "detail": detail,
         "tolerance": tolerance,
         "bound": bound,
-        "planar": planar or None,
-        "curved": curved or None,
+        "planar": planar,
+        "curved": curved,
         "regularise": _value(regularise, RegulariseOptions().angle),
         "scale": scale,
         "snap_sizes": snap_sizes,

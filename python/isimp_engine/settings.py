@@ -7,8 +7,7 @@ from typing import Any
 
 from . import recipe as rcp
 from ._core import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions, RegulariseOptions, TextureOptions
-from .exporting import UNITS
-from .lengths import length_of
+from .lengths import UNITS, length_of
 from .recipe import COUNTS
 from .recipe.presets import BY_NAME
 from .recipes import Recipe, RecipeLike, recipe_of
@@ -20,7 +19,7 @@ Kind = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions] | type
 LIKE_THE_SCAN = 0  #: size of a texture
 ANY_DISTANCE = 0.0  #: limit of ambient occlusion
 KEEP_CLUTTER, LEAVE_OUT_CLUTTER, BOX_CLUTTER = CLUTTER = ("keep", "leave-out", "box")
-CHOICES = {"clutter": CLUTTER, "unit": UNITS, "preset": tuple(BY_NAME)}
+CHOICES = {"clutter": CLUTTER, "unit": tuple(UNITS), "preset": tuple(BY_NAME)}
 #: options of an engine's class that have another name here, as another class has the name too
 RENAMED: dict[tuple[Kind, str], str] = {(RegulariseOptions, "angle"): "regularise"}
 _NEEDS = {
@@ -77,7 +76,7 @@ class Settings:
     angle: float | None  #: degrees; no region crosses an edge that bends by more
     texture: Texturing | None
     crs: int | None  #: EPSG number
-    unit: str
+    unit: str | None  #: of the scene; None: that of the file, else metres
     scanned_detail: float = 0.0  #: the detail of a preset for a scan with noise; 0: the same
     strict: bool = False  #: refuse a scan on which a click of the recipe finds no face
 
@@ -141,8 +140,11 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
     if len(counts := [name for name in COUNTS if name in given]) > 1:
         marks = " and ".join(["{}"] * len(counts))
         raise OptionError(f"{marks} each set the number of regions: give one of them", *counts)
-    if (angle := given.get("angle")) is not None and not 0 <= angle <= 180:
-        raise OptionError(f"{{}} must be in [0, 180], got {angle:g}", "angle")
+    angle, crs = given.get("angle"), given.get("crs")
+    if angle is not None and not (isinstance(angle, (int, float)) and 0 <= angle <= 180):
+        raise OptionError(literal(f" must be in [0, 180], got {angle!r}"), "angle")
+    if crs is not None and not (isinstance(crs, int) and crs > 0):
+        raise OptionError(literal(f" must be the number of an EPSG reference system, got {crs!r}"), "crs")
     texture = None
     if "texture" in given:
         shown = None if recipe is None else recipe.texture()
@@ -158,15 +160,30 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
         snap_sizes=step,
         recipe=recipe,
         keep_openings=bool(given.get("keep_openings")),
-        kept_places=[(x, y, z) for x, y, z in given.get("keep_opening", ())],
+        kept_places=_places(given.get("keep_opening", ())),
         clutter=given.get("clutter", KEEP_CLUTTER),
         angle=angle,
         texture=texture,
-        crs=given.get("crs"),
-        unit=given.get("unit", "m"),
+        crs=crs,
+        unit=given.get("unit"),
         scanned_detail=preset.scanned_detail if preset and not any(options.get(name) for name in COUNTS) else 0.0,
         strict=bool(given.get("strict")),
     )
+
+
+def _places(given: Any) -> list[Place]:
+    """The places of openings."""
+    try:
+        return [(float(x), float(y), float(z)) for x, y, z in given]
+    except (TypeError, ValueError):
+        raise OptionError(literal(f" must be a list of places (x, y, z), got {given!r}"), "keep_opening") from None
+
+
+def with_look(settings: Settings, preset: str | None, textured: bool) -> Settings:
+    """The settings for a file: with a preset it keeps the look of a scan that has one. textured: whether it can."""
+    if not preset or not textured or settings.texture is not None:
+        return settings
+    return replace(settings, texture=Texturing(LIKE_THE_SCAN, needed=False))
 
 
 def _step_of(options: Mapping[str, Any]) -> float | None:
@@ -270,5 +287,4 @@ def _with_recipe(given: dict[str, Any], recipe: Recipe | None) -> dict[str, Any]
     if any(name in given for name in COUNTS):
         own = {name: value for name, value in own.items() if name not in COUNTS}
     kept = [*given.get("keep_opening", ()), *own.get("keep_opening", ())]
-    opened = bool(given.get("keep_openings")) or own["keep_openings"]
-    return own | given | {"keep_opening": kept, "keep_openings": opened}
+    return own | given | {"keep_opening": kept}

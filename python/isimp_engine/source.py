@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from ._core import FileError, InvalidInput, Job, Mesh
 from .file_faces import cut, largest_shares
 from .guides import shared_edges
-from .reading import GLTF, TO_A_MESH, check_kind, read_polygons
+from .reading import GLTF, TO_A_MESH, check_kind, read_polygons, unit_of
 from .replay import Surface, face_edges
 from .replay.faces import Edges
 from .surfaces import areas
 from .texturing import TexturedSoup, read_textured
+from .texturing.reading import read_shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,7 @@ class Source:
     path: Path | None = None  #: its file
     soup: TexturedSoup | None = None  #: faces with their texture, if the caller requested it
     mesh: Mesh | None = None  #: the scan itself, if it was given repaired
+    unit: str | None = None  #: of its coordinates, if its file states one
     digest: str = ""  #: equal for equal scans, where there are several
 
     @property
@@ -44,6 +46,10 @@ class Source:
         """Its triangles with their faces."""
         face = self.polygon if self.mesh is None else self.mesh.source_face
         return Surface(self.vertices, self.triangles, face, self.faces)
+
+    def unit_or(self, given: str | None) -> str:
+        """The unit of the scene: the caller's, else that of the file, else metres."""
+        return given or self.unit or "m"
 
     def scaled(self, factor: float) -> "Source":
         """The scan, larger by a factor."""
@@ -113,15 +119,14 @@ def _triangles(vertices: NDArray[Any], faces: Any) -> tuple[NDArray[Any], NDArra
 
 def load(path: Path, job: Job | None, threads: int = 0, textured: bool = False) -> Source:
     """Read a scan's file. Raises FileError, also if it has points without faces, or Cancelled."""
-    check_kind(path)
-    if path.suffix.lower() in GLTF:
-        return _of_soup(read_textured(path, job=job), path)
+    if check_kind(path) in GLTF:
+        return _of_soup(read_textured(path, job=job) if textured else read_shape(path, job), path)
     vertices, loops, loop_start = read_polygons(path, job, threads=threads)
     if not len(loop_start) and len(vertices):
         raise FileError(f"{path}: has {len(vertices):,} points and no faces; {TO_A_MESH}")
     triangles, polygon = cut(vertices, loops, loop_start)
     shown = read_textured(path, job=job, threads=threads) if textured else None
-    return Source(vertices, triangles, polygon, len(loop_start), path, shown)
+    return Source(vertices, triangles, polygon, len(loop_start), path, shown, unit=unit_of(path, job))
 
 
 def _of_soup(soup: TexturedSoup, path: Path | None) -> Source:

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+_FAR = 1e3  # times the size: coordinates further from zero lose too many digits
 _BLOCK = 1 << 14  # triangles at once, so that intermediate values stay in a cache
 
 
@@ -18,6 +19,13 @@ def areas(vertices: NDArray[Any], triangles: NDArray[Any]) -> NDArray[np.float64
         x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         found[begin : begin + _BLOCK] = np.sqrt(x * x + y * y + z * z) / 2
     return found
+
+
+def far_from_zero(points: NDArray[Any]) -> NDArray[np.float64]:
+    """What to subtract from points (N, 3) for a file in single precision: whole numbers; 0 where they are near zero."""
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    return np.where(np.abs(middle) > _FAR * size, np.round(middle), 0.0)
 
 
 def pieces(count: int, pairs: NDArray[Any]) -> NDArray[np.intp]:

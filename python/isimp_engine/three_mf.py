@@ -19,6 +19,9 @@ _LEAST = 4096  # bytes that an object counts at each of its places
 _MODEL = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 _PATH = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}path"
 
+#: names of the units of a scene in such files
+UNITS = {"m": "meter", "mm": "millimeter", "cm": "centimeter", "um": "micron", "in": "inch", "ft": "foot"}
+
 Part = tuple[NDArray[np.float64], NDArray[np.int32]]
 
 
@@ -46,6 +49,13 @@ class _Package:
             if relation.get("Type") == _MODEL:
                 return relation.get("Target", "").lstrip("/")
         raise FileError(f"{self.path}: names no model")
+
+    def unit(self) -> str | None:
+        """The unit of the first model; None if there is no such unit."""
+        with self.file.open(self.root()) as stream:
+            _, element = next(ET.iterparse(stream, events=("start",)))  # noqa: S314
+        name = element.get("unit", "millimeter")
+        return next((unit for unit, known in UNITS.items() if known == name), None)
 
     def model(self, name: str) -> tuple[dict[str, _Object], list[tuple[str, str, NDArray[np.float64]]]]:
         """The objects of a model by number, and its items."""
@@ -128,3 +138,9 @@ def read(path: Path, most: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]
         _, items = package.model(name)
         parts = [part for item in items for part in package.parts(*item)]
     return joined(parts)
+
+
+def unit_of(path: Path) -> str | None:
+    """The unit of a file's coordinates; None if it names none of UNITS."""
+    with zipfile.ZipFile(path) as file:
+        return _Package(path, file, 0).unit()

@@ -21,7 +21,7 @@ from ..cli.files import check
 from ..cli.options import settings_of
 from ..cli.simplify import output_kinds
 from ..folders import WORK, discard
-from ..settings import Settings, option_names, without_gone
+from ..settings import Settings, option_names, with_look, without_gone
 from ..texturing.writing import companions
 from . import page
 from .scans import Scan, estimated_faces, find_scans, fixed_part, needed_mb
@@ -140,8 +140,10 @@ def run(
     place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
     given = dict(options or {})
     settings = _checked_options(given, recipe)
-    steps = None if settings.recipe is None else settings.recipe.to_values()
-    plan = Plan(place, _suffix(format, settings), given, steps, labels, reports, pictures, settings.texture is not None)
+    steps = None if recipe is None or settings.recipe is None else settings.recipe.to_values()  # a preset is an option
+    suffix = _suffix(format, settings)
+    textured = with_look(settings, given.get("preset"), suffix in exporting.TEXTURED).texture is not None
+    plan = Plan(place, suffix, given, steps, labels, reports, pictures, textured)
     _check_place(inputs, place)
     scans = find_scans(inputs, plan.suffix, besides=place)
     _check_outputs(scans, plan)

@@ -5,7 +5,6 @@ from typing import Any
 
 from ..cli import simplify as command
 from ..cli.command import EXPECTED, problem
-from ..cli.options import settings_of
 from ..cli.task import Simplification
 from . import picture
 from .table import MADE, PICTURE
@@ -23,7 +22,7 @@ def simplify(task: dict[str, Any], folder: Path) -> dict[str, Any]:
         one = Simplification(
             source,
             output,
-            settings_of(task["options"], task["recipe"]),
+            command.settings_for(output, task["options"], task["recipe"]),
             labels=output.with_suffix(".labels.npy") if task["labels"] else None,
             report=output.with_suffix(".report.json") if task["reports"] else None,
             quiet=True,

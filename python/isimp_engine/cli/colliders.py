@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import Result, simplify
 from ..convex import MOST_VERTICES, NAMES, convex_parts
+from ..drafts import readable
 from ..exporting import colliders
 from ..source import Source, load
 from . import words
@@ -99,7 +100,7 @@ def run(arguments: argparse.Namespace) -> None:
             job=job,
         )
     with Outputs() as outputs:
-        write = partial(colliders.write, name=output.stem, parts=parts, names=arguments.names, like=output)
+        write = partial(colliders.write, name=readable(output.stem), parts=parts, names=arguments.names, like=output)
         outputs.write(output, write)
         outputs.commit()
     if not arguments.quiet:

@@ -11,7 +11,8 @@ class UsageError(Exception):
 
 def flag(option: str) -> str:
     """The flag of an option."""
-    return "--keep-materials" if option == "materials" else "--" + option.replace("_", "-")
+    renamed = {"materials": "--keep-materials", "most_vertices": "--max-vertices"}
+    return renamed.get(option, "--" + option.replace("_", "-"))
 
 
 #: exit statuses

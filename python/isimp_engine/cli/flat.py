@@ -69,9 +69,10 @@ def _merge(task: Simplification, angle: float) -> None:
     with steps("mesh") as job:
         poly, region = merge_flat(mesh, angle, job=job)
     surfaces = exporting.surfaces_of(poly)
+    unit = source.unit_or(settings.unit)
     with Outputs() as outputs:
         with steps("write") as job:
-            of: dict[str, Any] = {"crs": settings.crs, "like": task.output, "surfaces": surfaces, "unit": settings.unit}
+            of: dict[str, Any] = {"crs": settings.crs, "like": task.output, "surfaces": surfaces, "unit": unit}
             told = outputs.write(task.output, partial(exporting.write, polygons=poly, job=job, **of))
             if isinstance(task.labels, Path):
                 outputs.write(task.labels, lambda path: save_array(path, labels(source, mesh, region)))
@@ -82,7 +83,7 @@ def _merge(task: Simplification, angle: float) -> None:
             "options": {"flat": angle},
             "regions": int(poly.report["regions"]),
             "output": {"path": str(task.output)} | poly.report,
-            "validity": exporting.validity(poly, surfaces, settings.unit),
+            "validity": exporting.validity(poly, surfaces, unit),
             "step": told or None,
             "seconds": steps.seconds,
             "peak_mb": machine.peak_mb(),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import CleanOptions, MeshingOptions, PartitionOptions, RegulariseOptions, TextureOptions, recipes, settings
-from ..exporting import UNITS
+from ..lengths import UNITS
 from ..settings import ANY_DISTANCE, CHOICES, CLUTTER, LIKE_THE_SCAN, Kind, OptionError, Settings, names, snapping
 from . import closing, guiding, texturing
 from .errors import UsageError, flag
@@ -29,6 +29,7 @@ def simplify_options() -> argparse.ArgumentParser:
     command.add_argument(
         "--keep-openings",
         action="store_true",
+        default=None,
         help="keep all holes and handles; else those that the regions can't show are closed in a noisy scan",
     )
     command.add_argument(
@@ -39,7 +40,7 @@ def simplify_options() -> argparse.ArgumentParser:
         help="keep the hole or handle at this place open; the report lists the places (may be given several times)",
     )
     guiding.add_angle(command)
-    add_fields(command, MeshingOptions, ("planar", "straight_rims"))
+    add_fields(command, MeshingOptions, ("planar", "planar_reach", "convex", "straight_rims"))
     command.add_argument(
         "--clutter",
         choices=CLUTTER,
@@ -108,9 +109,9 @@ def simplify_options() -> argparse.ArgumentParser:
     )
     command.add_argument(
         "--unit",
-        choices=UNITS,
+        choices=tuple(UNITS),
         help="unit of the scene: of STEP and 3MF, and for lengths with a unit. IFC, CityJSON, DXF, IDF and HBJSON are "
-        "in metres, so their coordinates are converted. Default: m",
+        "in metres, so their coordinates are converted. Default: that of a 3MF file, else m",
     )
     command.add_argument(
         "--preset",

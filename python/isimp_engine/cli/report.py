@@ -5,11 +5,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from .. import reports
+from ..drafts import readable
 from ..pipeline import make_model, make_regions
 from ..source import load
 from . import words
 from .ending import too_late
-from .errors import UsageError
+from .errors import UsageError, flag
 from .files import add_input, check_all, show
 from .options import settings_of
 from .progress import Steps, wanted
@@ -43,6 +44,9 @@ def run(arguments: argparse.Namespace) -> None:
         raise UsageError(f"{arguments.output}: is a file; OUTPUT_FOLDER must be a folder")
     if arguments.output.exists():
         check_all([arguments.output / name for name in reports.NAMES], [arguments.input])
+    for name in ("texture", "ao", "tiles", "materials"):
+        if getattr(arguments, name) is not None:
+            raise UsageError(f"{flag(name)}: a report has no texture")
     settings = settings_of(vars(arguments), arguments.recipe)
     steps = Steps(wanted(arguments.quiet))
     with steps("read") as job:
@@ -58,7 +62,7 @@ def run(arguments: argparse.Namespace) -> None:
             raise UsageError(f"--angles: there is no region {missing[0]}; they are numbered from 0 to {max(known)}")
         angles = reports.angle_rows(table, arguments.angles)
     texts = reports.texts_of(
-        arguments.input.name, model.mesh, model.partition, poly, table, settings.crs, step=model.step
+        readable(arguments.input.name), model.mesh, model.partition, poly, table, settings.crs, step=model.step
     )
     if angles is not None:
         texts[reports.ANGLES] = reports.write_csv(angles, ("region", "other", "angle"))

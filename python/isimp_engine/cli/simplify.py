@@ -2,7 +2,7 @@
 
 import argparse
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -12,8 +12,9 @@ from .. import FileError, MeshingOptions, Partition, exporting, machine
 from ..cache import Cache
 from ..drafts import save_array
 from ..pipeline import Model, has_texture, make_model, make_regions, require_texture
+from ..recipes import RecipeLike
 from ..repairs import Meshes
-from ..settings import LIKE_THE_SCAN, Settings, Texturing
+from ..settings import Settings, with_look
 from ..source import Source, load
 from ..texturing.writing import files_of
 from . import closing, lods, texturing, words
@@ -35,9 +36,7 @@ class Done:
 
 def task_of(arguments: argparse.Namespace) -> Simplification:
     """The run that a command line describes."""
-    settings = settings_of(vars(arguments), arguments.recipe)
-    if arguments.preset and settings.texture is None and exporting.kind_of(arguments.output) in exporting.TEXTURED:
-        settings = replace(settings, texture=Texturing(LIKE_THE_SCAN, needed=False))
+    settings = settings_for(arguments.output, vars(arguments), arguments.recipe)
     if arguments.lods is not None:
         lods.check(arguments)
     return Simplification(
@@ -50,6 +49,12 @@ def task_of(arguments: argparse.Namespace) -> Simplification:
         lods=arguments.lods,
         quiet=arguments.quiet,
     )
+
+
+def settings_for(output: Path, options: Mapping[str, Any], recipe: RecipeLike | None) -> Settings:
+    """The settings of options for a file that is to be written."""
+    settings = settings_of(options, recipe)
+    return with_look(settings, options.get("preset"), exporting.kind_of(output) in exporting.TEXTURED)
 
 
 def run(task: Simplification) -> Done:

@@ -5,7 +5,7 @@ CityJSON, DXF, IFC and energy models of buildings, STEP for CAD, STL and 3MF for
 
 from .formats import BUILDING_KINDS, KINDS, LODS, PLAIN, STEP_KINDS, TEXTURED, TILES, kind_of, missing, require
 from .surfaces import PLANAR, Surfaces, surfaces_of, validity
-from .writing import UNITS, write
+from .writing import write
 
 __all__ = [
     "BUILDING_KINDS",
@@ -16,7 +16,6 @@ __all__ = [
     "STEP_KINDS",
     "TEXTURED",
     "TILES",
-    "UNITS",
     "Surfaces",
     "kind_of",
     "missing",

@@ -5,8 +5,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
+import numpy as np
+
 from .._core import FileError
 from ..convex import NAMES, Convex
+from ..surfaces import far_from_zero
 
 Named = Sequence[tuple[str, Convex]]
 
@@ -53,16 +56,21 @@ def _mjcf(draft: Path, name: str, parts: Named) -> None:
 
 def _usda(draft: Path, name: str, parts: Named) -> None:
     """A scene of USD as text: a mesh for each part that collides as its convex hull."""
+    shift = far_from_zero(np.concatenate([part.vertices for _, part in parts]))  # `translate` has double precision
+    move = ["xformOp:translate"] if shift.any() else []
     lines = [
         "#usda 1.0",
         "(",
         f'    defaultPrim = "{_prim(name)}"',
+        "    metersPerUnit = 1",
         '    upAxis = "Z"',
         ")",
         f'def Xform "{_prim(name)}" {{',
+        *(f"    double3 {word} = {tuple(shift.tolist())}" for word in move),
+        *(f'    uniform token[] xformOpOrder = ["{word}"]' for word in move),
     ]
     for title, part in parts:
-        points = ", ".join(f"({x!r}, {y!r}, {z!r})" for x, y, z in part.vertices.tolist())
+        points = ", ".join(f"({x!r}, {y!r}, {z!r})" for x, y, z in (part.vertices - shift).tolist())
         lines += [
             f'    def Mesh "{_prim(title)}" (',
             '        prepend apiSchemas = ["PhysicsCollisionAPI", "PhysicsMeshCollisionAPI"]',

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import three_mf
 from .._core import Job, PolygonMesh, triangulate
+from ..surfaces import far_from_zero
 
-_FAR = 1e3  # times the size: coordinates further from zero lose too many digits as float32
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
-_UNITS = {"m": "meter", "mm": "millimeter"}
 _DATE = (1980, 1, 1, 0, 0, 0)  # the earliest of zip files: equal results are equal files
 _PARTS = {
     "[Content_Types].xml": '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -29,8 +29,7 @@ def write_stl(draft: Path, polygons: PolygonMesh, job: Job | None = None) -> Non
     triangles, _ = triangulate(polygons.vertices, polygons.loops, polygons.loop_start, job=job)
     corners = polygons.vertices[triangles]
     normal = _normals(corners)
-    size = np.linalg.norm(np.ptp(polygons.vertices, axis=0))
-    if np.abs(polygons.vertices).max() <= _FAR * size:
+    if not far_from_zero(polygons.vertices).any():
         rows = np.zeros(len(corners), _RECORD)
         rows["normal"], rows["corners"] = normal, corners
         draft.write_bytes(b"isimp".ljust(80) + np.uint32(len(rows)).tobytes() + rows.tobytes())
@@ -49,7 +48,7 @@ def write_3mf(draft: Path, polygons: PolygonMesh, unit: str, job: Job | None = N
     kind = "model" if polygons.report["closed"] else "surface"
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
-        f'<model unit="{_UNITS[unit]}" xml:lang="en-US"'
+        f'<model unit="{three_mf.UNITS[unit]}" xml:lang="en-US"'
         ' xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">',
         '<metadata name="Application">isimp</metadata>',
         f'<resources><object id="1" type="{kind}"><mesh><vertices>',

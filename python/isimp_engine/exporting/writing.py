@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._core import FileError, InvalidInput, Job, Mesh, Partition, PolygonMesh
-from ..drafts import whole
+from ..drafts import readable, whole
 from ..file_errors import reader
+from ..lengths import UNITS
 from .formats import PLAIN, Content, format_of, in_metres, require
 from .surfaces import Surfaces
-
-UNITS = ("m", "mm")  #: of scenes, and of STEP and 3MF files
 
 
 def write(
@@ -52,7 +51,7 @@ def write(
     like: a name with the kind of the file, where `path` is a temporary one.
     surfaces: the result of `surfaces_of` for these polygons, if it is known already.
     partition, mesh: for STEP, the partition and the mesh that the polygons were made from.
-    unit: the scene unit, "m" or "mm". STEP and 3MF state it; coordinates in files of buildings are converted to metres.
+    unit: the scene unit, m, mm, cm, um, in or ft. STEP and 3MF state it; files of buildings are converted to metres.
     place: (4, 4), for STEP: a rotation and a shift to the coordinates of the file; None: the polygons' own.
     Returns a dict, empty for all formats except STEP: faces, solids, valid (by OpenCASCADE), volume, gap (largest
     distance of an edge from a face), triangulated (polygons), true_surfaces (number and kind of round parts), planes
@@ -70,7 +69,7 @@ def write(
         return {}
     require(named)
     writer, told = found.writer, dict[str, Any]()
-    name = named.name[: -len(found.suffix)] or "building"
+    name = readable(named.name[: -len(found.suffix)]) or "building"
     content = Content(polygons, name, job, crs, version, surfaces, partition, mesh, unit, place)
     content = in_metres(content) if found.metres else content
     _whole(Path(path), lambda draft: told.update(writer(draft, content)))

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from .. import machine
 from .._core import FileError, Job, PolygonMesh, triangulate
 from ..file_faces import joined
+from ..surfaces import far_from_zero
 from . import gltf_layers, ngons
 from .gltf_file import BINARY, JSON, MAGIC, GltfFile
 from .gltf_values import Item
@@ -24,37 +25,57 @@ from .soup import TexturedSoup
 
 _FLOAT, _UNSIGNED, _ARRAY_BUFFER, _ELEMENT_BUFFER = 5126, 5125, 34962, 34963
 _LARGEST = 0xFFFFFFFF  # bytes of a binary file, which has its size in 32 bits
-_FAR = 1e3  # coordinates this many times the size are given by the node, which has double precision
 
 
-def read(path: Path) -> TexturedSoup:
-    """The triangles of the default scene of a .glb or .gltf, placed by their nodes."""
-    file = GltfFile(path)
+def read(path: Path, shape_only: bool = False) -> TexturedSoup:
+    """The triangles of the default scene of a .glb or .gltf, placed by their nodes.
+
+    shape_only: without images and colours, so that these do not matter.
+    """
+    file = GltfFile(path, shape_only=shape_only)
     parts = [part for part in _parts(file) if len(part.triangles)]
     if not parts:
         raise FileError(f"{path}: has no triangles")
-    used = list(dict.fromkeys(part.shape.material for part in parts if part.shape.material >= 0))
-    number = {m: i for i, m in enumerate(used)} | {-1: -1}
-    has_colors = any(part.shape.colors is not None for part in parts)
-    pictures = [file.base_color(m, plain=not has_colors) for m in used]
     vertices, faces = joined([(part.vertices, part.triangles) for part in parts])
-    uv = np.concatenate([part.shape.uv for part in parts])
-    material = np.concatenate([np.full(len(part.triangles), number[part.shape.material], np.int32) for part in parts])
-    names = [file.item("materials", m).text("name", str(m)) for m in used]
-    corner_colors = np.concatenate([part.colors for part in parts])[faces] if has_colors else None
-    layers = gltf_layers.read(file, used, [(part.shape.primitive, part.triangles) for part in parts])
-    soup = TexturedSoup(vertices, faces, uv[faces], material, pictures, corner_colors, names, file.linked, layers)
+    vertices += _y_up(file.center())
+    soup = TexturedSoup(vertices, faces) if shape_only else _shown(file, parts, vertices, faces)
     counts = np.cumsum([0] + [int(part.shape.polygon[-1]) + 1 for part in parts])
     polygon = np.concatenate([part.shape.polygon + base for part, base in zip(parts, counts, strict=False)])
     object.__setattr__(soup, "polygon", polygon.astype(np.int32))
     return soup
 
 
+def _shown(
+    file: GltfFile, parts: list["_Part"], vertices: NDArray[np.float64], faces: NDArray[np.int32]
+) -> TexturedSoup:
+    """The triangles of all parts with their materials."""
+    used = list(dict.fromkeys(part.shape.material for part in parts if part.shape.material >= 0))
+    number = {m: i for i, m in enumerate(used)} | {-1: -1}
+    has_colors = any(part.shape.colors is not None for part in parts)
+    pictures = [file.base_color(m, plain=not has_colors) for m in used]
+    uv = np.concatenate([part.shape.uv for part in parts])
+    material = np.concatenate([np.full(len(part.triangles), number[part.shape.material], np.int32) for part in parts])
+    names = [file.item("materials", m).text("name", str(m)) for m in used]
+    corner_colors = np.concatenate([part.colors for part in parts])[faces] if has_colors else None
+    layers = gltf_layers.read(file, used, [(part.shape.primitive, part.triangles) for part in parts])
+    return TexturedSoup(vertices, faces, uv[faces], material, pictures, corner_colors, names, file.linked, layers)
+
+
 def geometry(path: Path, data: bytes) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
-    """Vertices (V, 3) and triangles (F, 3) of a glTF file's contents, and the centre that they are relative to."""
+    """Vertices (V, 3) and triangles (F, 3) of a tile's glTF file, and the centre that they are relative to, z up."""
     file = GltfFile(path, data, shape_only=True)
-    vertices, faces = joined([(part.vertices, part.triangles) for part in _parts(file)])
-    return vertices, faces, file.json.extension("CESIUM_RTC").numbers("center", 3, (0.0, 0.0, 0.0))
+    return *joined([(part.vertices, part.triangles) for part in _parts(file)]), file.center()
+
+
+def shape(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Vertices (V, 3) and triangles (F, 3) of a .glb or .gltf. There may be none."""
+    vertices, faces, center = geometry(path, path.read_bytes())
+    return vertices + _y_up(center), faces
+
+
+def _y_up(place: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A place of a tileset in the axes of its glTF files."""
+    return np.asarray(place[[0, 2, 1]] * [1.0, 1.0, -1.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +86,8 @@ class _Shape:
     points: NDArray[np.float64]  # (V, 3)
     triangles: NDArray[np.int32]  # (F, 3)
     uv: NDArray[np.float64]  # (V, 2), v upward
-    colors: NDArray[np.uint8] | None  # (V, 4)
+    colors: NDArray[np.uint8] | None  # (V, 4), with the factor of its material
+    factor: NDArray[np.float64]  # (4,) linear: the colour of its material where that shows no image
     material: int  # -1: none
     polygon: NDArray[np.int32]  # (F,) of which polygon each triangle is a part
 
@@ -89,10 +111,9 @@ class _Part:
 
     @property
     def colors(self) -> NDArray[np.uint8]:
-        """White where it has none."""
-        white = np.full((1, 4), 255, dtype=np.uint8)
+        """The colour of its material where it has none."""
         found = self.shape.colors
-        return np.broadcast_to(white, (len(self.shape.points), 4)) if found is None else found
+        return _stored_colors(np.tile(self.shape.factor, (len(self.shape.points), 1))) if found is None else found
 
 
 _BYTES = 24, 120  # bytes of memory for a vertex, and for a triangle with its corners
@@ -133,14 +154,15 @@ def _shape(file: GltfFile, primitive: Item) -> _Shape:
         raise FileError(f"{primitive.place}: a triangle uses vertex {triangles.max()}, but there are {len(points)}")
     material = primitive.whole("material") if "material" in primitive else -1
     uv = file.uv(primitive, file.color_texture(material))
-    colors = _stored_colors(file.accessor(attributes.whole("COLOR_0"))) if "COLOR_0" in attributes else None
+    factor = file.factor(material)
+    colors = _stored_colors(file.accessor(attributes.whole("COLOR_0")), factor) if "COLOR_0" in attributes else None
     for name, values in (("TEXCOORD", uv), ("COLOR_0", points if colors is None else colors)):
         if len(values) != len(points):
             raise FileError(f"{primitive.place}: {name} has {len(values)} elements, but POSITION {len(points)}")
     triangles = triangles.astype(np.int32)
     grouped = ngons.NAME in primitive.item("extensions")
     polygon = ngons.decoded(triangles) if grouped else np.arange(len(triangles), dtype=np.int32)
-    return _Shape(primitive, points, triangles, uv, colors, material, polygon)
+    return _Shape(primitive, points, triangles, uv, colors, factor, material, polygon)
 
 
 def _triangles(index: NDArray[Any], mode: int) -> NDArray[Any]:
@@ -155,8 +177,8 @@ def _triangles(index: NDArray[Any], mode: int) -> NDArray[Any]:
     return np.zeros((0, 3), dtype=index.dtype)  # points and lines
 
 
-def _stored_colors(linear: NDArray[Any]) -> NDArray[np.uint8]:
-    """glTF's colours of vertices are linear; stored ones are sRGB, as in images."""
+def _stored_colors(linear: NDArray[Any], factor: NDArray[np.float64] | None = None) -> NDArray[np.uint8]:
+    """glTF's colours of vertices are linear; stored ones are sRGB, as in images. factor: (4,) linear."""
     if linear.dtype.kind == "u":
         linear = linear / np.iinfo(linear.dtype).max
     linear = np.clip(np.nan_to_num(linear.astype(np.float64)), 0, 1)
@@ -164,6 +186,8 @@ def _stored_colors(linear: NDArray[Any]) -> NDArray[np.uint8]:
         raise ValueError("colours must be of type VEC3 or VEC4")
     if linear.shape[1] == 3:
         linear = np.hstack([linear, np.ones((len(linear), 1))])
+    if factor is not None:
+        linear = linear * np.clip(factor, 0, 1)
     linear[:, :3] = to_srgb(linear[:, :3])
     return np.round(linear * 255).astype(np.uint8)
 
@@ -264,7 +288,7 @@ def contents(
 ) -> Contents:
     """One mesh: everything by corner, v upward. triangles, shown: of each material; None: without one."""
     writer = _Writer()
-    shift = _shift(corners)
+    shift = far_from_zero(corners)  # the node has it, in double precision
     attributes = {"POSITION": writer.array(corners - shift, "VEC3", bounds=True)}
     attributes["NORMAL"] = writer.array(normals, "VEC3")
     if tangents is not None and any(one and one.normal for one in shown):  # the third direction is normal x tangent
@@ -310,7 +334,7 @@ def nodes(path: Path, solids: Sequence[tuple[str, NDArray[np.float64], NDArray[n
     """A file with a node for each of some named triangle meshes. path: its name, for errors."""
     writer = _Writer()
     points = np.concatenate([vertices for _, vertices, _ in solids])
-    shift = _shift(points)
+    shift = far_from_zero(points)
     meshes = []
     for name, vertices, triangles in solids:
         position = writer.array(vertices - shift, "VEC3", bounds=True)
@@ -325,10 +349,3 @@ def nodes(path: Path, solids: Sequence[tuple[str, NDArray[np.float64], NDArray[n
         "meshes": meshes,
     }
     return Contents(document, writer, []).glb(path)
-
-
-def _shift(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What is subtracted from coordinates that are far from zero, since the file has them in float32."""
-    middle = (points.min(0) + points.max(0)) / 2
-    size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    return np.where(np.abs(middle) > _FAR * size, np.round(middle), 0.0)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .._core import FileError
 from . import images, named
 from .gltf_values import Item
-from .layers import to_srgb
+from .layers import scaled_colors, to_srgb
 
 MAGIC, JSON, BINARY = b"glTF", 0x4E4F534A, 0x004E4942
 _KINDS = {5120: "i1", 5121: "u1", 5122: "i2", 5123: "u2", 5125: "u4", 5126: "f4"}
@@ -215,15 +215,22 @@ class GltfFile:
 
     def base_color(self, material: int, plain: bool) -> Any:
         """The image of a material; without one its colour, or None for the colours of the vertices."""
-        base = self._base(material)
-        texture = texture_of(base, "baseColorTexture")
+        texture, factor = self.color_texture(material), np.clip(self.factor(material), 0, 1)
         if texture is not None:
-            return self.picture(texture)
+            change = lambda image: scaled_colors(image, factor)  # noqa: E731
+            return self.pictures.changed(self.picture(texture), tuple(factor), change)
         if not plain:
             return None
-        factor = base.numbers("baseColorFactor", 4, (1, 1, 1, 1))
         factor[:3] = to_srgb(factor[:3])
-        return np.round(np.clip(factor, 0, 1) * 255).astype(np.uint8).reshape(1, 1, 4)
+        return np.round(factor * 255).astype(np.uint8).reshape(1, 1, 4)
+
+    def factor(self, material: int) -> NDArray[np.float64]:
+        """(4,) the linear factor on a material's colour."""
+        return np.ones(4) if material < 0 else self._base(material).numbers("baseColorFactor", 4, (1, 1, 1, 1))
+
+    def center(self) -> NDArray[np.float64]:
+        """(3,) the place that all coordinates are relative to, z up as in the tileset (CESIUM_RTC)."""
+        return self.json.extension("CESIUM_RTC").numbers("center", 3, (0.0, 0.0, 0.0))
 
     def picture(self, texture: Item) -> images.Image:
         """The image that a material's texture shows."""

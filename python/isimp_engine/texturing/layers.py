@@ -96,11 +96,17 @@ def channel(image: Image, k: int, factor: float = 1.0) -> Image:
 
 
 def scaled_colors(image: Image, factors: Any) -> Image:
-    """An image of colours times linear factors."""
+    """An image of colours times linear factors, with its alpha times the fourth; three factors leave it opaque."""
     wanted = np.asarray(factors, dtype=np.float64)
     if (wanted == 1).all():
         return image
-    return by_rows(image, lambda rows: to_srgb(to_linear(shares(rows[:, :, :3])) * wanted))
+
+    def scaled(rows: Image) -> NDArray[np.float64]:
+        stored = shares(rows)
+        color = to_srgb(to_linear(stored[:, :, :3]) * wanted[:3])
+        return np.dstack([color, stored[:, :, 3] * wanted[3]]) if len(wanted) == 4 else color
+
+    return by_rows(image, scaled)
 
 
 def scaled_normals(image: Image, scale: float) -> Image:

@@ -38,6 +38,12 @@ def read_textured(path: str | PathLike[str], *, job: Job | None = None, threads:
     raise AssertionError
 
 
+def read_shape(path: Path, job: Job | None = None) -> TexturedSoup:
+    """The triangles of a glTF file, also .gz and .zst, with their polygons; images and colours are not read."""
+    with plain(path, job=job) as place, reader(path, "is damaged, or not glTF 2.0"):
+        return glb.read(place, shape_only=True)
+
+
 def read_look(path: str | PathLike[str], job: Job | None = None) -> Look:
     """Read the polygons of a PLY, OBJ, STL, OFF or 3MF file, also .gz and .zst, with the look that it describes.
 

@@ -83,7 +83,7 @@ def test_limits_and_refusals(table, tmp_path):
     done = called("colliders", table, tmp_path / "a.fbx")
     check_line(done, 2, "OUTPUT must end in one of .obj, .glb, .xml, .usda")
     done = called("colliders", table, tmp_path / "a.obj", "--max-vertices", 3)
-    check_line(done, 3, "most_vertices must be at least 8, got 3")
+    check_line(done, 2, "--max-vertices must be at least 8, got 3")
     meshfiles.ply_binary(tmp_path / "open.ply", *shapes.plane(8))
     done = called("colliders", tmp_path / "open.ply", tmp_path / "b.obj")
     check_line(done, 3, "open.ply: the surface is open: it does not say whether (")

@@ -257,8 +257,8 @@ def test_a_cancel_is_seen_for_each_face_and_edge(read: Any) -> None:
 
 
 def test_an_unknown_unit_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(engine.InvalidInput, match="unit must be one of m, mm, got 'ft'"):
-        engine.write(tmp_path / "a.obj", scanned("capped")[2], unit="ft")
+    with pytest.raises(engine.InvalidInput, match="unit must be one of m, mm, cm, um, in, ft, got 'yd'"):
+        engine.write(tmp_path / "a.obj", scanned("capped")[2], unit="yd")
 
 
 def test_no_polygons_are_refused(tmp_path: Path, read: Any) -> None:

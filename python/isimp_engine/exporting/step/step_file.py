@@ -23,10 +23,12 @@ from OCP.TopLoc import TopLoc_Location
 
 from ... import _core
 from ..._core import FileError, Job, Mesh, Partition, PolygonMesh
+from ...lengths import UNITS
 from .given import poll
 from .solid import Made, make
 
 _LENGTHS = ("write.step.unit", "xstep.cascade.unit")
+_NAMES = {"in": "INCH"}  # of units; others are in capital letters
 
 
 def write(
@@ -50,8 +52,8 @@ def write(
     writer = STEPControl_Writer()  # before the settings, which it resets
     for printer in Message.DefaultMessenger_s().Printers():
         printer.SetTraceLevel(Message_Fail)  # otherwise it prints to stdout
-    with _settings({"write.step.schema": "AP214IS", **dict.fromkeys(_LENGTHS, unit.upper())}):
-        length = 1000.0 if unit == "m" else 1.0  # in millimetres; OpenCASCADE 7 reads it from the model
+    with _settings({"write.step.schema": "AP214IS", **dict.fromkeys(_LENGTHS, _NAMES.get(unit, unit.upper()))}):
+        length = 1000 * UNITS[unit]  # in millimetres; OpenCASCADE 7 reads it from the model
         writer.Model().SetLocalLengthUnit(length)
         writer.Model().SetWriteLengthUnit(length)
         done = writer.Transfer(shape, STEPControl_AsIs)
