@@ -255,3 +255,20 @@ def test_polygons_have_the_materials_of_their_regions():
         rest = [polygon.material_index for polygon in result.data.polygons if polygon.normal.z < 0.9]
         assert (top, rest) == ([1], [0] * 5)
     assert len(bpy.data.objects) == 2
+
+
+@pytest.mark.parametrize("takes_name", [False, True])
+def test_a_copy_of_a_scan_leaves_the_result_to_the_renamed_original(takes_name):
+    scan, first = simplified()
+    scan.hide_set(False)
+    scans.activate(scan)
+    bpy.ops.object.duplicate()
+    copy = bpy.context.object
+    scan.name = "Turned"
+    if takes_name:
+        copy.name = "Scan"
+    bpy.ops.isimp.partition(proxies=8)
+    bpy.ops.isimp.mesh()
+    second = bpy.context.object
+    assert [targets.scan_of(made) for made in (first, second)] == [scan, copy]
+    assert [len(made.data.polygons) for made in (first, second)] == [6, 8]

@@ -42,11 +42,12 @@ class IsimpMesh(bpy.types.PropertyGroup):
 class IsimpObject(bpy.types.PropertyGroup):
     """Which scan a result is of, and which kind a scan"""
 
-    # The scan is stored by name and key, since a pointer would keep a deleted scan in the file.
+    # The scan is stored by names and key, since a pointer would keep a deleted scan in the file.
 
     key: StringProperty()
     scan_key: StringProperty()
     scan_name: StringProperty()
+    scan_mesh: StringProperty()  # empty in files of earlier versions
     made: StringProperty()  # digest of a result after Mesh; see result.py
     named: StringProperty()  # name of a result after Mesh
     placed: StringProperty()  # transform of a result after Mesh, as JSON

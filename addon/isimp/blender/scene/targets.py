@@ -33,10 +33,13 @@ def scan_of(obj):
     wanted = obj.isimp.scan_key if obj is not None else ""
     if not wanted or obj.isimp.key:
         return None
-    named = bpy.data.objects.get(obj.isimp.scan_name)
-    if named is not None and named.isimp.key == wanted:
+    name, mesh = obj.isimp.scan_name, obj.isimp.scan_mesh
+    named = bpy.data.objects.get(name)
+    if named is not None and (named.isimp.key, named.data.name) == (wanted, mesh):
         return named
-    return next((other for other in bpy.data.objects if other.isimp.key == wanted), None)
+    same = [other for other in bpy.data.objects if other.isimp.key == wanted]  # a copy of the scan has its key too
+    meshes, names = ([o for o in same if o.data.name == mesh], [o for o in same if o.name == name])
+    return next((found[0] for found in (meshes, names, same) if len(found) == 1), None)
 
 
 def result_of(scene, scan):

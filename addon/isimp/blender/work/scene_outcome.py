@@ -62,7 +62,7 @@ def show_polygons(context, scan, work, outcome):
     made, kept = result.to_fill(context, scan)
     selection.leave_modes(context, made)
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
-    made.isimp.scan_key, made.isimp.scan_name = scan.isimp.key, scan.name
+    made.isimp.scan_key, made.isimp.scan_name, made.isimp.scan_mesh = scan.isimp.key, scan.name, scan.data.name
     slid = transfer.values_of_keys(made)
     turn = result.fill(made, scan, outcome)
     transfer.bones(made, scan, work.scan, outcome)
