@@ -11,6 +11,7 @@ from isimp.blender.scene import targets
 
 def simplified():
     scan = scans.cube()
+    scan.vertex_groups.new(name="Group")
     assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
     assert bpy.ops.isimp.mesh() == {"FINISHED"}
     return scan, bpy.context.object
@@ -42,7 +43,39 @@ def unwrap(result):
     result.data.uv_layers.new(name="Mine")
 
 
-@pytest.mark.parametrize("edit", [bevel, move_vertex, mark_seam, assign_material, unwrap])
+def replace_material(result):
+    result.data.materials.append(bpy.data.materials.new("Mine"))
+
+
+def weigh(result):
+    result.vertex_groups["Group"].add([0], 0.7, "REPLACE")
+
+
+def crease(result):
+    if "crease" in bpy.types.MeshEdge.bl_rna.properties:
+        result.data.edges[0].crease = 0.5
+    else:  # Blender 4.0 and later
+        result.data.attributes.new("crease_edge", "FLOAT", "EDGE").data[0].value = 0.5
+
+
+def measure(result):
+    result.data.attributes.new("Mine", "FLOAT_VECTOR", "POINT").data[0].vector = (1, 2, 3)
+
+
+def write_note(result):
+    note = b"north" if bpy.app.version > (4, 0) else "north"
+    result.data.attributes.new("Note", "STRING", "FACE").data[0].value = note
+
+
+def shade_smooth(result):
+    result.data.polygons[0].use_smooth = True
+
+
+EDITS = [bevel, move_vertex, mark_seam, assign_material, unwrap]
+EDITS += [replace_material, weigh, crease, measure, write_note, shade_smooth]
+
+
+@pytest.mark.parametrize("edit", EDITS)
 def test_mesh_again_keeps_a_result_that_was_edited_by_hand(edit, capfd):
     scan, first = simplified()
     edit(first)
@@ -272,3 +305,17 @@ def test_a_copy_of_a_scan_leaves_the_result_to_the_renamed_original(takes_name):
     second = bpy.context.object
     assert [targets.scan_of(made) for made in (first, second)] == [scan, copy]
     assert [len(made.data.polygons) for made in (first, second)] == [6, 8]
+
+
+@pytest.mark.parametrize("scan_hangs", [False, True])
+def test_a_parent_that_the_user_gave_to_a_result_stays(scan_hangs):
+    scan, result = simplified()
+    parent = scans.hang(result, location=(5, 0, 0))
+    if scan_hangs:
+        scans.hang(scan, location=(0, 9, 0))
+    bpy.context.view_layer.update()
+    for _ in range(2):
+        bpy.ops.isimp.mesh(chord_tolerance=0.1)
+        bpy.context.view_layer.update()
+        assert (bpy.context.object, result.parent) == (result, parent)
+        assert tuple(result.matrix_world.translation) == (5, 0, 0)

@@ -1,5 +1,6 @@
 """Reads and writes Blender meshes: bulk arrays in Object Mode, BMesh layers in Edit Mode."""
 
+from contextlib import contextmanager
 from itertools import islice
 
 import bmesh
@@ -187,6 +188,20 @@ def edit_mesh(mesh):
 def is_edited(obj) -> bool:
     """Return whether an object's mesh is in Edit Mode. While a file is opened, `mode` may be EDIT without a BMesh."""
     return obj.mode == "EDIT" and obj.data.is_editmode
+
+
+@contextmanager
+def whole(obj):
+    """Yields the mesh of an object with all layers. In Edit Mode it is a copy, as the mesh itself has empty layers."""
+    if not is_edited(obj):
+        yield obj.data
+        return
+    obj.update_from_editmode()
+    copy = obj.data.copy()
+    try:
+        yield copy
+    finally:
+        bpy.data.meshes.remove(copy)
 
 
 def counts(obj) -> tuple[int, int]:

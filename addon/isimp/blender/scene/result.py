@@ -11,37 +11,70 @@ from ...language import own
 from . import mesh_io, targets
 
 _PLACE = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
+_KINDS = {"FLOAT": np.float32, "INT": np.int32, "BOOLEAN": bool}
 COPIED = own("copied")
+MADE_OF = "isimp_of"  #: on a material of the add-on: the name of the scan's material that it replaces
 _DELTA = ("delta_location", "delta_rotation_euler", "delta_rotation_quaternion", "delta_scale")
 
 
 def digest(obj) -> str:
-    """Return a hash of all data that a user can edit in a result's mesh. Cost: linear in its size, which is small."""
-    if mesh_io.is_edited(obj):
-        obj.update_from_editmode()
-    mesh, found = obj.data, hashlib.blake2b(digest_size=16)
+    """Return a hash of the data that a user can edit in a result's mesh, weights and materials.
+
+    Cost: linear in its size, which is small.
+    """
+    with mesh_io.whole(obj) as mesh:
+        return _digest(obj, mesh)
+
+
+def _digest(obj, mesh) -> str:
+    found = hashlib.blake2b(digest_size=16)
     keys = mesh.shape_keys.key_blocks if mesh.shape_keys is not None else ()
-    for items, name, kind, width in (
-        (mesh.vertices, "co", np.float32, 3),
-        (mesh.edges, "vertices", np.int32, 2),
-        (mesh.edges, "use_seam", bool, 1),
-        (mesh.edges, "use_edge_sharp", bool, 1),
-        (mesh.loops, "vertex_index", np.int32, 1),
-        (mesh.polygons, "loop_total", np.int32, 1),
-        (mesh.polygons, "material_index", np.int32, 1),
-        *((layer.data, "uv", np.float32, 2) for layer in mesh.uv_layers),
-        *((layer.data, "color", np.float32, 4) for layer in mesh.color_attributes if layer.name != mesh_io.COLOR),
-        *((key.data, "co", np.float32, 3) for key in keys),
+    for items, name in (
+        (mesh.vertices, "co"),
+        (mesh.edges, "vertices"),
+        (mesh.edges, "use_seam"),
+        (mesh.edges, "use_edge_sharp"),
+        (mesh.loops, "vertex_index"),
+        (mesh.polygons, "loop_total"),
+        (mesh.polygons, "material_index"),
+        (mesh.polygons, "use_smooth"),
+        *((layer.data, "uv") for layer in mesh.uv_layers),
+        *((key.data, "co") for key in keys),
     ):
-        values = np.empty(width * len(items), kind)
-        items.foreach_get(name, values)
-        found.update(values.tobytes() + b"|")
+        found.update(_values(items, name).tobytes() + b"|")
+    known = {mesh_io.COLOR, "position", "sharp_face", *mesh.uv_layers.keys()}  # hashed above, or the add-on's
+    layers = [layer for layer in mesh.attributes if layer.name[0] != "." and layer.name not in known]
+    more = [(layer.name, _values(layer.data, "value", "vector", "color")) for layer in layers]
+    more += [
+        (name, _values(items, name)) for items in (mesh.vertices, mesh.edges) for name in ("crease", "bevel_weight")
+    ]
+    for name, values in more:
+        if values.any():  # Blender adds and removes layers of zeros
+            found.update(name.encode() + values.tobytes())
     if mesh.shape_keys is not None and mesh.shape_keys.animation_data is not None:
         found.update(b"animated")
     named = (obj.vertex_groups, mesh.uv_layers, mesh.color_attributes, keys)
     names = [[item.name for item in items if item.name != mesh_io.COLOR] for items in named]
-    found.update(repr((names, mesh.shape_keys is not None)).encode())
+    slotted = [slot.material for slot in obj.material_slots]
+    materials = [None if material is None else material.get(MADE_OF, material.name) for material in slotted]
+    every = mesh.vertices if len(obj.vertex_groups) else ()
+    weights = [[(entry.group, entry.weight) for entry in vertex.groups] for vertex in every]
+    state = names, materials, weights, mesh.shape_keys is not None, mesh.has_custom_normals
+    found.update(repr(state).encode())
     return found.hexdigest()
+
+
+def _values(items, *names) -> np.ndarray:
+    """Return the first of these properties that the items have, as an array; empty if they have none."""
+    properties = items[0].bl_rna.properties if len(items) else ()
+    name = next((name for name in names if name in properties), None)
+    if name is None:
+        return np.empty(0)
+    if properties[name].type == "STRING":
+        return np.frombuffer(repr([getattr(item, name) for item in items]).encode(), np.uint8)
+    values = np.empty(max(1, properties[name].array_length) * len(items), _KINDS[properties[name].type])
+    items.foreach_get(name, values)
+    return values
 
 
 def is_edited(obj) -> bool:
@@ -108,11 +141,14 @@ def fill(result, scan, outcome) -> np.ndarray:
     loops, start = np.array(polygons.loops), np.array(polygons.loop_start)
     unshaped = np.linalg.inv(mesh_io.shape_matrix(scan))
     vertices, shift = (np.asarray(polygons.vertices) - outcome.origin) @ unshaped, outcome.origin @ unshaped
-    moved = _moved(result)
+    moved, own_parent = _moved(result), _parent_of_user(result)
     vertices, loops, turn = place_at(result, scan, vertices, shift, loops, start)
+    result.isimp.parent = _parent_name(result)
     result.isimp.placed = json.dumps([list(row) for row in result.matrix_basis])
     if moved is not None:
         result.matrix_basis = moved @ result.matrix_basis
+    for name, value in own_parent.items():
+        setattr(result, name, value)
     defective = np.zeros(len(start), np.int32)
     for found in outcome.numbers["flaws"].values():
         defective[found] = 1
@@ -162,6 +198,18 @@ def _moved(result):
     if placed == result.matrix_basis or abs(placed.determinant()) < 1e-30:
         return None
     return result.matrix_basis @ placed.inverted()
+
+
+def _parent_of_user(result) -> dict:
+    """Return the properties of a parent that a result has got, or lost, since Mesh; empty if it has the same one."""
+    if _parent_name(result) == result.isimp.parent:
+        return {}
+    kept = {name: getattr(result, name) for name in ("parent", "parent_type", "parent_bone")}
+    return kept | {"matrix_parent_inverse": result.matrix_parent_inverse.copy()}
+
+
+def _parent_name(obj) -> str:
+    return "" if obj.parent is None else obj.parent.name
 
 
 def place_at(result, scan, vertices, shift, loops, start) -> tuple:

@@ -51,6 +51,7 @@ class IsimpObject(bpy.types.PropertyGroup):
     made: StringProperty()  # digest of a result after Mesh; see result.py
     named: StringProperty()  # name of a result after Mesh
     placed: StringProperty()  # transform of a result after Mesh, as JSON
+    parent: StringProperty()  # name of a result's parent after Mesh
     kind: StringProperty()  # name of the preset chosen for a scan
     unrendered: StringProperty()  # not empty: hidden in renders by the add-on, not by the user
 

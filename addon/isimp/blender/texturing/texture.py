@@ -11,7 +11,7 @@ from ...language import said
 from ...recipe import Texture, step_from_dict
 from ...session import Shown
 from ..scene import mesh_io, runtime
-from ..scene.result import corner_order
+from ..scene.result import MADE_OF, corner_order
 from . import materials, tiles
 
 OWN = "isimp_texture"  #: marks materials and images of the add-on
@@ -26,7 +26,6 @@ _PLACES = {
 }
 _ROWS = (*_PLACES, "occlusion")
 _STEP = "isimp_texture_step"  #: on a result: the recipe's step of its texture
-_OF = "isimp_of"  #: on a material of the add-on: the name of the scan's material that it replaces
 
 
 def is_textured(obj) -> bool:
@@ -93,14 +92,8 @@ def read(obj) -> tuple[Shown, list[str]]:
 
     Raises Unusable.
     """
-    if not mesh_io.is_edited(obj):
-        return _read(obj, obj.data)
-    obj.update_from_editmode()
-    copy = obj.data.copy()  # in Edit Mode the layers of the mesh itself are empty
-    try:
-        return _read(obj, copy)
-    finally:
-        bpy.data.meshes.remove(copy)
+    with mesh_io.whole(obj) as mesh:
+        return _read(obj, mesh)
 
 
 def _read(obj, mesh) -> tuple[Shown, list[str]]:
@@ -178,12 +171,12 @@ def _images_of(group: list, name: str, title: str, factors: dict) -> dict:
 def _own_material(mesh, title: str, name: str) -> int:
     """Return the index of the add-on's material for one of the scan's, or for all (title ""). Adds it if missing."""
     for i, material in enumerate(mesh.materials):
-        if material is not None and material.get(OWN) and material.get(_OF, "") == title:
+        if material is not None and material.get(OWN) and material.get(MADE_OF, "") == title:
             if material.users - material.use_fake_user > 1:  # a copy of the result keeps the former images
                 mesh.materials[i] = material.copy()
             return i
     mesh.materials.append(_new_material(f"{name} {title}" if title else name))
-    mesh.materials[-1][_OF] = title
+    mesh.materials[-1][MADE_OF] = title
     return len(mesh.materials) - 1
 
 
@@ -191,7 +184,7 @@ def _drop_materials(mesh, wanted) -> None:
     """Removes materials of the add-on whose title is not wanted, with their unused images."""
     for i in reversed(range(len(mesh.materials))):
         material = mesh.materials[i]
-        if material is None or not material.get(OWN) or material.get(_OF, "") in wanted:
+        if material is None or not material.get(OWN) or material.get(MADE_OF, "") in wanted:
             continue
         mesh.materials.pop(index=i)
         if material.users == 0:
