@@ -36,6 +36,11 @@ class Places:
         three = all(len(each) == 3 for each in (*self.points, *self.normals))
         check(not three, said("each point and normal of places must have 3 numbers"))
 
+    def scaled(self, factor: float) -> Places:
+        """The places in a scan that is larger by a factor."""
+        larger = {name: times(getattr(self, name), factor) for name in ("size", "points", "widths")}
+        return dataclasses.replace(self, **larger)
+
     def to_dict(self) -> dict[str, Any]:
         return dataclasses.asdict(self)
 
@@ -52,6 +57,11 @@ class Places:
         return Places(
             size, values["count"], tuple(values["faces"]), points, normals, numbers(values["widths"], "widths")
         )
+
+
+def times(value: Any, factor: float) -> Any:
+    """A number, or each number of nested tuples, times a factor."""
+    return tuple(times(each, factor) for each in value) if isinstance(value, tuple) else value * factor
 
 
 def faces_of(step: Step) -> tuple[int, ...]:

@@ -7,19 +7,27 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import reduce
 from typing import Any
 
 from .checks import RecipeError, check, short
+from .engine_options import CLEAN, MESHING, PARTITION, REGULARISE, TEXTURE
 from .language import own, said
-from .places import Places, faces_of
+from .places import Places, faces_of, times
 from .plane_steps import AlignPlanes, Regularise
 from .round_steps import RoundSegments
 from .step import Step
 from .steps import LockRegions, Mesh, PaintFaces, Partition, Texture, UnlockRegions, gone_from, step_from_dict
 
 VERSION = 1
+_LENGTHS = {
+    name: option
+    for table in (CLEAN, MESHING, PARTITION, REGULARISE, TEXTURE)
+    for name, option in table.items()
+    if option.unit == "length"
+}
+_PLACES = {"keep_openings", "more", "line"}  # settings in the scan's coordinates; each part of `more` has a size too
 
 
 @dataclass(frozen=True)
@@ -92,6 +100,11 @@ class Recipe:
         if isinstance(step, Partition) and not step.faces and last > index:
             return Recipe((*self.steps[: last + 1], step, *self.steps[last + 1 :]))
         return self.replaced(index, step)
+
+    def scaled(self, factor: float) -> Recipe:
+        """The recipe for a scan that is larger by a factor. `snap_sizes` is of the larger one already."""
+        steps = tuple(_scaled(step, factor) for step in self.steps)
+        return Recipe(steps, self.places and self.places.scaled(factor), self.gone)
 
     def whole(self) -> tuple[int, Partition | None]:
         """The last partition of all faces, which sets the openings to close, and its index; (-1, None) if none."""
@@ -184,6 +197,13 @@ class Recipe:
         check(not isinstance(steps, list), said("not a recipe: 'steps' must be a list"))
         places = None if values.get("places") is None else Places.from_values(values["places"])
         return Recipe(tuple(numbered_step(number, step) for number, step in enumerate(steps, 1)), places, gone(steps))
+
+
+def _scaled(step: Step, factor: float) -> Step:
+    names = {each.name for each in fields(step)}
+    values = {name: _LENGTHS[name].given(getattr(step, name)) for name in names & _LENGTHS.keys()}
+    values |= {name: getattr(step, name) for name in names & _PLACES}
+    return replace(step, **{name: times(value, factor) for name, value in values.items() if value})
 
 
 def parsed(text: str, problem: str) -> Any:

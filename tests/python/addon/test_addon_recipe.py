@@ -249,3 +249,18 @@ def test_steps_are_replaced():
     for index in (3, -1):
         with pytest.raises(RecipeError, match=r"there is no step -?\d: the recipe has 3"):
             recipe.replaced(index, b)
+
+
+def test_a_recipe_of_a_larger_scan_has_larger_lengths_and_places():
+    part = Partition(tolerance=0.5, keep_openings=((1, -2, 3),), more=((1, 2, 3, 4),))
+    align = rcp.AlignPlanes(faces=(1,), length=0.5, direction=(0, 1, 0))
+    places = rcp.Places(8, 9, (1,), ((1, 2, 3),), ((0, 0, 1),), (0.5,))
+    recipe = Recipe((*FULL.steps, part, align), places)
+    larger = recipe.scaled(4)
+    assert larger.scaled(0.25) == recipe
+    assert (larger.places.size, larger.places.points, larger.places.normals) == (32, ((4, 8, 12),), ((0, 0, 1),))
+    assert larger.steps[6].line == ((0.4, 0.8, 1.2), (4.0, 8.0, 4e-17))
+    assert larger.steps[-2:] == (
+        dataclasses.replace(part, tolerance=2, bound=4, keep_openings=((4, -8, 12),), more=((4, 8, 12, 16),)),
+        dataclasses.replace(align, length=2),
+    )

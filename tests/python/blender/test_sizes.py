@@ -6,10 +6,12 @@ import pytest
 import scans
 from drawing import controls
 
+from isimp.blender.controls import settings
 from isimp.blender.panel import planes, sizes
 from isimp.blender.scene import mesh_io, pointed, runtime, store
 from isimp.blender.texts import text
 from isimp.blender.work import modal
+from isimp.recipe import Partition
 
 OPS = bpy.ops.isimp
 
@@ -102,3 +104,14 @@ def test_the_scan_is_scaled_once_the_work_has_ended_well(scan, monkeypatch):
     assert [size for _, size in seen] == pytest.approx([40, 40], rel=0.05)
     assert tuple(scan.scale) == pytest.approx((20, 20, 20), rel=2e-3)
     assert mesh_io.read(bpy.context, scan).digest == store.numbers(scan)["scan"], "cached outcomes stay valid"
+
+
+def test_lengths_of_the_recipe_are_scaled_with_the_scan(scan):
+    OPS.partition(count_by="bound", bound=0.1)
+    OPS.mesh()
+    regions = store.numbers(scan)["regions"]
+    faces = [str(int(np.flatnonzero(mesh_io.read_regions(scan) == region)[0])) for region in distances(scan)[0][-1]]
+    OPS.set_length(length=40.0, chosen=",".join(faces))
+    assert store.load(scan).steps[0].bound == pytest.approx(2, rel=0.1)
+    assert settings.group(bpy.context, Partition).bound == pytest.approx(2, rel=0.1)
+    assert store.numbers(scan)["regions"] == regions

@@ -33,7 +33,7 @@ class ISIMP_OT_set_length(_Edit, bpy.types.Operator):
             if kind != "angle" and chosen == set(of):
                 self._factor = self.length / (measured or value)
                 self._scale = tuple(part * self._factor for part in scan.scale)
-                return target.recipe
+                return target.recipe.scaled(self._factor)
         raise mesh_io.Unusable(said("Choose two parallel planes, or one round part: click a line of Sizes."))
 
     def _read(self, context, scan, recipe):
