@@ -11,7 +11,7 @@ from drawing import Recorder
 from isimp.blender.panel import result as result_panel
 from isimp.blender.scene import result as results
 from isimp.blender.scene import store
-from isimp.blender.texturing import texture
+from isimp.blender.texturing import materials, texture
 from isimp.recipe import Mesh, Partition, Recipe, Texture
 
 COLOURS = np.array([[200, 30, 30], [30, 160, 90]], np.uint8)
@@ -241,3 +241,16 @@ def test_polygons_that_blender_removes_leave_a_result_without_a_texture(monkeypa
     assert "The result has no texture: Blender removed polygons" in told
     assert not results.is_edited(bpy.context.object)
     assert texture.image_width(bpy.context.object) == 0
+
+
+@pytest.mark.parametrize(("is_float", "space"), [(False, "Non-Color"), (True, "sRGB")])
+def test_colours_of_linear_images_are_stored_in_srgb(is_float, space):
+    scan = textured_cube()
+    for slot in scan.material_slots:
+        image = bpy.data.images.new("Linear", 16, 16, float_buffer=is_float)
+        image.colorspace_settings.name = space
+        image.pixels.foreach_set(np.full(4 * 16 * 16, 0.2, np.float32))
+        image.pack()
+        shader(slot.material).inputs["Base Color"].links[0].from_node.image = image
+    made = materials.pixels(shown(simplify()))
+    assert made[8, 8, :3].tolist() == [124] * 3, "0.2 is 0.485 in sRGB"

@@ -59,7 +59,7 @@ def color(material):
     image = _linked_image(place)
     if image is None:
         raise mesh_io.Unusable(_advice(own("The Base Color of the material '{name}' comes from no image."), material))
-    return pixels(image)
+    return pixels(image) if _is_srgb(image) else pixels(image, engine.texturing.layers.to_srgb)
 
 
 def _advice(text: str, material) -> str:
@@ -168,20 +168,29 @@ def pixel(linear) -> np.ndarray:
     return np.append(np.round(255 * stored), 255).astype(np.uint8).reshape(1, 1, 4)
 
 
+def _is_srgb(image) -> bool:
+    return image.colorspace_settings.name == "sRGB" and not image.is_float  # Blender reads these as linear values
+
+
 def linear_pixels(image):
     """Return (H, W, 3) from 0 to 1, with sRGB images converted to linear values. UDIM tiles give a dict."""
-    to_linear = engine.texturing.layers.to_linear if image.colorspace_settings.name == "sRGB" else lambda values: values
+    to_linear = engine.texturing.layers.to_linear if _is_srgb(image) else lambda values: values
     return each(pixels(image), lambda values: to_linear(values[:, :, :3] / 255))
 
 
-def pixels(image):
-    """Return (H, W, 4) uint8 as stored, row 0 at the top; a dict of arrays for UDIM tiles. Raises Unusable."""
+def pixels(image, change=lambda values: values):
+    """Return (H, W, 4) uint8, row 0 at the top; a dict of arrays for UDIM tiles. Raises Unusable.
+
+    change: function of the stored colours (H, W, 3), from 0 to 1, that returns others.
+    """
     if image.source == "TILED":
-        return tiles.read(image, pixels)
+        return tiles.read(image, lambda tile: pixels(tile, change))
     width, height = image.size
     if not width or not height or image.channels != 4:
         file = image.filepath or said("no file")
         raise mesh_io.Unusable(said("The image '{name}' can't be read ({file}).", name=image.name, file=file))
     values = np.empty(4 * width * height, np.float32)
     image.pixels.foreach_get(values)
-    return np.round(np.clip(values, 0, 1) * 255).astype(np.uint8).reshape(height, width, 4)[::-1]
+    values = np.clip(values, 0, 1).reshape(height, width, 4)[::-1]
+    values[:, :, :3] = change(values[:, :, :3])
+    return np.round(values * 255).astype(np.uint8)
