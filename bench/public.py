@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import data_folder
 from bench.generators import hollow_solids, houses, round_shapes
-from bench.timer.run import data_folder
 
 ROOT = Path(__file__).resolve().parents[1]
 QUALITY, OPERATIONS = 1.05, 1.15  # the factors by which figures may be worse

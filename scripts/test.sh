@@ -47,8 +47,8 @@ stage_wheel() { # the wheel of `pip install .`, kept for the stages that follow
   build_wheel "$tests_venv" --config-settings cmake.define.ISIMP_WERROR=ON
 }
 
-stage_cpp() { # the C++ tests, including the benchmarks'; the engine as the wheel has it, by way of ccache
-  cpp_tests build-test -DISIMP_BENCH=ON -DISIMP_CUDA=OFF
+stage_cpp() { # the C++ tests; the engine as the wheel has it, by way of ccache
+  cpp_tests build-test -DISIMP_CUDA=OFF
 }
 
 stage_python() { # the package as installed
@@ -184,7 +184,7 @@ python_tests() { # ARGUMENT... of pytest. Batches and tiles wait for the disk af
 }
 
 development_build() { # build-dev, with the Python module
-  cpp_build build-dev -DISIMP_BENCH=ON -DISIMP_PYTHON=ON -DISIMP_CUDA=OFF \
+  cpp_build build-dev -DISIMP_PYTHON=ON -DISIMP_CUDA=OFF \
     -Dpybind11_DIR="$("$tests_venv/bin/python" -m pybind11 --cmakedir)"
 }
 

@@ -1,4 +1,4 @@
-"""Compares polygons with those of CGAL's remesh_almost_planar_patches, judged alike: a table.
+"""Compares polygons with CGAL's remesh_almost_planar_patches, judged alike: a table.
 
     python -m bench.peers.patches [--data DIR] [--only bunny,castle] [--proxies 300] [--program PEER_PATCHES]
 
@@ -9,7 +9,6 @@ table has the columns of bench/peers/peers.py.
 
 import argparse
 import os
-import shutil
 import subprocess
 import tempfile
 import time
@@ -18,20 +17,11 @@ from pathlib import Path
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import ROOT, compiled, data_folder, write_off
 from bench.peers import peers
 
-DATA = Path(os.environ.get("ISIMP_DATA", peers.ROOT.parent / "shared" / "data"))
 COSINE = 0.8  # the largest angle between a face and the plane of its region, chosen by hand
 TRIES = 10
-HERE = Path(__file__).resolve().parent
-
-
-def write_off(path, mesh):
-    faces = np.asarray(mesh.triangles)
-    with path.open("w") as file:
-        file.write(f"OFF\n{len(mesh.vertices)} {len(faces)} 0\n")
-        np.savetxt(file, mesh.vertices, fmt="%.17g")
-        np.savetxt(file, np.column_stack([np.full(len(faces), 3), faces]), fmt="%d")
 
 
 def read_off(path):
@@ -48,38 +38,9 @@ def read_off(path):
     return vertices, np.array(loops), np.array(start)
 
 
-def headers() -> Path | None:
-    """The folder of scripts/headers.py with CGAL 6, where there is one."""
-    cache = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
-    kept = Path(os.environ.get("ISIMP_THIRD_PARTY", cache / "isimp" / "third_party"))
-    for folder in (HERE.parents[1] / "third_party", kept, Path("/usr")):
-        if (folder / "include" / "CGAL" / "Kinetic_surface_reconstruction_3.h").exists():
-            return folder / "include"
-    return None
-
-
-def compiled(folder: Path) -> Path | str:
-    """The program of peer_patches.cpp, or why there is none."""
-    where, compiler = headers(), os.environ.get("CXX") or shutil.which("c++")
-    if where is None:
-        return "no headers of CGAL 6: scripts/headers.py fetches them"
-    if compiler is None:
-        return "no C++ compiler"
-    only = folder / "include"  # CGAL alone: that folder has not all of Boost
-    only.mkdir()
-    (only / "CGAL").symlink_to(where / "CGAL")
-    program = folder / "peer_patches"
-    flags = ["-std=c++20", "-O2", "-DNDEBUG", "-w", "-I", str(only), "-I", "/usr/include/eigen3"]
-    source = str(HERE / "peer_patches.cpp")
-    done = subprocess.run(
-        [compiler, *flags, source, "-o", str(program), "-lgmp", "-lmpfr"], capture_output=True, text=True
-    )
-    return program if done.returncode == 0 else f"it did not compile: {done.stderr.strip().splitlines()[-1]}"
-
-
 def by_patches(program, mesh, part, wanted, folder):
     """The result nearest to `wanted` polygons, and the processor's seconds of the program; None without a result."""
-    write_off(folder / "scan.off", mesh)
+    write_off(folder / "scan.off", mesh.vertices, mesh.triangles)
     low, high, best = 0.0, 0.1 * mesh.report["diagonal"], None
     for _ in range(TRIES):
         distance = (low + high) / 2
@@ -97,18 +58,18 @@ def by_patches(program, mesh, part, wanted, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=DATA)
+    parser.add_argument("--data", type=Path, default=data_folder())
     parser.add_argument("--only", default="bunny,fandisk,shark", help="parts of mesh names, by commas")
     parser.add_argument("--proxies", type=int, default=300)
     parser.add_argument("--program", type=Path, help="peer_patches, compiled before")
     options = parser.parse_args()
+    program = options.program or compiled(
+        ROOT / "bench/peers/peer_patches.cpp", cgal="Kinetic_surface_reconstruction_3.h"
+    )
     names = options.only.split(",")
     paths = [p for p in sorted(options.data.glob("*/*.ply")) if any(name in p.stem for name in names)]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        program = options.program or compiled(folder)
-        if isinstance(program, str):
-            raise SystemExit(program)
         heads = "scan", "by", "polygons", "corners", "planarity mean", "most", "distance", "crossing", "no area"
         heads += "flipped", "bent", "meet", "verdict", "seconds"
         print(f"| {' | '.join(heads)} |\n|" + "---|" * len(heads))

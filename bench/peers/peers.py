@@ -1,13 +1,13 @@
 """Polygons of the same meshes by isimp, Blender's Decimate (Planar) and CGAL's VSA, judged alike: a table.
 
-    python -m bench.peers.peers --bin BUILD/bench [--data DIR] [--only bunny,castle] [--proxies 300] [--keep FOLDER]
+    python -m bench.peers.peers [--data DIR] [--only bunny,castle] [--proxies 300] [--keep FOLDER]
 
-`isimp_engine` must be importable; `blender` and BUILD/bench/peer_cgal are used if they are there. Decimate gets the
+`isimp_engine` must be importable; `blender` and CGAL are used if they are there. Decimate gets the
 angle at which it makes about as many polygons as isimp does; CGAL as many proxies. `--keep` writes the polygons as OBJ.
 """
 
 import argparse
-import os
+import json
 import subprocess
 import sys
 import tempfile
@@ -17,9 +17,9 @@ from types import SimpleNamespace
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import ROOT, compiled, data_folder, write_off
 from tests.shared.polygon_judge import distances, judge
 
-ROOT = Path(__file__).resolve().parents[2]
 MESHES = ("bunny", "armadillo_86k", "fandisk", "castle", "frankfurt")
 SAMPLES = 3000
 # Runs in Blender: planar decimation to about a number of polygons. The angle grows by half until few enough are left,
@@ -84,13 +84,18 @@ def by_decimate(mesh, part, wanted, folder):
     return as_polygons(made["vertices"], made["loops"], made["loop_start"], mesh, part)
 
 
-def by_cgal(program, mesh, part, proxies, folder):
-    faces = mesh.triangles
-    every = SimpleNamespace(vertices=mesh.vertices, loops=faces.ravel(), loop_start=np.arange(0, faces.size, 3))
-    write_obj(folder / "scan.obj", every)
-    subprocess.run([program, folder / "scan.obj", "0", str(proxies), "hierarchical", folder / "cgal.off"],
-                   check=True, stdout=subprocess.DEVNULL)  # fmt: skip
-    vertices, triangles = engine.read(str(folder / "cgal.off"))
+def cgal(mesh, proxies, seeding, folder):
+    """The figures, the region of each face, the vertices and the triangles of CGAL's method."""
+    program = compiled(ROOT / "bench" / "peers" / "peer_cgal.cpp", cgal="Variational_shape_approximation.h")
+    write_off(folder / "scan.off", mesh.vertices, mesh.triangles)
+    command = [program, folder / "scan.off", str(proxies), seeding, folder / "cgal.off", folder / "cgal.labels"]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    labels = np.loadtxt(folder / "cgal.labels", dtype=np.int32)
+    return json.loads(done.stdout), labels, *engine.read(folder / "cgal.off")
+
+
+def by_cgal(mesh, part, proxies, folder):
+    _, _, vertices, triangles = cgal(mesh, proxies, "hierarchical", folder)
     return as_polygons(vertices, triangles.ravel(), np.arange(0, triangles.size, 3), mesh, part)
 
 
@@ -121,13 +126,12 @@ def row(name, by, values):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=os.environ.get("ISIMP_DATA", ROOT.parent / "shared" / "data"))
-    parser.add_argument("--bin", type=Path, help="where peer_cgal was built")
+    parser.add_argument("--data", type=Path, default=data_folder())
     parser.add_argument("--only", default=",".join(MESHES), help="parts of mesh names, by commas")
     parser.add_argument("--proxies", type=int, default=300)
     parser.add_argument("--keep", type=Path)
     options = parser.parse_args()
-    paths = [p for p in sorted(Path(options.data).glob("*/*.ply")) if any(w in p.stem for w in options.only.split(","))]
+    paths = [p for p in sorted(options.data.glob("*/*.ply")) if any(w in p.stem for w in options.only.split(","))]
     if not paths:
         parser.error(f"no meshes in {options.data}")
     print("| scan | by | polygons | corners | planarity mean | most | distance | crossing | no area | flipped | bent"
@@ -140,9 +144,8 @@ def main():
             folder = Path(name)
             try:
                 made["Decimate"] = by_decimate(mesh, part, len(made["isimp"].loop_start), folder)
-                if options.bin:
-                    made["CGAL"] = by_cgal(options.bin / "peer_cgal", mesh, part, options.proxies, folder)
-            except (OSError, subprocess.CalledProcessError) as error:
+                made["CGAL"] = by_cgal(mesh, part, options.proxies, folder)
+            except (OSError, RuntimeError, subprocess.CalledProcessError) as error:
                 print(f"{path.stem}: {error}", file=sys.stderr)
         for by, poly in made.items():
             print(row(path.stem, by, figures(poly, mesh, part, engine.MeshingOptions().flatness)), flush=True)

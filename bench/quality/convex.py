@@ -22,8 +22,8 @@ import time
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import data_folder
 from bench.generators import hollow_solids, real_scans
-from bench.timer.run import data_folder
 
 SCANS = ("scan/armadillo_86k.ply", "scan/bunny_69k.ply", "scan/rockerarm_20k.ply", "real/tin_16k.ply")
 PARTS = 16

@@ -26,8 +26,8 @@ from pathlib import Path
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import data_folder
 from bench.generators.collapse import decimated
-from bench.timer.run import data_folder
 from isimp_engine.within import scan_distances
 from tests.shared import shapes
 

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 import isimp_engine as engine
-from bench.timer.run import data_folder
+from bench.files import data_folder
 
 EDGE = 0.02  # share of the diagonal
 POLYGONS = 8, 60  # of a house: the least and the most

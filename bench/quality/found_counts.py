@@ -17,9 +17,9 @@ from collections import defaultdict
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import data_folder
 from bench.generators.collapse import decimated
 from bench.generators.known_shapes import Shape, all_meshes, smoothed, upsampled
-from bench.timer.run import data_folder
 
 DETAILS = (0.02, 0.01, 0.005, 0.0025, 0.00125)
 WANTED = {"all": 114, "clean": 18}

@@ -38,10 +38,10 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS
 
 import isimp_engine as engine
+from bench.files import data_folder
 from bench.generators.real_scans import marching_cubes
 from bench.generators.solid_grids import distances, dual_contouring, smoothed, with_defects
 from bench.quality.step import read, solid_of
-from bench.timer.run import data_folder
 from isimp_engine.recipe.presets import BY_NAME
 
 EDGE = 0.015

@@ -31,6 +31,7 @@ from pathlib import Path
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import write_ply
 from bench.generators import real_scans
 from isimp_engine._core import _distances_to_triangles
 
@@ -65,15 +66,6 @@ def scans(data: Path | None) -> Iterator[tuple[str, np.ndarray, np.ndarray, int 
             vertices, triangles = engine.read(str(path))
             wanted = 100 if "office" in path.name else None
             yield path.stem, vertices, triangles, None, wanted, []
-
-
-def write_ply(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> None:
-    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\n"
-    head += "".join(f"property double {axis}\n" for axis in "xyz")
-    head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
-    rows = np.empty(len(triangles), [("n", "u1"), ("i", "<i4", 3)])
-    rows["n"], rows["i"] = 3, triangles
-    path.write_bytes(head.encode() + np.asarray(vertices, "<f8").tobytes() + rows.tobytes())
 
 
 def distances(points: np.ndarray, corners: np.ndarray) -> np.ndarray:

@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import write_ply
 from isimp_engine import batch, tiles
 from isimp_engine.guides import shared_edges
 from isimp_engine.tiles.splitting import Boxes
@@ -33,19 +34,6 @@ from isimp_engine.tiles.splitting import Boxes
 SAMPLES = 3_000_000  # places on the polygons that distances are measured to
 BLOCK = 20.0  # metres, of the city
 Mesh = tuple[np.ndarray, np.ndarray]
-
-
-def write_ply(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> None:
-    """Binary, with coordinates in double precision."""
-    rows = np.zeros(len(triangles), dtype=[("n", "u1"), ("v", "<i4", 3)])
-    rows["n"], rows["v"] = 3, triangles
-    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\n"
-    head += "".join(f"property double {axis}\n" for axis in "xyz")
-    head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
-    with path.open("wb") as file:
-        file.write(head.encode())
-        np.asarray(vertices, "<f8").tofile(file)
-        rows.tofile(file)
 
 
 def cut(mesh: Mesh, count: int, folder: Path) -> list[np.ndarray]:

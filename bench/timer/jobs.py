@@ -1,14 +1,18 @@
-"""The jobs for each mesh, and the code that runs them: each job is one process that prints JSON."""
+"""The jobs for each mesh, and the code that runs them: each is one process that prints JSON, or CGAL's program."""
 
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
+import tempfile
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from bench.files import ROOT
 
 SCANS = {
     "dragon": "scan/dragon_871k.ply",
@@ -22,18 +26,17 @@ FACES_A_REGION = 400  # where the number of faces grows
 
 @dataclass(frozen=True)
 class Job:
-    """One process: a program with its arguments. The table finds the result by `name`."""
+    """Cases of one mesh, or CGAL's method on it. The table finds the result by `name`."""
 
     name: str
-    program: str
     mesh: str  # a path below the data folder, or made:KIND:FACES
     proxies: int
-    loop: int = 0
-    options: tuple[str, ...] = field(default=())
+    options: tuple[str, ...] = ()
+    seeding: str = ""  # for CGAL
 
 
 def cases(name: str, mesh: str, proxies: int, rounds: int, *options: str) -> Job:
-    return Job(f"{name}/{proxies}", "isimp_bench", mesh, proxies, 0, ("--rounds", str(rounds), *options))
+    return Job(f"{name}/{proxies}", mesh, proxies, ("--rounds", str(rounds), *options))
 
 
 def full(rounds: int) -> list[Job]:
@@ -49,13 +52,12 @@ def full(rounds: int) -> list[Job]:
         cases("slivers", "made:slivers:200000", 500, rounds),
         cases("coplanar", "made:plane:200000", 100, rounds),
     ]
-    for name in ("dragon", "armadillo"):
-        plan.append(Job(f"whole-way/{name}/500", "isimp_bench", SCANS[name], 500, 0, ("--whole-way",)))
-    plan.append(Job("whole-way/dragon-loop/2000", "isimp_bench", SCANS["dragon"], 2000, 1, ("--whole-way",)))
-    for name in ("bunny", "armadillo", "dragon"):
-        plan.append(Job(f"cgal/{name}/500/random", "peer_cgal", SCANS[name], 500, 0, ("random",)))
-    plan.append(Job("cgal/armadillo/500/hierarchical", "peer_cgal", SCANS["armadillo"], 500, 0, ("hierarchical",)))
-    plan.append(Job("python/dragon/500", "python", SCANS["dragon"], 500, 0, ("200",)))
+    plan += [Job(f"whole-way/{name}/500", SCANS[name], 500, ("--whole-way",)) for name in ("dragon", "armadillo")]
+    plan.append(Job("whole-way/dragon-loop/2000", SCANS["dragon"], 2000, ("--whole-way", "--loop", "1")))
+    plan += [
+        Job(f"cgal/{name}/500/random", SCANS[name], 500, (), "random") for name in ("bunny", "armadillo", "dragon")
+    ]
+    plan.append(Job("cgal/armadillo/500/hierarchical", SCANS["armadillo"], 500, (), "hierarchical"))
     return plan
 
 
@@ -65,18 +67,16 @@ def growth(*, quick: bool) -> list[Job]:
     counts = (5, 20, 80) if quick else (10, 30, 100, 300, 1000, 3000, 10_000)
     plan = []
     for n in faces:
-        several = n < 500_000
         names = "mesh,reference,lloyd,default" if n <= 1_000_000 else "mesh,lloyd,default"  # REF would take minutes
-        options = ("--rounds", "3" if several else "1", "--inner", "3", "--cases", names)
-        plan.append(Job(f"faces/{n}", "isimp_bench", f"made:torus:{n}", n // FACES_A_REGION, 0, options))
+        options = ("--rounds", "3" if n < 500_000 else "1", "--cases", names)
+        plan.append(Job(f"faces/{n}", f"made:torus:{n}", n // FACES_A_REGION, options))
     mesh = "made:torus:4000" if quick else "made:torus:1000000"
-    few = ("--rounds", "1", "--inner", "3", "--cases", "reference,lloyd,default")
-    plan += [Job(f"regions/{p}", "isimp_bench", mesh, p, 0, few) for p in counts]
-    return plan
+    few = ("--rounds", "1", "--cases", "reference,lloyd,default")
+    return plan + [Job(f"regions/{p}", mesh, p, few) for p in counts]
 
 
 def quick() -> list[Job]:
-    """The same kinds of jobs, small enough for a test."""
+    """The same kinds of jobs, small enough for a test. CGAL's program takes half a minute to compile."""
     small = ("--inner", "2", "--edits", "6")
     return [
         cases("torus", "made:torus:4000", 40, 2, *small),
@@ -84,49 +84,54 @@ def quick() -> list[Job]:
         cases("slivers", "made:slivers:2000", 20, 1, *small),
         cases("coplanar", "made:plane:800", 8, 1, *small),
         cases("one-region", "made:plane:800", 1, 1, *small),
-        Job("whole-way/torus-loop/40", "isimp_bench", "made:torus:2000", 40, 1, ("--whole-way",)),
-        Job("cgal/torus/40/random", "peer_cgal", "made:torus:4000", 40, 0, ("random",)),
-        Job("python/torus/40", "python", "made:torus:4000", 40, 0, ("6",)),
+        Job("whole-way/torus-loop/40", "made:torus:2000", 40, ("--whole-way", "--loop", "1")),
     ]
+
+
+def timed_cases(mesh: str, proxies: int, options: tuple[str, ...], package: Path | None = None) -> Any:
+    """package: the folder of another engine than this process has."""
+    command = [sys.executable, "-m", "bench.timer.cases", mesh, str(proxies), *options]
+    environment = os.environ | ({"PYTHONPATH": str(package)} if package else {})
+    return json.loads(subprocess.run(command, cwd=ROOT, env=environment, check=True, stdout=subprocess.PIPE).stdout)
+
+
+def timed_cgal(name: str, proxies: int, seeding: str) -> dict[str, Any]:
+    """CGAL's figures and score, and the times of rounds of the plain method before and after it."""
+    import isimp_engine as engine
+    from bench.peers.peers import cgal
+    from bench.timer import meshes
+    from bench.timer.reference import Surface
+
+    arrays = meshes.load(name)
+    surface, rounds = Surface(*arrays), []
+    rounds += surface.reference(proxies, rounds=3)[2].tolist()
+    with tempfile.TemporaryDirectory() as folder:
+        found, labels, _, _ = cgal(engine.Mesh(*arrays), proxies, seeding, Path(folder))
+    rounds += surface.reference(proxies, rounds=3)[2].tolist()
+    return found | {"reference_round_ms": rounds, "result": surface.score(labels)}
 
 
 class Runner:
     """Runs jobs one after another, and reports the progress on stderr."""
 
-    def __init__(self, programs: Path, data: Path | None, scratch: Path, python: str | None) -> None:
-        self.programs, self.data, self.scratch, self.python = programs, data, scratch, python
-        self.failed: list[str] = []
-
-    def command(self, job: Job) -> list[str] | None:
-        """Return the command of a job; None if the program or the mesh is missing."""
-        made = job.mesh.startswith("made:")
-        mesh = job.mesh if made or self.data is None else str(self.data / job.mesh)
-        if not made and not Path(mesh).exists():
-            return None
-        if job.program == "python":
-            script = Path(__file__).with_name("python_edits.py")
-            return [self.python, str(script), mesh, str(job.proxies), *job.options] if self.python else None
-        program = self.programs / job.program
-        if not program.exists():
-            return None
-        if job.program == "peer_cgal":
-            return [str(program), mesh, str(job.loop), str(job.proxies), *job.options]
-        where = ["--loop", str(job.loop), "--proxies", str(job.proxies), "--scratch", str(self.scratch)]
-        return [str(program), mesh, *where, *job.options]
+    def __init__(self, data: Path | None) -> None:
+        self.data, self.failed = data, list[str]()
 
     def run(self, plan: list[Job]) -> dict[str, Any]:
         results: dict[str, Any] = {}
         for job in plan:
-            command = self.command(job)
-            if command is None:
-                print(f"{job.name}: left out, for want of the program or of {job.mesh}", file=sys.stderr)
+            mesh = job.mesh if job.mesh.startswith("made:") else str((self.data or Path()) / job.mesh)
+            if mesh != job.mesh and not Path(mesh).exists():
+                print(f"{job.name}: left out, for want of {mesh}", file=sys.stderr)
                 continue
             start = time.monotonic()
-            done = subprocess.run(command, capture_output=True, text=True)
-            print(f"{job.name}: {time.monotonic() - start:.1f} s", file=sys.stderr)
-            if done.returncode:
+            try:
+                if job.seeding:
+                    results[job.name] = timed_cgal(mesh, job.proxies, job.seeding)
+                else:
+                    results[job.name] = timed_cases(mesh, job.proxies, job.options)
+            except (RuntimeError, subprocess.CalledProcessError) as error:
                 self.failed.append(job.name)
-                print(f"{' '.join(command)} failed ({done.returncode}):\n{done.stderr}", file=sys.stderr)
-            else:
-                results[job.name] = json.loads(done.stdout)
+                print(f"{job.name}: {error}", file=sys.stderr)
+            print(f"{job.name}: {time.monotonic() - start:.1f} s", file=sys.stderr)
         return results
