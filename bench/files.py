@@ -1,5 +1,6 @@
 """The folder of the meshes, files for other programs, and C++ programs, which are compiled where they are used."""
 
+import argparse
 import os
 import shutil
 import subprocess
@@ -14,6 +15,37 @@ def data_folder(given=None):
     """The folder of the meshes: as given, else ISIMP_DATA, else shared/data next to the checkout; None if nowhere."""
     candidates = [given] if given else [os.environ.get("ISIMP_DATA"), ROOT.parent / "shared" / "data"]
     return next((Path(c) for c in candidates if c and Path(c).is_dir()), None)
+
+
+DATA = data_folder() or ROOT.parent / "shared" / "data"
+FOLDERS = ("scan", "building", "nasty")
+
+
+def scan_command(about, proxies, only=""):
+    """A parser with the arguments of a run over scans: their folder, parts of their names, numbers of regions."""
+    parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=Path, default=DATA)
+    parser.add_argument("--only", default=only, help="parts of names of scans, by commas")
+    parser.add_argument("--proxies", default=",".join(map(str, proxies)))
+    parser.add_argument("--json", type=Path)
+    return parser
+
+
+def scans(given, folders=FOLDERS):
+    """The scans for such arguments."""
+    paths = [path for folder in folders for path in sorted((given.data / folder).glob("*.ply"))]
+    found = [path for path in paths if any(word in path.stem for word in given.only.split(","))]
+    if not found:
+        raise SystemExit(f"no meshes in {given.data}")
+    return found
+
+
+def around(vertices, triangles, face, most):
+    """The faces that are nearest to one of them."""
+    middle = np.nan_to_num(vertices[triangles].mean(axis=1))
+    near = np.argsort(np.linalg.norm(middle - middle[face], axis=1), kind="stable")[:most]
+    used, faces = np.unique(triangles[np.sort(near)], return_inverse=True)
+    return vertices[used], faces.reshape(-1, 3).astype(np.int32)
 
 
 def write_off(path, vertices, triangles):

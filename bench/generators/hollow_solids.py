@@ -11,6 +11,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from tests.shared.shapes import voxels
+
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
@@ -130,20 +132,9 @@ def surface(solid: Solid, edge: float = np.inf):
         parts = [np.linspace(a, b, int(np.ceil((b - a) / edge)) + 1)[:-1] for a, b in pairwise(ends)]
         axes.append(np.concatenate([*parts, ends[-1:]]) if np.isfinite(edge) else ends)
     middles = np.stack(np.meshgrid(*[(a[1:] + a[:-1]) / 2 for a in axes], indexing="ij"), axis=-1)
-    full = np.pad(solid.contains(middles.reshape(-1, 3)).reshape(middles.shape[:3]), 1)
-    quads = []
-    for k in range(3):
-        u, v = np.eye(3, dtype=int)[[(k + 1) % 3, (k + 2) % 3]]
-        ahead = np.roll(full, -1, k)
-        for outwards, where in ((True, full & ~ahead), (False, ~full & ahead)):
-            corner = np.argwhere(where) - 1 + np.eye(3, dtype=int)[k]
-            quad = np.stack([corner, corner + u, corner + u + v, corner + v], axis=1)
-            quads.append(quad if outwards else quad[:, ::-1])
-    corners = np.concatenate(quads)
-    places, index = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
-    quads = index.reshape(-1, 4)
-    vertices = np.stack([axes[k][places[:, k]].astype(float) for k in range(3)], axis=1)
-    return vertices, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
+    places, faces = voxels(solid.contains(middles.reshape(-1, 3)).reshape(middles.shape[:3]))
+    places = places.round().astype(int) - 1
+    return np.stack([axes[k][places[:, k]].astype(float) for k in range(3)], axis=1), faces
 
 
 def twin(solid: Solid, noise: float = 0.001, seed: int = 1):

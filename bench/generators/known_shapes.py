@@ -53,15 +53,18 @@ def polygons(loops, planes, halvings):
     return shape
 
 
+def split_in_four(vertices, triangles):
+    """The same surface with every face split at the middles of its edges."""
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, middle = np.unique(ends, axis=0, return_inverse=True)
+    (a, b, c), (x, y, z) = triangles.T, (len(vertices) + middle.reshape(-1, 3)).T
+    four = [[a, x, z], [x, b, y], [z, y, c], [x, y, z]]
+    faces = np.concatenate([np.stack(face, axis=1) for face in four])
+    return np.concatenate([vertices, vertices[edges].mean(axis=1)]), faces
+
+
 def upsampled(shape):
-    """Every face split in four at the middles of its edges."""
-    f, n = shape.faces, len(shape.vertices)
-    edges = np.sort(np.concatenate([f[:, [0, 1]], f[:, [1, 2]], f[:, [2, 0]]]), axis=1)
-    ends, index = np.unique(edges, axis=0, return_inverse=True)
-    a, b, c = n + index.reshape(3, -1)
-    parts = [(f[:, 0], a, c), (a, f[:, 1], b), (c, b, f[:, 2]), (a, b, c)]
-    vertices = np.concatenate([shape.vertices, shape.vertices[ends].mean(axis=1)])
-    return Shape(vertices, np.concatenate([np.stack(p, 1) for p in parts]), shape.planes)
+    return Shape(*split_in_four(shape.vertices, shape.faces), shape.planes)
 
 
 def box(low, high, steps):

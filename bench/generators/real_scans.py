@@ -6,17 +6,14 @@ Each is made from numbers, the same on every run. Lengths are metres.
 import numpy as np
 
 from bench.generators.scanned import blurred, box, prism, surface
+from isimp_engine.guides import shared_edges
+from tests.shared.polygon_judge import groups
+from tests.shared.shapes import joined
 
 
 def _used(points: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     used, faces = np.unique(faces, return_inverse=True)
     return points[used], faces.reshape(-1, 3).astype(np.int32)
-
-
-def _joined(parts: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
-    start = np.cumsum([0, *(len(points) for points, _ in parts)])
-    faces = [f + s for (_, f), s in zip(parts, start[:-1], strict=True)]
-    return np.concatenate([points for points, _ in parts]), np.concatenate(faces).astype(np.int32)
 
 
 def sheet(corner, right, up, columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
@@ -44,7 +41,7 @@ def carton(
             right[a], up[b] = size[a], size[b]
             points, faces = sheet(corner, right, up, round(size[a] / step), round(size[b] / step))
             parts.append((points, faces if side > 0 else faces[:, ::-1]))
-    points, faces = _joined(parts)
+    points, faces = joined(*parts)
     _, first, index = np.unique((points / 1e-6).round(), axis=0, return_index=True, return_inverse=True)
     points, faces = points[first], index.ravel()[faces]
     inner = np.clip(points, rounding - half, half - rounding)
@@ -99,7 +96,7 @@ def open_building(seed: int = 1, cell: float = 0.2) -> tuple[np.ndarray, np.ndar
         toward = rng.normal(0, 1, (2, 3))
         toward /= np.linalg.norm(toward, axis=1)[:, None]
         debris.append(sheet(where - 0.35 * toward.sum(0), 0.7 * toward[0], 0.7 * toward[1], 3, 3))
-    return _joined([_used(points, faces[~gone[faces].any(1)]), *debris])
+    return joined(_used(points, faces[~gone[faces].any(1)]), *debris)
 
 
 def room(seed: int = 1, cell: float = 0.06) -> tuple[np.ndarray, np.ndarray]:
@@ -180,7 +177,7 @@ def chunks(
                     points = middle + (points - middle) * grown
                     inward = faces if side == 0 else faces[:, ::-1]
                     parts.append((points, inward if rng.random() > 0.1 else inward[:, ::-1]))
-    return _joined(parts)
+    return joined(*parts)
 
 
 def house(seed: int):
@@ -260,21 +257,11 @@ def planes_of(seed: int, points: np.ndarray, faces: np.ndarray, cells: int = 110
     middle = _onto(distance, corner.mean(1))
     normal = _slopes(distance, middle)
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
-    ends = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), 1)
-    edge = np.unique(ends, axis=0, return_inverse=True)[1].ravel()
-    order = np.argsort(edge, kind="stable")
-    twice = edge[order][1:] == edge[order][:-1]
-    a, b = order[:-1][twice] // 3, order[1:][twice] // 3
+    pairs, _ = shared_edges(faces)
+    a, b = pairs.T
     away = np.abs((normal[a] * (middle[b] - middle[a])).sum(1))
     coplanar = ((normal[a] * normal[b]).sum(1) > 0.9999) & (away < 1e-3)
-    a, b = a[coplanar], b[coplanar]
-    piece = np.arange(len(faces))
-    before = None
-    while before is None or (piece != before).any():  # the lowest number spreads over each piece
-        before, low = piece.copy(), np.minimum(piece[a], piece[b])
-        np.minimum.at(piece, piece[a], low)
-        np.minimum.at(piece, piece[b], low)
-        piece = piece[piece]
+    _, piece = groups(len(faces), pairs[coplanar])
     size = np.bincount(piece, weights=area)
     large = [k for k in np.flatnonzero(size >= least) if size[k] >= 1.2 * cell * _reach(corner[piece == k])]
     return len(large)

@@ -7,7 +7,6 @@ a new name needs a row in ARGUMENTS.
 
 import ast
 import math
-import os
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -16,12 +15,11 @@ from typing import Any
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import DATA, around
 from bench.generators import known_shapes, round_shapes
 from isimp_engine.recipe import COUNTS
 from tests.shared import shapes
 
-ROOT = Path(__file__).resolve().parents[2]
-DATA = Path(os.environ.get("ISIMP_DATA", ROOT.parent / "shared" / "data"))
 KINDS = (".ply", ".obj", ".stl", ".off")
 LARGEST_FILE = 60 << 20  # bytes
 MOST_EDITS = 8
@@ -104,16 +102,6 @@ def files() -> list[Path]:
     return [path for path in found if path.stat().st_size <= LARGEST_FILE]
 
 
-def cut_out(vertices: np.ndarray, triangles: np.ndarray, most: int, rng) -> Arrays:
-    """The faces that are nearest to one of them."""
-    if len(triangles) <= most:
-        return vertices, triangles
-    middle = np.nan_to_num(vertices[triangles].mean(axis=1))
-    away = np.linalg.norm(middle - middle[rng.integers(len(triangles))], axis=1)
-    used, faces = np.unique(triangles[np.sort(np.argsort(away)[:most])], return_inverse=True)
-    return vertices[used], faces.reshape(-1, 3).astype(np.int32)
-
-
 def scan(rng, most: int, with_files: bool) -> tuple[str, np.ndarray, np.ndarray]:
     """A name, and vertices and triangles: of a file, or made."""
     name, arrays = "", None
@@ -127,7 +115,8 @@ def scan(rng, most: int, with_files: bool) -> tuple[str, np.ndarray, np.ndarray]
         name = str(rng.choice([*sorted(MADE), "round", "round", "round"]))  # few options find round parts
         arrays = MADE[name](rng)
     vertices, triangles = np.array(arrays[0], float), np.array(arrays[1], np.int32)
-    vertices, triangles = cut_out(vertices, triangles, most, rng)
+    if len(triangles) > most:
+        vertices, triangles = around(vertices, triangles, rng.integers(len(triangles)), most)
     for _ in range(rng.integers(0, 4)):
         damage = str(rng.choice(sorted(DAMAGE)))
         if len(triangles) and len(vertices):

@@ -11,18 +11,13 @@ and of the peer, in % of the diagonal; quotients of isimp and of planar over the
 means.
 """
 
-import argparse
-import os
-from pathlib import Path
-
 import fast_simplification
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import scan_command, scans
 from bench.quality.fit import Scan, Surface, measure, sample
-from bench.quality.intersections import partition, scans
-
-ROOT = Path(__file__).resolve().parents[2]
+from bench.quality.intersections import partition
 
 
 def triangles_of(poly):
@@ -40,15 +35,12 @@ def decimated(scan, count):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=os.environ.get("ISIMP_DATA", ROOT.parent / "shared" / "data"))
-    parser.add_argument("--only", default="armadillo_86k,bunny,lion,rockerarm")
-    parser.add_argument("--proxies", default="300,1000")
+    parser = scan_command(__doc__, (300, 1000), "armadillo_86k,bunny,lion,rockerarm")
     parser.add_argument("--samples", type=int, default=10_000)
     options = parser.parse_args()
     print(f"{'scan':24} {'P':>5} {'tris':>6}   isimp  planar    peer  quotients")
     quotients = []
-    for path in scans(options.data, options.only):
+    for path in scans(options):
         scan = Scan(engine.clean(*engine.read(path)), options.samples)
         for run in options.proxies.split(","):
             part = partition(scan.mesh, run)

@@ -7,7 +7,6 @@ regions grow by the angle of `COSINE`, and by the distance at which it makes abo
 table has the columns of bench/peers/peers.py.
 """
 
-import argparse
 import os
 import subprocess
 import tempfile
@@ -17,11 +16,13 @@ from pathlib import Path
 import numpy as np
 
 import isimp_engine as engine
-from bench.files import ROOT, compiled, data_folder, write_off
+from bench.files import ROOT, compiled, scan_command, scans, write_off
 from bench.peers import peers
+from bench.quality.intersections import EVERY
 
 COSINE = 0.8  # the largest angle between a face and the plane of its region, chosen by hand
 TRIES = 10
+SOURCE = ROOT / "bench" / "peers" / "peer_patches.cpp"
 
 
 def read_off(path):
@@ -57,26 +58,19 @@ def by_patches(program, mesh, part, wanted, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=data_folder())
-    parser.add_argument("--only", default="bunny,fandisk,shark", help="parts of mesh names, by commas")
-    parser.add_argument("--proxies", type=int, default=300)
+    parser = scan_command(__doc__, [300], "bunny,fandisk,shark")
     parser.add_argument("--program", type=Path, help="peer_patches, compiled before")
     options = parser.parse_args()
-    program = options.program or compiled(
-        ROOT / "bench/peers/peer_patches.cpp", cgal="Kinetic_surface_reconstruction_3.h"
-    )
-    names = options.only.split(",")
-    paths = [p for p in sorted(options.data.glob("*/*.ply")) if any(name in p.stem for name in names)]
+    program = options.program or compiled(SOURCE, cgal="Kinetic_surface_reconstruction_3.h")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         heads = "scan", "by", "polygons", "corners", "planarity mean", "most", "distance", "crossing", "no area"
         heads += "flipped", "bent", "meet", "verdict", "seconds"
         print(f"| {' | '.join(heads)} |\n|" + "---|" * len(heads))
-        for path in paths:
+        for path in scans(options, EVERY):
             mesh = engine.clean(*engine.read(str(path)))
             before = time.process_time()
-            part = engine.partition(mesh, engine.PartitionOptions(proxies=options.proxies))
+            part = engine.partition(mesh, engine.PartitionOptions(proxies=int(options.proxies)))
             poly = engine.polygonize(mesh, part)
             made = {"isimp": (poly, time.process_time() - before)}
             made["patches"] = by_patches(program, mesh, part, len(poly.loop_start), folder)

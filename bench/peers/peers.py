@@ -6,7 +6,6 @@
 angle at which it makes about as many polygons as isimp does; CGAL as many proxies. `--keep` writes the polygons as OBJ.
 """
 
-import argparse
 import json
 import subprocess
 import sys
@@ -17,7 +16,8 @@ from types import SimpleNamespace
 import numpy as np
 
 import isimp_engine as engine
-from bench.files import ROOT, compiled, data_folder, write_off
+from bench.files import ROOT, compiled, scan_command, scans, write_off
+from bench.quality.intersections import EVERY
 from tests.shared.polygon_judge import distances, judge
 
 MESHES = ("bunny", "armadillo_86k", "fandisk", "castle", "frankfurt")
@@ -125,26 +125,21 @@ def row(name, by, values):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=data_folder())
-    parser.add_argument("--only", default=",".join(MESHES), help="parts of mesh names, by commas")
-    parser.add_argument("--proxies", type=int, default=300)
+    parser = scan_command(__doc__, [300], ",".join(MESHES))
     parser.add_argument("--keep", type=Path)
     options = parser.parse_args()
-    paths = [p for p in sorted(options.data.glob("*/*.ply")) if any(w in p.stem for w in options.only.split(","))]
-    if not paths:
-        parser.error(f"no meshes in {options.data}")
+    proxies = int(options.proxies)
     print("| scan | by | polygons | corners | planarity mean | most | distance | crossing | no area | flipped | bent"
           " | meet | verdict |\n|" + "---|" * 13)  # fmt: skip
-    for path in paths:
+    for path in scans(options, EVERY):
         mesh = engine.clean(*engine.read(str(path)))
-        part = engine.partition(mesh, engine.PartitionOptions(proxies=options.proxies))
+        part = engine.partition(mesh, engine.PartitionOptions(proxies=proxies))
         made = {"isimp": engine.polygonize(mesh, part)}
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             try:
                 made["Decimate"] = by_decimate(mesh, part, len(made["isimp"].loop_start), folder)
-                made["CGAL"] = by_cgal(mesh, part, options.proxies, folder)
+                made["CGAL"] = by_cgal(mesh, part, proxies, folder)
             except (OSError, RuntimeError, subprocess.CalledProcessError) as error:
                 print(f"{path.stem}: {error}", file=sys.stderr)
         for by, poly in made.items():

@@ -28,6 +28,7 @@ import numpy as np
 import isimp_engine as engine
 from bench.files import data_folder
 from bench.generators.collapse import decimated
+from bench.generators.known_shapes import split_in_four
 from isimp_engine.within import scan_distances
 from tests.shared import shapes
 
@@ -156,16 +157,6 @@ def houses():
             row = report["regions"], report["polygons"], f"{each:.2f}", report["closed"], part.parts_left_out
             name = f"of {scale} cell{'s' * (scale > 1)}"
             print(f"| {name} | {regions if asked else 'detail'} | {' | '.join(map(str, row))} | {clean['polygons']} |")
-
-
-def split_in_four(vertices, triangles):
-    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-    pairs, where = np.unique(edges, axis=0, return_inverse=True)
-    middle = len(vertices) + where.reshape(3, -1)
-    a, b, c = triangles.T
-    ab, bc, ca = middle
-    faces = np.concatenate([np.stack(f, 1) for f in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
-    return np.concatenate([vertices, vertices[pairs].mean(axis=1)]), faces
 
 
 def coarse():

@@ -26,6 +26,7 @@ import numpy as np
 
 import isimp_engine as engine
 from bench.generators.round_shapes import extruded, made, part_of_faces, shapes, with_noise
+from bench.quality.shape import newell
 from isimp_engine.within import scan_distances
 
 COLUMNS = (
@@ -35,21 +36,12 @@ COLUMNS = (
 LEAST_AT_TIP = 6  # cells of a part at one corner
 
 
-def areas(poly):
-    start = np.append(np.asarray(poly.loop_start), len(poly.loops))
-    points = np.asarray(poly.vertices)[np.asarray(poly.loops)]
-    after = np.arange(len(points)) + 1
-    after[start[1:] - 1] = start[:-1]
-    first = np.repeat(points[start[:-1]], np.diff(start), axis=0)
-    return np.linalg.norm(np.add.reduceat(np.cross(points - first, points[after] - first), start[:-1]), axis=1) / 2
-
-
 def defects(report):
     some = sum(report[k] for k in ("crossing", "flipped", "intersecting"))
     return some + (not report["manifold"])
 
 
-def timed(mesh, vertices, faces, **options):
+def timed(vertices, faces, **options):
     """Partition and polygons of a fresh mesh, so that nothing is kept from before."""
     fresh = engine.clean(vertices, faces)
     begin = time.process_time()
@@ -101,7 +93,8 @@ def of_cells(mesh, part, poly, plain_poly):
         is_of = patch[poly.polygon_region][owner] == k
         meeting = np.bincount(loops[is_of], minlength=len(poly.vertices))
         at_tip[owner[is_of & (meeting[loops] >= LEAST_AT_TIP)]] = True
-    area, spreads = areas(poly), []
+    start = np.append(np.asarray(poly.loop_start), len(poly.loops))
+    area, spreads = np.linalg.norm(newell(np.asarray(poly.vertices)[loops], start), axis=1), []
     for k, p in enumerate(part.curved):
         mine = area[patch[poly.polygon_region] == k]
         if p["full"] and p["kind"] in ("cylinder", "cone") and len(mine):
@@ -118,8 +111,8 @@ def of_cells(mesh, part, poly, plain_poly):
 
 
 def row_of(vertices, faces, shape=None, clean_vertices=None, **options):
-    plain_mesh, plain, plain_poly, plain_time = timed(None, vertices, faces, **options)
-    mesh, part, poly, seconds = timed(None, vertices, faces, curved=True, **options)
+    plain_mesh, plain, plain_poly, plain_time = timed(vertices, faces, **options)
+    mesh, part, poly, seconds = timed(vertices, faces, curved=True, **options)
     corners = np.asarray(mesh.vertices)[np.asarray(mesh.triangles)]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
     row = {"patches": [p["kind"] for p in part.curved], "time": seconds / plain_time}

@@ -19,20 +19,18 @@ Columns; lengths are in % of the diagonal of the scan:
   pairs      pairs of polygons that intersect, by ears and by least surface (see bench.quality.intersections)
 """
 
-import argparse
 import json
-import os
 import time
 from pathlib import Path
 
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import scan_command, scans
 from bench.quality import shape
-from bench.quality.intersections import RUNS, least, meetings, partition, scans
+from bench.quality.intersections import EVERY, RUNS, least, meetings, partition
 from tests.shared.polygon_judge import distance_to_triangles, polygons_of
 
-ROOT = Path(__file__).resolve().parents[2]
 GROUP, BLOCK = 12, 16  # triangles in one box of a search, and points that search together
 CHUNK = 20_000  # points of which distances are measured at once
 LENGTHS = ("mean", "rms", "p99", "far", "back", "bend", "bendx")
@@ -203,19 +201,15 @@ def compare(results, before):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=os.environ.get("ISIMP_DATA", ROOT.parent / "shared" / "data"))
-    parser.add_argument("--only", default="", help="parts of names of scans, by commas")
-    parser.add_argument("--proxies", default=",".join(RUNS))
+    parser = scan_command(__doc__, RUNS)
     parser.add_argument("--options", type=json.loads, default={})
     parser.add_argument("--samples", type=int, default=20_000)
     parser.add_argument("--pairs", action="store_true")
-    parser.add_argument("--json", type=Path)
     parser.add_argument("--against", type=Path)
     options = parser.parse_args()
     results = {}
     before = json.loads(options.against.read_text()) if options.against else {}
-    for path in scans(Path(options.data), options.only):
+    for path in scans(options, EVERY):
         scan = Scan(engine.clean(*engine.read(path)), options.samples)
         for run in options.proxies.split(","):
             part = partition(scan.mesh, run)

@@ -10,19 +10,16 @@ do not count, nor do lacking pairs with a polygon of more than 64 corners, since
 those of reports with 1,000 pairs, as no more are listed. The exit code is 1 if a pair of `least` is lacking.
 """
 
-import argparse
-import os
 import sys
-from pathlib import Path
 
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import FOLDERS, scan_command, scans
 from isimp_engine.regions import triangulate
 from tests.shared.polygon_judge import box_pairs, crosses_itself, flat, least_surface, meeting, polygons_of
 
-ROOT = Path(__file__).resolve().parents[2]
-FOLDERS = ("scan", "building", "nasty", "real")
+EVERY = (*FOLDERS, "real")
 RUNS = ("100", "300", "1000", "detail")
 LISTED = 1000
 SLIVER = 4e-6  # share of the diagonal; triangles of planar polygons are not thinner
@@ -75,11 +72,6 @@ def compare(poly, origin, thin=0.0):
     return [*row, own_of_least], lacking[0] if is_whole else []
 
 
-def scans(data, only):
-    paths = [path for folder in FOLDERS for path in sorted((data / folder).glob("*.ply"))]
-    return [path for path in paths if any(word in path.stem for word in only.split(","))]
-
-
 def partition(mesh, run):
     if run == "detail":
         return engine.partition(mesh, engine.PartitionOptions())
@@ -87,15 +79,12 @@ def partition(mesh, run):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=os.environ.get("ISIMP_DATA", ROOT.parent / "shared" / "data"))
-    parser.add_argument("--only", default="", help="parts of names of scans, by commas")
-    parser.add_argument("--proxies", default=",".join(RUNS))
+    parser = scan_command(__doc__, RUNS)
     parser.add_argument("--planar", action="store_true")
     options = parser.parse_args()
     print(f"{'scan':32} {'run':>7} " + " ".join(f"{name:>8}" for name in COLUMNS))
     total = np.zeros(len(COLUMNS), int)
-    for path in scans(Path(options.data), options.only):
+    for path in scans(options, EVERY):
         mesh = engine.clean(*engine.read(path))
         for run in options.proxies.split(","):
             poly = engine.polygonize(mesh, partition(mesh, run), engine.MeshingOptions(planar=options.planar))

@@ -31,11 +31,10 @@ from pathlib import Path
 import numpy as np
 
 import isimp_engine as engine
-from bench.files import write_ply
+from bench.files import DATA, write_ply
 from bench.generators import real_scans
-from isimp_engine._core import _distances_to_triangles
+from tests.shared.polygon_judge import distances
 
-ROOT = Path(__file__).resolve().parents[2]
 COLUMNS = ("P", "regions", "true", "polys", "tris", "corners", "rim", "mean", "99%", "defects", "cpu")
 POINTS = 500  # vertices of a scan whose distance is measured
 
@@ -55,8 +54,7 @@ def scans(data: Path | None) -> Iterator[tuple[str, np.ndarray, np.ndarray, int 
         for turn in (0.0, 31.0):
             true = real_scans.house_planes(seed)
             yield f"grid-{seed}-{turn:.0f}", *real_scans.grid_house(seed, turn=turn), true, None, []
-            distances = real_scans.grid_house(seed, binary=False, turn=turn)
-            yield f"sdf-{seed}-{turn:.0f}", *distances, true, None, []
+            yield f"sdf-{seed}-{turn:.0f}", *real_scans.grid_house(seed, binary=False, turn=turn), true, None, []
     for noise in (0.001, 0.003):
         for seed in range(1, 31):
             house = real_scans.drawn_house(seed, noise)
@@ -66,18 +64,6 @@ def scans(data: Path | None) -> Iterator[tuple[str, np.ndarray, np.ndarray, int 
             vertices, triangles = engine.read(str(path))
             wanted = 100 if "office" in path.name else None
             yield path.stem, vertices, triangles, None, wanted, []
-
-
-def distances(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Returns the distance of each point from the nearest of triangles (T, 3, 3)."""
-    middle = corners.mean(1)
-    reach = np.linalg.norm(corners - middle[:, None], axis=2).max(1)
-    best = np.full(len(points), np.inf)
-    for i, p in enumerate(points):
-        far = np.linalg.norm(middle - p, axis=1)
-        near = np.flatnonzero(far - reach <= (far + reach).min())
-        best[i] = _distances_to_triangles(np.repeat(p[None], len(near), 0), corners[near].reshape(-1, 3)).min()
-    return best
 
 
 def rim_corners(loops: list[np.ndarray]) -> float:
@@ -107,7 +93,7 @@ def row(vertices: np.ndarray, triangles: np.ndarray, true: int | None, wanted: i
     rng = np.random.default_rng(0)
     used = np.unique(triangles)
     some = vertices[rng.choice(used, min(POINTS, len(used)), replace=False)]
-    away = 100 * distances(some, points[flat]) / np.linalg.norm(np.ptp(vertices[used], axis=0))
+    away = 100 * distances(some, points, flat) / np.linalg.norm(np.ptp(vertices[used], axis=0))
     polygons = np.split(loops, starts[1:])
     result = told["output"]
     return {
@@ -171,7 +157,7 @@ def houses(seeds: range) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", help="beginnings of names, separated by commas")
-    parser.add_argument("--data", type=Path, default=ROOT / "../shared/data", help="folder with real/*.ply")
+    parser.add_argument("--data", type=Path, default=DATA, help="folder with real/*.ply")
     parser.add_argument("--json", type=Path)
     parser.add_argument("--against", type=Path)
     parser.add_argument("--houses", help="seeds FROM:TO of drawn houses: count their regions and nothing else")

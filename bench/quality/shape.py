@@ -28,7 +28,6 @@ Columns, of polygons unless another object is named:
   mean max  distance of the scan's vertices from the polygons, % of the diagonal
 """
 
-import argparse
 import itertools
 import json
 import time
@@ -37,10 +36,11 @@ from pathlib import Path
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import scan_command, scans
+from bench.generators.known_shapes import split_in_four
+from isimp_engine.guides import shared_edges
 from isimp_engine.within import scan_distances
 
-ROOT = Path(__file__).resolve().parents[2]
-FOLDERS = ("scan", "building", "nasty")
 COUNTS = (100, 300, 1000)
 COLUMNS = (
     *("corners", "conc", "strong", "reflex", "forced", "<15", "needle", "iq", "short", "ratio", "val3"),
@@ -144,18 +144,11 @@ def shape(vertices, loops, start):
 
 def borders(mesh, label):
     """Length of the borders between regions, and on the border of the mesh."""
-    ends = np.concatenate([mesh.triangles[:, [0, 1]], mesh.triangles[:, [1, 2]], mesh.triangles[:, [2, 0]]])
-    face = np.tile(np.arange(len(mesh.triangles)), 3)
-    key = np.sort(ends, axis=1)
-    order = np.lexsort((key[:, 1], key[:, 0]))
-    key, face = key[order], face[order]
-    twin = (key[1:] == key[:-1]).all(axis=1)
-    alone = np.ones(len(key), bool)
-    alone[1:] &= ~twin
-    alone[:-1] &= ~twin
-    length = np.linalg.norm(np.diff(mesh.vertices[key], axis=1)[:, 0], axis=1)
-    between = label[face[1:]] != label[face[:-1]]
-    return length[1:][twin & between].sum(), length[alone].sum()
+    corners = mesh.vertices[mesh.triangles]
+    whole = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).sum()
+    pairs, ends = shared_edges(mesh.triangles)
+    length = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)
+    return length[label[pairs[:, 0]] != label[pairs[:, 1]]].sum(), whole - 2 * length.sum()
 
 
 def run(mesh, proxies, partition_options, meshing_options):
@@ -187,17 +180,6 @@ def run(mesh, proxies, partition_options, meshing_options):
         "imperfect": len(poly.report["imperfect"]),
     }
     return {key: float(value) for key, value in row.items()}, part, poly
-
-
-def split_in_four(mesh):
-    """The same surface with every face split in four at the middles of its edges."""
-    vertices, triangles = np.asarray(mesh.vertices), np.asarray(mesh.triangles)
-    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, middle = np.unique(ends, axis=0, return_inverse=True)
-    (a, b, c), (x, y, z) = triangles.T, (len(vertices) + middle.reshape(-1, 3)).T
-    four = [[a, x, z], [x, b, y], [z, y, c], [x, y, z]]
-    faces = np.concatenate([np.stack(face, axis=1) for face in four])
-    return engine.Mesh(np.concatenate([vertices, vertices[edges].mean(axis=1)]), faces)
 
 
 def line(name, proxies, row):
@@ -235,28 +217,20 @@ def by_resolution(rows):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=ROOT.parent / "shared" / "data")
-    parser.add_argument("--only", default="", help="parts of names")
-    parser.add_argument("--proxies", default=",".join(map(str, COUNTS)))
-    parser.add_argument("--json", type=Path)
+    parser = scan_command(__doc__, COUNTS)
     parser.add_argument("--against", type=Path, help="the --json file of an earlier run")
     parser.add_argument("--resolution", action="store_true", help="also with four and sixteen times the faces")
     parser.add_argument("--partition", type=json.loads, default={}, help="fields of PartitionOptions as JSON")
     parser.add_argument("--meshing", type=json.loads, default={}, help="fields of MeshingOptions as JSON")
     given = parser.parse_args()
-    wanted = [w for w in given.only.split(",") if w]
-    paths = [p for folder in FOLDERS for p in sorted((given.data / folder).glob("*.ply"))]
     before = json.loads(given.against.read_text()) if given.against else {}
     rows = {}
     print(head())
-    for path in paths:
-        if wanted and not any(w in path.stem for w in wanted):
-            continue
+    for path in scans(given):
         meshes = {"": engine.clean(*engine.read(path))}
         if given.resolution:
-            meshes[" x4"] = split_in_four(meshes[""])
-            meshes[" x16"] = split_in_four(meshes[" x4"])
+            meshes[" x4"] = engine.Mesh(*split_in_four(meshes[""].vertices, meshes[""].triangles))
+            meshes[" x16"] = engine.Mesh(*split_in_four(meshes[" x4"].vertices, meshes[" x4"].triangles))
         for (finer, mesh), proxies in itertools.product(meshes.items(), map(int, given.proxies.split(","))):
             if 8 * proxies > len(mesh.triangles):
                 continue

@@ -8,21 +8,17 @@ edits, convex parts, textures and extreme inputs. No value of the engine was cho
 
 import functools
 import hashlib
-import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import DATA, around
 from bench.generators import hollow_solids, known_shapes, real_scans, round_shapes
 from isimp_engine.within import scan_distances
 from tests.shared import shapes
-
-ROOT = Path(__file__).resolve().parents[2]
-DATA = Path(os.environ.get("ISIMP_DATA", ROOT.parent / "shared" / "data"))
 
 
 @dataclass(frozen=True)
@@ -51,10 +47,7 @@ def of(mesh, part, poly, *more) -> Outcome:
 def crop(name: str, most: int, at: int):
     """The faces of a file of DATA that are nearest to one of them."""
     vertices, triangles = engine.read(DATA / name)
-    middle = np.nan_to_num(vertices[triangles].mean(axis=1))
-    near = np.sort(np.argsort(np.linalg.norm(middle - middle[at % len(triangles)], axis=1), kind="stable")[:most])
-    used, faces = np.unique(triangles[near], return_inverse=True)
-    return vertices[used], faces.reshape(-1, 3).astype(np.int32)
+    return around(vertices, triangles, at % len(triangles), most)
 
 
 @functools.cache

@@ -6,20 +6,16 @@
 run, then the bars. Times are of the processor.
 """
 
-import argparse
 import json
-import os
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 
 import isimp_engine as engine
+from bench.files import scan_command, scans
 from tests.shared.polygon_judge import distances, judge
 
-ROOT = Path(__file__).resolve().parents[2]
-FOLDERS = ("scan", "building", "nasty")
 COUNTS = (50, 300, 1000)
 SAMPLES = 3000
 CAD = ("fandisk",)  # with flat sides
@@ -108,17 +104,8 @@ def bars(results):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=Path, default=os.environ.get("ISIMP_DATA", ROOT.parent / "shared" / "data"))
-    parser.add_argument("--only", default="", help="parts of mesh names, by commas")
-    parser.add_argument("--proxies", default=",".join(map(str, COUNTS)))
-    parser.add_argument("--json", type=Path)
-    options = parser.parse_args()
-    paths = [path for folder in FOLDERS for path in sorted((Path(options.data) / folder).glob("*.ply"))]
-    wanted = options.only.split(",")
-    paths = [path for path in paths if any(word in path.stem for word in wanted)]
-    if not paths:
-        parser.error(f"no meshes in {options.data}")
+    options = scan_command(__doc__, COUNTS).parse_args()
+    paths = scans(options)
     results = []
     print(f"{'mesh':24} {'P':>5} {HEAD}")
     for path in paths:

@@ -33,7 +33,9 @@ import numpy as np
 import isimp_engine as engine
 from bench.generators import houses
 from bench.quality import shape
+from isimp_engine.guides import shared_edges
 from isimp_engine.within import scan_distances
+from tests.shared.polygon_judge import groups
 
 DETAIL, REACH = 0.049, 0.098  # metres
 WINDOW, REVEAL, WALL = (0.5, 6.0), (0.1, 0.5), 20.0  # square metres
@@ -48,24 +50,9 @@ def face_areas(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 def true_faces(street: houses.House) -> np.ndarray:
     """By triangle: the number of the connected part of its true plane."""
-    ends = np.sort(street.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    face = np.repeat(np.arange(len(street.triangles)), 3)
-    order = np.lexsort((ends[:, 1], ends[:, 0]))
-    twin = (ends[order][1:] == ends[order][:-1]).all(axis=1)
-    a, b = face[order[:-1][twin]], face[order[1:][twin]]
-    same = street.label[a] == street.label[b]
-    a, b = a[same], b[same]
-    part = np.arange(len(street.triangles))
-    while True:
-        lower = part.copy()
-        np.minimum.at(lower, part[a], part[b])
-        np.minimum.at(lower, part[b], part[a])
-        while (lower[lower] != lower).any():
-            lower = lower[lower]
-        lower = lower[part]
-        if (lower == part).all():
-            return np.unique(part, return_inverse=True)[1]
-        part = lower
+    pairs, _ = shared_edges(street.triangles)
+    same = street.label[pairs[:, 0]] == street.label[pairs[:, 1]]
+    return np.unique(groups(len(street.triangles), pairs[same])[1], return_inverse=True)[1]
 
 
 class Judge:

@@ -9,7 +9,7 @@
       city FACES PROXIES --kill          kills the command twice, and compares the results bit by bit
       read [FACES]                       reads a binary PLY, a text PLY and an OBJ file
 
-Run it with a Python that has isimp_engine; `pieces` needs scipy. The peaks of memory are the kernel's.
+Run it with a Python that has isimp_engine. The peaks of memory are the kernel's.
 """
 
 from __future__ import annotations
@@ -27,11 +27,13 @@ import numpy as np
 
 import isimp_engine as engine
 from bench.files import write_ply
+from bench.generators.known_shapes import split_in_four
+from bench.quality.fit import Surface
 from isimp_engine import batch, tiles
 from isimp_engine.guides import shared_edges
 from isimp_engine.tiles.splitting import Boxes
 
-SAMPLES = 3_000_000  # places on the polygons that distances are measured to
+SAMPLES = 50_000  # vertices whose distance is measured
 BLOCK = 20.0  # metres, of the city
 Mesh = tuple[np.ndarray, np.ndarray]
 
@@ -51,6 +53,14 @@ def cut(mesh: Mesh, count: int, folder: Path) -> list[np.ndarray]:
     return parts
 
 
+def labels_of(parts: list[np.ndarray], folder: Path) -> np.ndarray:
+    """The regions of the faces of `cut`, from the files of each tile."""
+    label = np.empty(sum(map(len, parts)), np.int32)
+    for k, faces in enumerate(parts):
+        label[faces] = np.load(folder.with_suffix(".labels") / f"{k:03d}.npy")
+    return label
+
+
 def judge(mesh: engine.Mesh, label: np.ndarray) -> tuple[float, float, int]:
     """Error, length of the borders, and number of the regions."""
     vertices, triangles = mesh.vertices, mesh.triangles
@@ -68,19 +78,9 @@ def judge(mesh: engine.Mesh, label: np.ndarray) -> tuple[float, float, int]:
 
 def distances(scan: np.ndarray, path: Path) -> tuple[float, float]:
     """Mean and 99th percentile of the distance from vertices of the scan to the polygons of a file."""
-    from scipy.spatial import cKDTree
-
     vertices, triangles = engine.read(path)
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    random = np.random.default_rng(1)
-    face = random.choice(len(area), SAMPLES, p=area / area.sum())
-    u, v = random.random((2, SAMPLES, 1))
-    over = u + v > 1
-    u, v = np.where(over, 1 - u, u), np.where(over, 1 - v, v)
-    places = a[face] + u * (b[face] - a[face]) + v * (c[face] - a[face])
-    chosen = scan[random.permutation(len(scan))[:200_000]]
-    found = cKDTree(places).query(chosen)[0]
+    chosen = scan[np.random.default_rng(1).permutation(len(scan))[:SAMPLES]]
+    found = Surface(vertices[triangles]).distances(chosen)
     return float(found.mean()), float(np.quantile(found, 0.99))
 
 
@@ -89,20 +89,12 @@ def defects(report: dict[str, Any]) -> str:
     return " ".join(f"{report[name]} {name}" for name in names if report[name]) or "sound"
 
 
-def with_midpoints(vertices: np.ndarray, triangles: np.ndarray) -> Mesh:
-    edge = np.sort(np.stack([triangles, np.roll(triangles, -1, 1)], 2).reshape(-1, 2), 1)
-    ends, place = np.unique(edge, axis=0, return_inverse=True)
-    middle = len(vertices) + place.reshape(-1, 3)
-    corners = [np.stack([triangles[:, k], middle[:, k], middle[:, k - 1]], 1) for k in range(3)]
-    return np.concatenate([vertices, vertices[ends].mean(1)]), np.concatenate([*corners, middle])
-
-
 def scan_of(path: Path) -> engine.Mesh:
     """The mesh of a file, a finer one (fine:FILE), or that of a generated city (city:FACES)."""
     if str(path).startswith("fine:"):
         vertices, triangles = engine.read(str(path).replace("fine:", ""))
         for _ in range(str(path).count("fine:")):
-            vertices, triangles = with_midpoints(vertices, triangles)
+            vertices, triangles = split_in_four(vertices, triangles)
         edge = np.linalg.norm(vertices[triangles[:, 1]] - vertices[triangles[:, 0]], axis=1).mean()
         noise = np.random.default_rng(1).normal(0, edge / 10, vertices.shape)
         return engine.clean(vertices + noise, triangles.astype(np.int32))
@@ -134,10 +126,7 @@ def pieces(path: Path, proxies: int, counts: list[int]) -> None:
             begun = time.perf_counter()
             report = tiles.run(folder, out, proxies=proxies, labels=folder.with_suffix(".labels")).report
             seconds = time.perf_counter() - begun
-            label = np.empty(len(triangles), np.int32)
-            for k, faces in enumerate(parts):
-                label[faces] = np.load(folder.with_suffix(".labels") / f"{k:03d}.npy")
-            found = judge(mesh, label)
+            found = judge(mesh, labels_of(parts, folder))
             own = distances(vertices, out)
             print(
                 f"  {count:3d} tiles: error {found[0] / whole[0] - 1:+.1%}, "
@@ -161,12 +150,9 @@ def detail(path: Path, share: float, counts: list[int]) -> None:
         for count in counts:
             folder = Path(place) / f"in{count}"
             parts = cut((vertices, triangles), count, folder)
-            labels = folder.with_suffix(".labels")
-            report = tiles.run(folder, Path(place) / "o.ply", options={"detail": share}, labels=labels).report
-            label = np.empty(len(triangles), np.int32)
-            for k, faces in enumerate(parts):
-                label[faces] = np.load(labels / f"{k:03d}.npy")
-            found = judge(mesh, label)
+            options, labels = {"detail": share}, folder.with_suffix(".labels")
+            report = tiles.run(folder, Path(place) / "o.ply", options=options, labels=labels).report
+            found = judge(mesh, labels_of(parts, folder))
             print(
                 f"  {count:3d} tiles: {report['regions']} regions, noise {report['noise']:.3g}, "
                 f"error {found[0] / whole[0] - 1:+.1%}, borders {found[1] / whole[1] - 1:+.1%}"

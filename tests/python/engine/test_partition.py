@@ -8,7 +8,8 @@ import pytest
 
 import isimp_engine as engine
 import shapes
-from bench.quality.shape import borders, split_in_four
+from bench.generators.known_shapes import split_in_four
+from bench.quality.shape import borders
 
 
 def options(**fields):
@@ -176,7 +177,7 @@ def test_borders_are_as_long_on_a_finer_scan(metric, rel):
     for _ in range(3):
         part = engine.partition(mesh, engine.PartitionOptions(proxies=200, metric=metric))
         lengths.append(borders(mesh, np.asarray(part.face_region))[0])
-        mesh = split_in_four(mesh)
+        mesh = engine.Mesh(*split_in_four(mesh.vertices, mesh.triangles))
     once, four, sixteen = lengths
     assert four == pytest.approx(once, rel=rel)
     assert sixteen == pytest.approx(four, rel=rel)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import isimp_engine as engine
+from bench.files import write_ply
 from bench.generators import known_shapes, real_scans
-from bench.quality import real
 from isimp_engine.cli import main
 from isimp_engine.within import TriangleSearch, triangles_of
 from shapes import bumpy, cube, joined, plane, voxels
@@ -190,7 +190,7 @@ def test_blocks_are_no_stair_steps():
 
 def test_the_command_takes_all_of_it(tmp_path):
     scan, out, report = (tmp_path / name for name in ("scan.ply", "out.obj", "report.json"))
-    real.write_ply(scan, *real_scans.chunks(1, size=(8.0, 6.0, 4.0), tile=4.0))
+    write_ply(scan, *real_scans.chunks(1, size=(8.0, 6.0, 4.0), tile=4.0))
     flags = ["--triangles", "40", "--sharp-edges", "--stitch", "0.5", "--straight-rims", "0.3", "--grid", "off"]
     assert main(["simplify", str(scan), str(out), "--report", str(report), "--quiet", *flags]) == 0
     told = json.loads(report.read_text())
@@ -206,7 +206,7 @@ def test_the_command_takes_all_of_it(tmp_path):
 
 @pytest.mark.parametrize("flags", [["--grid", "on"], ["--stitch", "x"], ["--triangles", "1"], ["--straight-rims", "x"]])
 def test_wrong_values_are_wrong_usage(tmp_path, flags, capsys):
-    real.write_ply(tmp_path / "scan.ply", *cube())
+    write_ply(tmp_path / "scan.ply", *cube())
     with pytest.raises(SystemExit) as ended:
         raise SystemExit(main(["simplify", str(tmp_path / "scan.ply"), str(tmp_path / "out.obj"), *flags]))
     assert ended.value.code == 2
@@ -271,7 +271,7 @@ def test_the_command_names_clutter_and_leaves_it_out_or_boxes_it(tmp_path, capsy
     wall, faces = real_scans.sheet((0, 0, 0), (1, 0, 0), (0, 1, 0), 120, 120)
     cell = np.floor(wall[faces].mean(1) * 40).astype(int)
     sieve = faces[~((cell[:, 0] % 4 == 2) & (cell[:, 1] % 4 == 2))]
-    real.write_ply(tmp_path / "scan.ply", *joined((wall, sieve), (wall + [3, 0, 0], faces)))
+    write_ply(tmp_path / "scan.ply", *joined((wall, sieve), (wall + [3, 0, 0], faces)))
     report = tmp_path / "report.json"
 
     def run(*more):
