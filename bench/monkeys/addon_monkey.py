@@ -32,6 +32,7 @@ sys.path[:0] = [folder for folder in os.environ.get("ISIMP_SITE", "").split(os.p
 sys.path += [str(ROOT / folder) for folder in ("addon", "tests/shared", "tests/python/blender")]
 
 import bpy  # noqa: E402  (after the folders above)
+import drawing  # noqa: E402
 import numpy as np  # noqa: E402
 import scans  # noqa: E402
 
@@ -66,29 +67,6 @@ def made_scans() -> dict:
         "one": (np.eye(3), [(0, 1, 2)]),
         "tiny": (1e-4 * ball, faces),
     }
-
-
-class Layout:
-    """Collects all that a panel draws. Settings that it makes on an operator's button must be its properties."""
-
-    def __init__(self, kinds=None):
-        object.__setattr__(self, "bl_rna", kinds)
-
-    def __getattr__(self, name):
-        if name == "properties":  # the operator's own; a button has them without
-            raise AttributeError(name)
-        return self._drawn
-
-    def __setattr__(self, name, value):
-        if self.bl_rna is not None and name not in self.bl_rna.properties:
-            raise AttributeError(f"the operator has no setting {name}")
-
-    def _drawn(self, *words, **more):
-        name = words[0] if words and isinstance(words[0], str) and words[0].startswith("isimp.") else None
-        kinds = getattr(bpy.ops.isimp, name.split(".")[1]).get_rna_type() if name else None
-        if isinstance(more.get("text", ""), str):
-            return Layout(kinds)
-        raise TypeError(f"no text: {more['text']!r}")
 
 
 class Broken(Exception):
@@ -168,7 +146,7 @@ class Monkey:
         for cls in self.panels:
             if hasattr(cls, "poll") and not cls.poll(context):
                 continue
-            drawn = type("Drawn", (), {"layout": Layout(), "prepare": getattr(cls, "prepare", None)})()
+            drawn = type("Drawn", (), {"layout": drawing.Recorder([]), "prepare": getattr(cls, "prepare", None)})()
             cls.draw(drawn, context)
         written = self.errors.getvalue()
         if "Traceback" in written:

@@ -130,19 +130,9 @@ def size_of(vertices: np.ndarray) -> float:
     return float(np.linalg.norm(np.ptp(known, axis=0))) if len(known) else 0.0
 
 
-def _without(v, t, rng):
-    return v, t[rng.random(len(t)) > rng.choice([0.01, 0.1, 0.5])]
-
-
-def _twice(v, t, rng):
-    return v, np.concatenate([t, t[rng.integers(len(t), size=3)]])
-
-
 def _turned(v, t, rng):
-    t = t.copy()
     some = rng.random(len(t)) < rng.choice([0.02, 0.5])
-    t[some] = t[some][:, ::-1]
-    return v, t
+    return v, np.where(some[:, None], t[:, ::-1], t)
 
 
 def _pinched(v, t, rng):
@@ -163,31 +153,9 @@ def _not_finite(v, t, rng):
     return v, t
 
 
-def _crossed(v, t, rng):
-    return v, np.concatenate([t, rng.integers(0, len(v), (2, 3)).astype(np.int32)])
-
-
-def _noisy(v, t, rng):
-    return v + rng.normal(size=v.shape) * size_of(v) * rng.choice([1e-5, 1e-3, 1e-2]), t
-
-
-def _scaled(v, t, rng):
-    return v * 10.0 ** rng.integers(-6, 7), t
-
-
-def _far(v, t, rng):
-    return v + rng.normal(size=3) * size_of(v) * 10.0 ** rng.uniform(0, 6), t
-
-
 def _rotated(v, t, rng):
     turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
     return v @ (turn * np.sign(np.linalg.det(turn))).T, t
-
-
-def _flattened(v, t, rng):
-    """To a sheet, a line or a point, or nearly so."""
-    by = np.array([(1, 1, 0), (1, 0, 0), (0, 0, 0), (1, 1, 1e-9), (1, 1e-9, 1e-9), (1, 1, 0.01)][rng.integers(6)])
-    return v * by, t
 
 
 def _rounded(v, t, rng):
@@ -195,32 +163,25 @@ def _rounded(v, t, rng):
     return np.round(v / cell) * cell, t
 
 
-def _doubled(v, t, rng):
-    """The scan twice, side by side or at one place."""
-    return shapes.joined((v, t), (v + rng.choice([0, 0.3, 2]) * size_of(v) * rng.normal(size=3), t))
-
-
-def _apart(v, t, rng):
-    """A soup: each face has vertices of its own."""
-    return v[t].reshape(-1, 3), np.arange(3 * len(t), dtype=np.int32).reshape(-1, 3)
-
-
+FLAT = np.array([(1, 1, 0), (1, 0, 0), (0, 0, 0), (1, 1, 1e-9), (1, 1e-9, 1e-9), (1, 1, 0.01)])  # sheet, line, point
 DAMAGE = {
-    "without faces": _without,
-    "faces twice": _twice,
+    "without faces": lambda v, t, rng: (v, t[rng.random(len(t)) > rng.choice([0.01, 0.1, 0.5])]),
+    "faces twice": lambda v, t, rng: (v, np.concatenate([t, t[rng.integers(len(t), size=3)]])),
     "faces turned": _turned,
     "pinched": _pinched,
     "vertices moved": _moved,
     "not finite": _not_finite,
-    "crossed": _crossed,
-    "noisy": _noisy,
-    "scaled": _scaled,
-    "far": _far,
+    "crossed": lambda v, t, rng: (v, np.concatenate([t, rng.integers(0, len(v), (2, 3)).astype(np.int32)])),
+    "noisy": lambda v, t, rng: (v + rng.normal(size=v.shape) * size_of(v) * rng.choice([1e-5, 1e-3, 1e-2]), t),
+    "scaled": lambda v, t, rng: (v * 10.0 ** rng.integers(-6, 7), t),
+    "far": lambda v, t, rng: (v + rng.normal(size=3) * size_of(v) * 10.0 ** rng.uniform(0, 6), t),
     "rotated": _rotated,
-    "flattened": _flattened,
+    "flattened": lambda v, t, rng: (v * FLAT[rng.integers(6)], t),
     "rounded": _rounded,
-    "doubled": _doubled,
-    "apart": _apart,
+    "doubled": lambda v, t, rng: shapes.joined(
+        (v, t), (v + rng.choice([0, 0.3, 2]) * size_of(v) * rng.normal(size=3), t)
+    ),
+    "apart": lambda v, t, rng: (v[t].reshape(-1, 3), np.arange(3 * len(t), dtype=np.int32).reshape(-1, 3)),
 }
 
 

@@ -174,29 +174,26 @@ class Monkey:
         result = Result(mesh, [("partition", part)], None, [])
         every = int(self.rng.integers(edits)) if edits and self.rng.random() < EVERY_EDIT else -1
         for number in range(edits):
-            if number == every:
-                self.try_every_edit(surface, part)
-            edit = draws.edit(mesh, part, self.rng)
-            case.edits.append(edit)
-            self.say(edit.name)
-            after = self._edited(result, edit, part)
-            if after is None:
-                continue
-            self.check(edit.name, judging.edit_findings(edit, part, after))
-            self.check(edit.name, judging.partition_findings(surface, after))
-            part = after
+            if number == every:  # each edit at a few faces, none of which counts
+                for name in [*draws.functions(), draws.PARTITION] * FACES_OF_EDIT:
+                    edit = draws.edit(mesh, part, self.rng, name)
+                    self._judged(Result(mesh, [], None, []), surface, edit, part, f"{name} alone")
+            case.edits.append(draws.edit(mesh, part, self.rng))
+            part = self._judged(result, surface, case.edits[-1], part, case.edits[-1].name)
         self._mesh(result, surface, part)
         return result
 
-    def try_every_edit(self, surface: judging.Surface, part: engine.Partition) -> None:
-        """Every edit at a few faces of one partition."""
-        for name in [*draws.functions(), draws.PARTITION] * FACES_OF_EDIT:
-            edit = draws.edit(surface.mesh, part, self.rng, name)
-            self.say(f"{name} alone")
-            after = self._edited(Result(surface.mesh, [], None, []), edit, part)
-            if after is not None:
-                self.check(f"{name} alone", judging.edit_findings(edit, part, after))
-                self.check(f"{name} alone", judging.partition_findings(surface, after))
+    def _judged(
+        self, result: Result, surface: judging.Surface, edit: Edit, part: engine.Partition, title: str
+    ) -> engine.Partition:
+        """The partition after an edit, or the one before where it is refused."""
+        self.say(title)
+        after = self._edited(result, edit, part)
+        if after is None:
+            return part
+        self.check(title, judging.edit_findings(edit, part, after))
+        self.check(title, judging.partition_findings(surface, after))
+        return after
 
     def _edited(self, result: Result, edit: Edit, part: engine.Partition, factor: float = 1.0) -> Any:
         try:
@@ -214,10 +211,7 @@ class Monkey:
     def _mesh(self, result: Result, surface: judging.Surface, part: engine.Partition) -> None:
         case, edits = self.case, ", ".join(dict.fromkeys(edit.name for edit in self.case.edits))
         self.say(f"polygonize after {edits or 'partition'}")
-        try:
-            result.polygons = engine.polygonize(result.mesh, part, case.meshing)
-        except engine.InvalidInput as error:
-            result.refused.append(f"polygonize: {error}")
+        if not self._polygonized(result, part, case.meshing):
             return
         self.say("judging of polygons")
         self.check(f"polygonize, {edits}", judging.polygon_findings(surface, part, result.polygons, case.meshing))
@@ -237,11 +231,16 @@ class Monkey:
         result = Result(mesh, [("partition", part)], None, [])
         for edit in case.edits:
             part = self._edited(result, edit, part, factor) or part
+        self._polygonized(result, part, meshing)
+        return result
+
+    @staticmethod
+    def _polygonized(result: Result, part: engine.Partition, options: engine.MeshingOptions) -> bool:
         try:
-            result.polygons = engine.polygonize(mesh, part, meshing)
+            result.polygons = engine.polygonize(result.mesh, part, options)
         except engine.InvalidInput as error:
             result.refused.append(f"polygonize: {error}")
-        return result
+        return result.polygons is not None
 
     # How a case is done again
 

@@ -24,9 +24,11 @@ class Recorder:
         raise AttributeError(name)
 
     def label(self, text="", **_):
+        assert isinstance(text, str), f"no text: {text!r}"
         self.drawn.append(("label", text))
 
     def operator(self, name, text="", depress=False, **_):
+        assert isinstance(text, str), f"no text: {text!r}"
         self.drawn.append(("operator", text or name))
         group, operator = name.split(".")
         made = Settable(getattr(getattr(bpy.ops, group), operator).get_rna_type())
@@ -34,8 +36,9 @@ class Recorder:
         self.buttons.update({name: made, text: made})
         return made
 
-    def prop(self, data, name, **_):
+    def prop(self, data, name, text="", **_):
         assert name in data.bl_rna.properties, name
+        assert isinstance(text, str), f"no text: {text!r}"
         self.drawn.append(("prop", name))
 
     def prop_enum(self, data, name, value, **_):
