@@ -177,15 +177,8 @@ def from_engine(path):
     vertices = np.asarray(vertices, np.float64)
     place = place_of(vertices)
     mesh = bpy.data.meshes.new(path.stem)
-    mesh.vertices.add(len(vertices))
-    mesh.loops.add(3 * len(triangles))
-    mesh.polygons.add(len(triangles))
-    mesh.vertices.foreach_set("co", (vertices - place).astype(np.float32).ravel())
-    mesh.loops.foreach_set("vertex_index", np.asarray(triangles, np.int32).ravel())
-    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * len(triangles), 3, dtype=np.int32))
-    mesh.polygons.foreach_set("loop_total", np.full(len(triangles), 3, np.int32))
-    mesh.update(calc_edges=True)
-    mesh.validate()
+    fill = of_addon("isimp.blender.scene.mesh_io").fill_polygons
+    fill(mesh, vertices - place, np.ravel(triangles), np.arange(0, np.size(triangles), 3), {})
     scan = bpy.data.objects.new(path.stem, mesh)
     bpy.context.scene.collection.objects.link(scan)
     scan.location = place

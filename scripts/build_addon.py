@@ -11,8 +11,6 @@ Blender 4.2.0 takes the wheel of the highest name for any Python, so a zip never
 """
 
 import argparse
-import base64
-import hashlib
 import importlib.metadata
 import re
 import sys
@@ -105,17 +103,9 @@ def installed_wheel(folder: Path) -> Path:
         raise SystemExit("isimp is installed for development only: build a wheel and give --wheel")
     tag = re.search(r"^Tag: (.+)$", package.read_text("WHEEL"), re.MULTILINE).group(1)
     left_out = {"RECORD", "INSTALLER", "REQUESTED", "direct_url.json"}
-    wheel, record = folder / f"isimp-{package.version}-{tag}.whl", []
-    with zipfile.ZipFile(wheel, "w") as archive:
-        for file in kept:
-            if file.name not in left_out:
-                data = file.locate().read_bytes()
-                digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
-                record.append(f"{file.as_posix()},sha256={digest},{len(data)}")
-                add(archive, file.as_posix(), data)
-        name = f"isimp-{package.version}.dist-info/RECORD"
-        add(archive, name, "\n".join([*record, f"{name},,", ""]).encode())
-    return wheel
+    files = {file.as_posix(): (file.locate().read_bytes(), 0o644) for file in kept if file.name not in left_out}
+    python, abi, platform = tag.split("-")
+    return wheels.write(folder, f"isimp-{package.version}", f"{python}-{abi}", platform, files)
 
 
 def wheel_for(kind: str, wheel: Path, folder: Path) -> Path | None:

@@ -15,6 +15,7 @@ import sys
 import tarfile
 import tempfile
 import zipfile
+from collections.abc import Callable
 from pathlib import Path, PurePosixPath
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -173,34 +174,36 @@ def gather(name: str, tree: Path, target: Path) -> None:
             shutil.copyfile(source, target / place)
 
 
-def fetch(target: Path) -> None:
-    """Makes a new folder; it appears only when all of it is complete."""
+def fetched(target: Path, fill: Callable[[Path, Path], None]) -> None:
+    """Makes a new folder by `fill`, of a scratch folder and of its own; it appears only when all of it is complete."""
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent) as work:
-        scratch, made = Path(work), Path(work) / "made"
-        apt = Apt(scratch / "apt")
-        sources = [(from_pypi, *row) for row in OF_PYPI] + [(apt.download, *row) for row in OF_DEBIAN]
-        for bring, name, version, sha256 in sources:
-            (scratch / name).mkdir()
-            file = bring(name, version, sha256, scratch / name)
-            gather(name, unpack(file, scratch / f"{name}-unpacked"), made)
-        (made / "README.md").write_text(LICENCES)
+        fill(Path(work), Path(work) / "made")
         shutil.rmtree(target, ignore_errors=True)
-        made.rename(target)
+        (Path(work) / "made").rename(target)
 
 
-def main(argv: list[str]) -> int:
-    target = Path(argv[0]) if argv else ROOT / "third_party"
+def fill(scratch: Path, made: Path) -> None:
+    apt = Apt(scratch / "apt")
+    sources = [(from_pypi, *row) for row in OF_PYPI] + [(apt.download, *row) for row in OF_DEBIAN]
+    for bring, name, version, sha256 in sources:
+        (scratch / name).mkdir()
+        file = bring(name, version, sha256, scratch / name)
+        gather(name, unpack(file, scratch / f"{name}-unpacked"), made)
+    (made / "README.md").write_text(LICENCES)
+
+
+def attempt(work: Callable[[], None], remedy: str = "") -> int:
+    """The exit status of work that may lack a requirement, which is printed."""
     try:
-        fetch(target.resolve())
+        work()
     except Missing as reason:
-        print(
-            f"{reason}\nInstall CGAL, Boost and Eigen yourself, or build from the sdist, which holds them.",
-            file=sys.stderr,
-        )
+        print(reason, *([remedy] if remedy else []), sep="\n", file=sys.stderr)
         return 1
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    folder = Path(sys.argv[1]) if sys.argv[1:] else ROOT / "third_party"
+    hint = "Install CGAL, Boost and Eigen yourself, or build from the sdist, which holds them."
+    sys.exit(attempt(lambda: fetched(folder.resolve(), fill), hint))

@@ -7,12 +7,10 @@ brings them from Debian sid by the mirror that this machine uses, as in `scripts
 Modules fit every patch of a Python, so Debian's signature is checked, and no checksum is fixed.
 """
 
-import shutil
 import sys
-import tempfile
 from pathlib import Path
 
-from headers import Apt, Missing, unpack
+from headers import Apt, Missing, attempt, fetched, unpack
 
 SUITE = "sid"  # the one Debian that has Python 3.14
 
@@ -23,33 +21,22 @@ def entry(version: str, folder: Path) -> str:
     return f".cpython-{version.replace('.', '')}-x86_64-linux-gnu.so={folder / python},{folder}"
 
 
-def fetch(version: str, target: Path) -> None:
-    """Makes a new folder; it appears only when all of it is complete."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    name = f"libpython{version}-dev"
-    with tempfile.TemporaryDirectory(dir=target.parent) as work:
-        scratch = Path(work)
-        files = scratch / "files"
-        files.mkdir()
-        (file,) = Apt(scratch / "apt", SUITE).download_any(name, files)
-        tree = unpack(file, scratch / "unpacked")
-        headers = tree / "usr" / "include"
+def bring(version: str, target: Path) -> None:
+    def fill(scratch: Path, made: Path) -> None:
+        (scratch / "files").mkdir()
+        (file,) = Apt(scratch / "apt", SUITE).download_any(f"libpython{version}-dev", scratch / "files")
+        headers = unpack(file, scratch / "unpacked") / "usr" / "include"
         if not (headers / f"python{version}" / "Python.h").exists():
             raise Missing(f"{file.name}: no Python.h in it")
-        shutil.rmtree(target, ignore_errors=True)
-        headers.rename(target)
+        headers.rename(made)
+
+    if not (target / f"python{version}" / "Python.h").exists():
+        fetched(target, fill)
+    print(entry(version, target))
 
 
 def main(argv: list[str]) -> int:
-    version, target = argv[0], Path(argv[1]).resolve()
-    try:
-        if not (target / f"python{version}" / "Python.h").exists():
-            fetch(version, target)
-    except Missing as reason:
-        print(reason, file=sys.stderr)
-        return 1
-    print(entry(version, target))
-    return 0
+    return attempt(lambda: bring(argv[0], Path(argv[1]).resolve()))
 
 
 if __name__ == "__main__":

@@ -8,10 +8,9 @@ of Debian, as `scripts/headers.py` does, and no root. Files with another SHA-256
 
 import shutil
 import sys
-import tempfile
 from pathlib import Path
 
-from headers import Apt, Missing, unpack
+from headers import Apt, attempt, fetched, unpack
 
 SUITE = "bullseye"  # glibc 2.31
 PACKAGES = [
@@ -24,35 +23,20 @@ PACKAGES = [
 ]
 
 
-def fetch(target: Path) -> None:
-    """Makes a new folder; it appears only when all of it is complete."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=target.parent) as work:
-        scratch, made = Path(work), Path(work) / "made"
-        apt = Apt(scratch / "apt", SUITE)
-        for name, version, sha256 in PACKAGES:
-            (scratch / name).mkdir()
-            file = apt.download(name, version, sha256, scratch / name)
-            tree = unpack(file, scratch / f"{name}-unpacked")
-            shutil.copytree(tree, made, symlinks=True, dirs_exist_ok=True)
-        for link in made.rglob("*"):  # absolute links would lead to this machine's own libraries
-            if link.is_symlink() and link.readlink().is_absolute():
-                place = made / link.readlink().relative_to("/")
-                link.unlink()
-                if place.exists():
-                    shutil.copyfile(place, link)
-        shutil.rmtree(target, ignore_errors=True)
-        made.rename(target)
-
-
-def main(argv: list[str]) -> int:
-    try:
-        fetch(Path(argv[0]).resolve())
-    except Missing as reason:
-        print(reason, file=sys.stderr)
-        return 1
-    return 0
+def fill(scratch: Path, made: Path) -> None:
+    apt = Apt(scratch / "apt", SUITE)
+    for name, version, sha256 in PACKAGES:
+        (scratch / name).mkdir()
+        file = apt.download(name, version, sha256, scratch / name)
+        tree = unpack(file, scratch / f"{name}-unpacked")
+        shutil.copytree(tree, made, symlinks=True, dirs_exist_ok=True)
+    for link in made.rglob("*"):  # absolute links would lead to this machine's own libraries
+        if link.is_symlink() and link.readlink().is_absolute():
+            place = made / link.readlink().relative_to("/")
+            link.unlink()
+            if place.exists():
+                shutil.copyfile(place, link)
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(attempt(lambda: fetched(Path(sys.argv[1]).resolve(), fill)))
