@@ -1,15 +1,7 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <map>
-#include <set>
-
 #include "hull.h"
 #include "isimp/convex/convex_parts.h"
-#include "isimp/core/errors.h"
 #include "isimp/mesh/meet.h"
-#include "shapes.h"
-#include "sizes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -73,8 +65,7 @@ PolygonSoup soup_of(const shapes::Arrays& arrays) {
 
 std::vector<ConvexPart> parts_of(const PolygonSoup& soup, const ConvexOptions& options = {},
                                  std::span<const Vec3> enclosed = {}) {
-  Job job;
-  return convex_parts(soup, {}, enclosed, options, job);
+  return convex_parts(soup, {}, enclosed, options, job());
 }
 
 bool contains(const ConvexPart& part, const Vec3& p) {
@@ -103,12 +94,7 @@ void expect_convex(const std::vector<ConvexPart>& parts) {
 }
 
 std::string refusal(const PolygonSoup& soup, const ConvexOptions& options = {}) {
-  try {
-    parts_of(soup, options);
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
+  return message_of([&] { parts_of(soup, options); });
 }
 
 constexpr double kWall = 0.25;
@@ -238,14 +224,13 @@ TEST(ConvexParts, OfASmallHoleAreThoseWithoutIt) {
 }
 
 TEST(ConvexParts, OfAWallAreOneForEachRegion) {
-  Job job;
   const shapes::Arrays plane = shapes::plane(2);
   std::vector<std::int32_t> halves;
   for (const auto& [a, b, c] : plane.triangles)
     halves.push_back((plane.vertices[a] + plane.vertices[b] + plane.vertices[c]).x() > 1.5 ? 1 : 0);
   const std::vector<std::int32_t> one(halves.size(), 0);
-  EXPECT_EQ(convex_parts(soup_of(plane), one, {}, {.thickness = kWall}, job).size(), 1);
-  EXPECT_EQ(convex_parts(soup_of(plane), halves, {}, {.thickness = kWall}, job).size(), 2);
+  EXPECT_EQ(convex_parts(soup_of(plane), one, {}, {.thickness = kWall}, job()).size(), 1);
+  EXPECT_EQ(convex_parts(soup_of(plane), halves, {}, {.thickness = kWall}, job()).size(), 2);
 }
 
 TEST(ConvexParts, RefuseWhatIsNoSolid) {

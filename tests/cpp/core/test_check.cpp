@@ -1,10 +1,6 @@
 // Assertions about the engine's own state: on in builds for tests, without effect in others.
-#include <gtest/gtest.h>
-
-#include <string>
-#include <vector>
-
 #include "isimp/core/check.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {

@@ -1,7 +1,4 @@
-#include <gtest/gtest.h>
-
-#include "isimp/core/errors.h"
-#include "isimp/core/job.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {

@@ -1,12 +1,9 @@
 // The table of options: the contents of a range, its name, and the refusal of other values.
 
-#include <gtest/gtest.h>
-
-#include <limits>
 #include <optional>
-#include <string>
 
 #include "isimp/core/options.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -32,13 +29,8 @@ constexpr auto fields(const Options*) {
                     choice("kind", &O::kind, {{"plain", Kind::plain}, {"fancy", Kind::fancy}}, "A kind.")};
 }
 
-std::string message_of(const Options& options) {
-  try {
-    check_fields(options);
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
+std::string said(const Options& options) {
+  return message_of([&] { check_fields(options); });
 }
 
 TEST(Options, ARangeHoldsItsEndsOrNot) {
@@ -54,13 +46,13 @@ TEST(Options, ARangeHoldsItsEndsOrNot) {
 }
 
 TEST(Options, ValuesOutOfRangeAreNamedWithTheRange) {
-  EXPECT_EQ(message_of({}), "");
-  EXPECT_EQ(message_of({.share = 1}), "share must be in [0, 1), got 1");
-  EXPECT_EQ(message_of({.length = 0.0}), "length must be a finite length above 0, got 0");
-  EXPECT_EQ(message_of({.length = 2.0}), "");
-  EXPECT_EQ(message_of({.count = 0}), "count must be at least 1, got 0");
-  EXPECT_EQ(message_of({.on = true, .name = "", .kind = Kind::fancy}), "");
-  EXPECT_EQ(message_of({.share = 2, .count = 0}), "share must be in [0, 1), got 2") << "the first one";
+  EXPECT_EQ(said({}), "no error");
+  EXPECT_EQ(said({.share = 1}), "share must be in [0, 1), got 1");
+  EXPECT_EQ(said({.length = 0.0}), "length must be a finite length above 0, got 0");
+  EXPECT_EQ(said({.length = 2.0}), "no error");
+  EXPECT_EQ(said({.count = 0}), "count must be at least 1, got 0");
+  EXPECT_EQ(said({.on = true, .name = "", .kind = Kind::fancy}), "no error");
+  EXPECT_EQ(said({.share = 2, .count = 0}), "share must be in [0, 1), got 2") << "the first one";
 }
 
 }  // namespace

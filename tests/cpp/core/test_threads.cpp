@@ -1,18 +1,10 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <atomic>
-#include <cstdint>
-#include <limits>
 #include <mutex>
-#include <numeric>
-#include <set>
 #include <thread>
-#include <vector>
 
-#include "isimp/core/errors.h"
 #include "isimp/core/thread_count.h"
 #include "isimp/core/threads.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {

@@ -1,9 +1,5 @@
-#include <gtest/gtest.h>
-
-#include <cstdint>
-#include <limits>
-
 #include "isimp/core/to_integer.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {

@@ -1,12 +1,3 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <string>
-#include <vector>
-
-#include "isimp/core/errors.h"
 #include "isimp/curved/edit_round.h"
 #include "isimp/curved/round.h"
 #include "isimp/interact/interact.h"
@@ -14,7 +5,7 @@
 #include "isimp/meshing/polygonize.h"
 #include "isimp/partition/soundness.h"
 #include "isimp/simplify/partitioner.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -100,8 +91,7 @@ shapes::Arrays silo() {
 Partition split(const Mesh& mesh, bool curved, double noise = 0) {
   PartitionOptions options{.detail = 0.005, .noise = noise};
   options.curved = curved;
-  Job job;
-  return Partitioner(mesh).run(options, {}, job);
+  return Partitioner(mesh).run(options, {}, job());
 }
 
 std::int64_t cells(const Partition& part, std::int32_t proxy) {
@@ -135,8 +125,7 @@ TEST(Curved, ACanIsAPrismWithItsAxisAndRadius) {
 TEST(Curved, ItsPolygonsAreEqualQuads) {
   const Mesh mesh = shapes::mesh(can());
   const Partition part = split(mesh, true);
-  Job job;
-  const PolygonMesh poly = polygonize(mesh, part, {}, job);
+  const PolygonMesh poly = polygonize(mesh, part, {}, job());
   std::vector<double> areas;
   for (std::size_t q = 0; q < poly.loop_start.size(); ++q) {
     if (part.region_cell[poly.polygon_region[q]].proxy == kNone) continue;
@@ -259,22 +248,20 @@ TEST(Curved, ThinPinsStayPlanes) {  // three planes serve them, and a ring would
   const Mesh mesh = shapes::mesh(can());
   PartitionOptions options{.proxies = 5};
   options.curved = true;
-  Job job;
-  EXPECT_TRUE(Partitioner(mesh).run(options, {}, job).curved.empty());
+  EXPECT_TRUE(Partitioner(mesh).run(options, {}, job()).curved.empty());
 }
 
 TEST(Curved, WhatIsKeptFromEarlierMakesNoDifference) {
   const Mesh mesh = shapes::mesh(shapes::noisy(can(), 0.004, 5));
   PartitionOptions plain{.detail = 0.005}, round = plain, other{.detail = 0.02};
   round.curved = true;
-  Job job;
-  const Partition fresh = Partitioner(mesh).run(round, {}, job);
+  const Partition fresh = Partitioner(mesh).run(round, {}, job());
   const Partitioner used(mesh);
-  (void)used.run(plain, {}, job);
-  const Partition again = used.run(round, {}, job);
-  (void)used.run(other, {}, job);
+  (void)used.run(plain, {}, job());
+  const Partition again = used.run(round, {}, job());
+  (void)used.run(other, {}, job());
   EXPECT_EQ(again.face_region, fresh.face_region);
-  EXPECT_EQ(used.run(round, {}, job).face_region, fresh.face_region);
+  EXPECT_EQ(used.run(round, {}, job()).face_region, fresh.face_region);
   ASSERT_FALSE(fresh.curved.empty());
 }
 
@@ -282,8 +269,7 @@ TEST(Curved, AFilletIsOneStripBetweenItsPlanes) {
   const Mesh mesh = shapes::mesh(can(1, rounded(2, 1.5, 0.4)));
   PartitionOptions options{.proxies = 10};
   options.curved = true;
-  Job job;
-  const Partition part = Partitioner(mesh).run(options, {}, job);
+  const Partition part = Partitioner(mesh).run(options, {}, job());
   ASSERT_EQ(part.curved.size(), 4U);
   for (const CurvedProxy& p : part.curved) {
     EXPECT_NEAR(p.radius, 0.4, 0.006);  // an arc of few faces
@@ -311,8 +297,7 @@ TEST(Curved, AnyNumberOfThreadsGivesTheSame) {
   std::vector<Partition> parts;
   for (const int threads : {1, 3}) {
     options.threads = threads;
-    Job job;
-    parts.push_back(Partitioner(mesh).run(options, {}, job));
+    parts.push_back(Partitioner(mesh).run(options, {}, job()));
   }
   EXPECT_EQ(parts[0].face_region, parts[1].face_region);
   EXPECT_EQ(parts[0].curved, parts[1].curved);
@@ -321,56 +306,51 @@ TEST(Curved, AnyNumberOfThreadsGivesTheSame) {
 
 TEST(Curved, ABoundIsRefused) {
   const Mesh mesh = shapes::mesh(can());
-  Job job;
   PartitionOptions bound{.bound = 0.1};
   bound.curved = true;
-  EXPECT_THROW((void)Partitioner(mesh).run(bound, {}, job), InvalidInput);
+  EXPECT_THROW((void)Partitioner(mesh).run(bound, {}, job()), InvalidInput);
 }
 
 TEST(Curved, SegmentsChangeOnePatchOnly) {
   const Mesh mesh = shapes::mesh(can());
   const Partition part = split(mesh, true);
-  Job job;
-  const Partition more = with_segments(mesh, part, face_of_patch(part), 20, 0, job);
+  const Partition more = with_segments(mesh, part, face_of_patch(part), 20, 0, job());
   ASSERT_EQ(more.curved.size(), 1U);
   EXPECT_EQ(more.curved[0].segments, 20);
   EXPECT_EQ(cells(more, 0), 20);
   EXPECT_EQ(more.region_count(), 22);
   EXPECT_EQ(more.curved[0].radius, part.curved[0].radius);
   EXPECT_EQ(broken_promise(mesh, more), "");
-  EXPECT_THROW(with_segments(mesh, part, face_of_patch(part), 2, 0, job), InvalidInput);
+  EXPECT_THROW(with_segments(mesh, part, face_of_patch(part), 2, 0, job()), InvalidInput);
 }
 
 TEST(Curved, ExplodedCellsKeepTheirLabels) {
   const Mesh mesh = shapes::mesh(can());
   const Partition part = split(mesh, true);
-  Job job;
   const std::int32_t face = face_of_patch(part);
-  const Partition loose = explode_round(mesh, part, face, job);
+  const Partition loose = explode_round(mesh, part, face, job());
   EXPECT_EQ(loose.face_region, part.face_region);
   EXPECT_TRUE(loose.curved.empty());
   EXPECT_FALSE(loose.is_held(loose.face_region[face]));
-  EXPECT_THROW(explode_round(mesh, loose, face, job), InvalidInput);
+  EXPECT_THROW(explode_round(mesh, loose, face, job()), InvalidInput);
   Partition regular = part;
   regular.regularity.emplace();
-  EXPECT_FALSE(explode_round(mesh, regular, face, job).regularity);
+  EXPECT_FALSE(explode_round(mesh, regular, face, job()).regularity);
 }
 
 TEST(Curved, LockedCellsAreNotCutAgain) {
   const Mesh mesh = shapes::mesh(can());
   const Partition part = split(mesh, true);
-  Job job;
   const std::vector<std::int32_t> face = {face_of_patch(part)};
   const Partition locked = set_locked(mesh, part, face, kLocked);
-  EXPECT_THROW(with_segments(mesh, locked, face[0], 20, 0, job), InvalidInput);
-  EXPECT_THROW(explode_round(mesh, locked, face[0], job), InvalidInput);
+  EXPECT_THROW(with_segments(mesh, locked, face[0], 20, 0, job()), InvalidInput);
+  EXPECT_THROW(explode_round(mesh, locked, face[0], job()), InvalidInput);
 }
 
 TEST(Curved, ACellThatAnEditChangesLeavesItsPatch) {
   const Mesh mesh = shapes::mesh(can());
   const Partition part = split(mesh, true);
-  Job job;
-  const Partition fewer = delete_proxy(mesh, part, face_of_patch(part), job);
+  const Partition fewer = delete_proxy(mesh, part, face_of_patch(part), job());
   EXPECT_LT(cells(fewer, 0), cells(part, 0) - 1);  // the deleted cell, and the cells to which its faces went
   EXPECT_GT(cells(fewer, 0), 0);
   EXPECT_EQ(broken_promise(mesh, fewer), "");
@@ -382,13 +362,12 @@ TEST(Curved, RegionsMadeRoundAreOnePatch) {
   std::vector<std::int32_t> side;
   for (std::int32_t r = 0; r < part.region_count(); ++r)
     if (std::abs(part.region_normal[r].z()) < 0.5) side.push_back(part.region_seed[r]);
-  Job job;
-  const Partition round = make_round(mesh, part, side, std::nullopt, job);
+  const Partition round = make_round(mesh, part, side, std::nullopt, job());
   ASSERT_EQ(round.curved.size(), 1U);
   EXPECT_EQ(round.curved[0].kind, CurvedKind::cylinder);
   EXPECT_NEAR(round.curved[0].radius, 1, 0.002);
   EXPECT_LE(std::abs(round.region_count() - part.region_count()), 1);
-  EXPECT_THROW(make_round(mesh, part, {}, std::nullopt, job), InvalidInput);
+  EXPECT_THROW(make_round(mesh, part, {}, std::nullopt, job()), InvalidInput);
 }
 
 }  // namespace

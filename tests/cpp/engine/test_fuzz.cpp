@@ -1,27 +1,18 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
-#include <limits>
-#include <random>
 #include <regex>
 #include <sstream>
-#include <string>
 
-#include "isimp/core/errors.h"
 #include "isimp/interact/interact.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/io.h"
 #include "isimp/meshing/polygonize.h"
 #include "partition_checks.h"
 #include "polygon_judge.h"
-#include "shapes.h"
+#include "tests.h"
 
 /// Random meshes and files pass through all steps: each either is refused with a message or keeps every promise.
 /// ISIMP_FUZZ_CASES is the number of cases of each kind (250), ISIMP_FUZZ_SECONDS a time to run instead,
@@ -231,21 +222,20 @@ std::string unexcused(std::string defects, const PolygonMesh& polygons, const Me
 /// \param most_damages  that are done to the mesh first
 void all_the_way(Arrays a, Dice& dice, std::int32_t most_damages) {
   for (int i = dice.number(0, most_damages); i > 0; --i) damage(a, dice);
-  Job job;
   try {
-    const Mesh mesh = clean(a.vertices, a.triangles, clean_options(dice), job);
-    Partition p = partition(mesh, partition_options(dice, mesh.face_count()), job);
+    const Mesh mesh = clean(a.vertices, a.triangles, clean_options(dice), job());
+    Partition p = partition(mesh, partition_options(dice, mesh.face_count()), job());
     checks::expect_sound_regions(mesh, p);
     for (int i = dice.number(0, 3); i > 0 && !testing::Test::HasFailure(); --i) {
       try {
         const std::int32_t face = dice.number(0, mesh.face_count() - 1);
-        p = dice.chance(2) ? add_proxy(mesh, p, face, job) : delete_proxy(mesh, p, face, job);
+        p = dice.chance(2) ? add_proxy(mesh, p, face, job()) : delete_proxy(mesh, p, face, job());
       } catch (const InvalidInput&) {  // the only region of its part, or one face alone
       }
       checks::expect_sound_regions(mesh, p);
     }
     if (testing::Test::HasFailure()) return;
-    const PolygonMesh polygons = polygonize(mesh, p, meshing_options(dice), job);
+    const PolygonMesh polygons = polygonize(mesh, p, meshing_options(dice), job());
     EXPECT_EQ(unexcused(judge::defects_against(polygons, mesh, p), polygons, mesh), "");
   } catch (const InvalidInput& e) {
     EXPECT_GT(std::string(e.what()).size(), 10U);
@@ -302,8 +292,7 @@ std::string written(const std::string& extension, const Arrays& a, const std::fi
     starts.push_back(static_cast<std::int32_t>(loops.size()));
     loops.insert(loops.end(), t.begin(), t.end());
   }
-  Job job;
-  write_polygons(folder / ("good" + extension), a.vertices, loops, starts, job);
+  write_polygons(folder / ("good" + extension), a.vertices, loops, starts, job());
   std::ifstream file(folder / ("good" + extension), std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -354,15 +343,14 @@ TEST(Fuzz, BytesOfFiles) {
     for (int i = dice.number(1, 4); i > 0; --i) damage(bytes, dice);
     const std::filesystem::path path = folder / ("damaged" + extension);
     std::ofstream(path, std::ios::binary) << bytes;
-    Job job;
     try {
-      const PolygonSoup polygons = read_polygons(path, job);
+      const PolygonSoup polygons = read_polygons(path, job());
       for (const std::int32_t v : polygons.loops) {
         ASSERT_GE(v, 0);
         ASSERT_LT(v, static_cast<std::int32_t>(polygons.vertices.size()));
       }
-      const Triangulation cut = triangulate(polygons, job);
-      if (!cut.triangles.empty()) static_cast<void>(clean(polygons.vertices, cut.triangles, {}, job));
+      const Triangulation cut = triangulate(polygons, job());
+      if (!cut.triangles.empty()) static_cast<void>(clean(polygons.vertices, cut.triangles, {}, job()));
     } catch (const FileError& e) {
       EXPECT_NE(std::string(e.what()).find("damaged"), std::string::npos) << e.what();
     } catch (const InvalidInput& e) {

@@ -1,13 +1,9 @@
 // Meshes far from zero: the result is the result at zero, moved.
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "isimp/interact/merge.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/simplify/partitioner.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -37,19 +33,17 @@ TEST_P(Offsets, ShiftIsExact) {
     ASSERT_EQ(mesh.vertices()[v] + mesh.origin(), far.vertices[v]) << v;
     ASSERT_LE(mesh.vertices()[v].cwiseAbs().maxCoeff(), 2) << v;
   }
-  Job job;
-  EXPECT_EQ(clean(far.vertices, far.triangles, {}, job).origin(), GetParam());
+  EXPECT_EQ(clean(far.vertices, far.triangles, {}, job()).origin(), GetParam());
 }
 
 TEST_P(Offsets, PolygonsEqualThoseAtZeroAfterAShift) {
   const shapes::Arrays here = rough_sphere();
   const Mesh mesh = shapes::mesh(here), far = shapes::mesh(moved(here, GetParam()));
-  Job job;
   PartitionOptions options;
   options.proxies = 60;
-  const Partition part = partition(mesh, options, job), far_part = partition(far, options, job);
+  const Partition part = partition(mesh, options, job()), far_part = partition(far, options, job());
   EXPECT_EQ(part.face_region, far_part.face_region);
-  const PolygonMesh p = polygonize(mesh, part, {}, job), q = polygonize(far, far_part, {}, job);
+  const PolygonMesh p = polygonize(mesh, part, {}, job()), q = polygonize(far, far_part, {}, job());
   EXPECT_EQ(p.loops, q.loops);
   EXPECT_EQ(p.report, q.report);
   ASSERT_EQ(p.vertices.size(), q.vertices.size());
@@ -59,11 +53,10 @@ TEST_P(Offsets, PolygonsEqualThoseAtZeroAfterAShift) {
 
 TEST_P(Offsets, LinesToCutAlongAreInTheCallersCoordinates) {
   const Mesh mesh = shapes::mesh(moved(shapes::plane(8), GetParam()));
-  Job job;
   const std::vector<Vec3> line{GetParam() + Vec3(0.5, 0, 0), GetParam() + Vec3(0.5, 1, 0)};
   PartitionOptions options;
   options.proxies = 1;
-  const Partition two = split_along(mesh, partition(mesh, options, job), 0, line, Vec3(0, 0, 1), job);
+  const Partition two = split_along(mesh, partition(mesh, options, job()), 0, line, Vec3(0, 0, 1), job());
   ASSERT_EQ(two.region_count(), 2);
   EXPECT_EQ(two.region_sum[0].faces, 64);
   EXPECT_EQ(two.region_sum[1].faces, 64);
@@ -88,10 +81,9 @@ TEST(MapCoordinates, RoughScansOfFewMetresAreAsGoodAsAtZero) {
     shapes::Arrays a = shapes::noisy(shapes::smoothed(shapes::cube(12), 2), 0.002, 5);
     for (Vec3& v : a.vertices) v = 3 * v + by;
     const Mesh mesh = shapes::mesh(a);
-    Job job;
     PartitionOptions options;
     options.proxies = 300;
-    const PolygonMesh p = polygonize(mesh, partition(mesh, options, job), {}, job);
+    const PolygonMesh p = polygonize(mesh, partition(mesh, options, job()), {}, job());
     EXPECT_TRUE(p.report.imperfect.empty());
     EXPECT_LE(p.report.polygons, 306);
     EXPECT_LE((p.vertices[0] - by).norm(), 6);

@@ -1,22 +1,13 @@
 // The delay until long calls see a cancel, and the steps of progress, counted in polls: no clock is used.
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <atomic>
-#include <functional>
 #include <optional>
-#include <set>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "hierarchy/hierarchy.h"
-#include "isimp/core/errors.h"
 #include "isimp/interact/interact.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/simplify/partitioner.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -24,8 +15,7 @@ namespace {
 /// A torus, its partition, and the input of both.
 struct Input {
   explicit Input(int n) : arrays(shapes::torus(4 * n, n)), mesh(shapes::mesh(arrays)) {
-    Job job;
-    regions = partition(mesh, {.proxies = mesh.face_count() / 400}, job);
+    regions = partition(mesh, {.proxies = mesh.face_count() / 400}, job());
   }
   shapes::Arrays arrays;
   Mesh mesh;

@@ -1,13 +1,3 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <functional>
-#include <map>
-#include <random>
-#include <string>
-#include <vector>
-
-#include "isimp/core/errors.h"
 #include "isimp/interact/heuristics.h"
 #include "isimp/interact/interact.h"
 #include "isimp/interact/lock.h"
@@ -19,8 +9,7 @@
 #include "isimp/regular/regularise.h"
 #include "isimp/simplify/partitioner.h"
 #include "polygon_judge.h"
-#include "shapes.h"
-#include "sizes.h"
+#include "tests.h"
 
 /// Edits of every kind at random, one after another, on partitions of every kind. bench/monkeys/monkey.py judges the
 /// changes of each; this test sees the sums of regions, and runs with sanitizers and assertions too.
@@ -80,7 +69,6 @@ std::vector<std::int32_t> blot(const Mesh& mesh, std::int32_t face, std::size_t 
 void play(const Mesh& mesh, const Partition& first, std::uint32_t seed, std::map<std::string, int>& done) {
   std::mt19937 random(seed);
   const auto below = [&](std::int32_t n) { return static_cast<std::int32_t>(random() % static_cast<unsigned>(n)); };
-  Job job;
   Partition now = first;
   for (int k = 0; k < 60; ++k) {
     if (below(8) == 0) now = first;
@@ -89,8 +77,8 @@ void play(const Mesh& mesh, const Partition& first, std::uint32_t seed, std::map
     const Vec3 by = mesh.diagonal() * Vec3(0.1 * (below(3) - 1), 0.1 * (below(3) - 1), 0.05);
     Partition after;
     try {
-      after = edit({mesh, now, face, other, blot(mesh, face, 1 + random() % 12), by, 1 + below(3), job});
-      (void)all_statistics(mesh, after, job);
+      after = edit({mesh, now, face, other, blot(mesh, face, 1 + random() % 12), by, 1 + below(3), job()});
+      (void)all_statistics(mesh, after, job());
     } catch (const InvalidInput&) {
       continue;
     }
@@ -98,7 +86,7 @@ void play(const Mesh& mesh, const Partition& first, std::uint32_t seed, std::map
     ++done[name];
     now = std::move(after);
   }
-  const PolygonMesh polygons = polygonize(mesh, now, {}, job);
+  const PolygonMesh polygons = polygonize(mesh, now, {}, job());
   if (polygons.report.without_area == 0 && !polygons.report.repair_capped) {
     EXPECT_EQ(judge::defects_against(polygons, mesh, now), "") << "seed " << seed;
   }
@@ -129,8 +117,7 @@ TEST(EditMonkey, AnyChainOfEditsLeavesASoundPartition) {
         {plain, {.guides = {.weights = weights, .barriers = {}}}},
     };
     for (const auto& [options, constraints] : ways) {
-      Job job;
-      play(mesh, partitioner.run(options, constraints, job), ++seed, done);
+      play(mesh, partitioner.run(options, constraints, job()), ++seed, done);
     }
   }
   EXPECT_EQ(done.size(), edits().size()) << "an edit was never done";

@@ -1,10 +1,3 @@
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <utility>
-#include <vector>
-
 #include "isimp/interact/heuristics.h"
 #include "isimp/interact/interact.h"
 #include "isimp/interact/merge.h"
@@ -12,23 +5,16 @@
 #include "isimp/meshing/polygonize.h"
 #include "partition_checks.h"
 #include "polygon_judge.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
 using checks::expect_sound;
-using checks::message_of;
 using checks::run;
 
-Partition add(const Mesh& mesh, const Partition& p, std::int32_t face) {
-  Job job;
-  return add_proxy(mesh, p, face, job);
-}
-Partition remove(const Mesh& mesh, const Partition& p, std::int32_t face) {
-  Job job;
-  return delete_proxy(mesh, p, face, job);
-}
+Partition add(const Mesh& mesh, const Partition& p, std::int32_t face) { return add_proxy(mesh, p, face, job()); }
+Partition remove(const Mesh& mesh, const Partition& p, std::int32_t face) { return delete_proxy(mesh, p, face, job()); }
 
 TEST(AddProxy, TakesTheLastNumberAndTheFace) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.002, 1));
@@ -79,8 +65,7 @@ TEST(AddProxy, SplitsTwoSidesOfACubeAtTheirEdge) {
 
 /// The numbers of corners of each region's polygons, the last region's at the end, the others' in rising order.
 std::vector<std::int32_t> sizes(const Mesh& mesh, const Partition& p) {
-  Job job;
-  const PolygonMesh polygons = polygonize(mesh, p, {}, job);
+  const PolygonMesh polygons = polygonize(mesh, p, {}, job());
   std::vector<std::int32_t> result(static_cast<std::size_t>(p.region_count()), 0);
   const std::vector<judge::Loop> loops = judge::polygons_of(polygons);
   for (std::size_t q = 0; q < loops.size(); ++q)
@@ -120,8 +105,7 @@ TEST(AddProxy, BevelsAnEdgeOfASmoothedCubeFromEndToEnd) {
   const Mesh mesh = shapes::mesh(shapes::smoothed(shapes::cube(20), 5));
   const Partition six = run(mesh, {.proxies = 6});
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    const auto [a, b, c] = mesh.triangles()[f];
-    const Vec3 middle = (mesh.vertices()[a] + mesh.vertices()[b] + mesh.vertices()[c]) / 3;
+    const Vec3 middle = shapes::middle(mesh, f);
     if (std::abs(middle.z() - 0.5) > 0.2 || middle.x() < 0.95 || middle.y() < 0.95) continue;
     const Partition seven = add(mesh, six, f);
     expect_sound(mesh, seven);
@@ -215,21 +199,21 @@ TEST(Interact, ARegionInSeveralPiecesIsRefused) {
   p.region_sum[from].remove(mesh.graph().faces[mesh.graph().graph_face[stray]]);
   p.region_sum[0].add(mesh.graph().faces[mesh.graph().graph_face[stray]]);
   p.face_region[stray] = 0;
-  Job job;
   const std::string what =
       " is in several pieces: 1 of its 73 faces hang together with that face; only connected regions can be edited";
   const std::string named = "the region of face " + std::to_string(stray) + what;
-  EXPECT_EQ(message_of([&] { (void)split_region(mesh, p, stray, job); }), named);
-  EXPECT_EQ(message_of([&] { (void)add_proxy(mesh, p, stray, job); }), named);
-  EXPECT_EQ(message_of([&] { (void)delete_proxy(mesh, p, stray, job); }), named);
-  EXPECT_EQ(message_of([&] { (void)grow_region(mesh, p, stray, 1, job); }), named);
-  EXPECT_EQ(message_of([&] { (void)shrink_region(mesh, p, stray, 1, job); }), named);
+  EXPECT_EQ(message_of([&] { (void)split_region(mesh, p, stray, job()); }), named);
+  EXPECT_EQ(message_of([&] { (void)add_proxy(mesh, p, stray, job()); }), named);
+  EXPECT_EQ(message_of([&] { (void)delete_proxy(mesh, p, stray, job()); }), named);
+  EXPECT_EQ(message_of([&] { (void)grow_region(mesh, p, stray, 1, job()); }), named);
+  EXPECT_EQ(message_of([&] { (void)shrink_region(mesh, p, stray, 1, job()); }), named);
   const Vec3 line[] = {Vec3(-1, 0.5, 0.5), Vec3(2, 0.5, 0.5)};
-  EXPECT_EQ(message_of([&] { (void)split_along(mesh, p, stray, line, Vec3::Zero(), job); }), named);
-  EXPECT_NE(message_of([&] { (void)split_region(mesh, p, rest, job); }).find("72 of its 73 faces"), std::string::npos);
-  EXPECT_EQ(message_of([&] { (void)improve(mesh, p, job); }),
+  EXPECT_EQ(message_of([&] { (void)split_along(mesh, p, stray, line, Vec3::Zero(), job()); }), named);
+  EXPECT_NE(message_of([&] { (void)split_region(mesh, p, rest, job()); }).find("72 of its 73 faces"),
+            std::string::npos);
+  EXPECT_EQ(message_of([&] { (void)improve(mesh, p, job()); }),
             "region 0 is in several pieces: only connected regions can be improved");
-  EXPECT_NE(message_of([&] { (void)merge_regions(mesh, p, p.region_seed[2], rest, job); }), "no error");
+  EXPECT_NE(message_of([&] { (void)merge_regions(mesh, p, p.region_seed[2], rest, job()); }), "no error");
 }
 
 TEST(Interact, ACancelledJobStopsIt) {

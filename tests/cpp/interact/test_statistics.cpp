@@ -1,27 +1,20 @@
 // Figures of regions: area, distances, neighbours and sides.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstdint>
 #include <span>
-#include <vector>
 
 #include "isimp/interact/statistics.h"
 #include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
-using checks::message_of;
 using checks::run;
 
 TEST(Statistics, FitACube) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::cube(4));
   const Partition six = run(mesh, 6);
-  for (const RegionStatistics& s : all_statistics(mesh, six, job)) {
+  for (const RegionStatistics& s : all_statistics(mesh, six, job())) {
     EXPECT_EQ(s.faces, 32);
     EXPECT_NEAR(s.area, 1.0, 1e-12);
     EXPECT_NEAR(s.distance_max, 0.0, 1e-12);
@@ -65,12 +58,11 @@ TEST(Statistics, SidesNameTheFault) {
 }
 
 TEST(Statistics, FitARoof) {
-  Job job;
   shapes::Arrays roof = shapes::plane(2);  // folded up along its middle: a ridge of height .5 over
                                            // a square of base 1
   for (Vec3& v : roof.vertices) v.z() = 0.5 - std::abs(v.x() - 0.5);
   const Mesh mesh = shapes::mesh(roof);
-  const RegionStatistics s = region_statistics(mesh, run(mesh, 1), 3, job);
+  const RegionStatistics s = region_statistics(mesh, run(mesh, 1), 3, job());
   EXPECT_EQ(s.region, 0);
   EXPECT_NEAR(s.area, std::sqrt(2.0), 1e-12);
   EXPECT_NEAR(s.distance_max, 0.25, 1e-6);  // the plane lies half-way up

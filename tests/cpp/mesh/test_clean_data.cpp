@@ -1,18 +1,10 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cstdint>
 #include <filesystem>
 #include <iostream>
-#include <map>
-#include <string>
-#include <vector>
 
-#include "isimp/core/errors.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/io.h"
 #include "labelled.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -33,16 +25,12 @@ struct Read {
 };
 
 Read read(const fs::path& path) {
-  Job job;
-  Read result{read_polygons(path, job), {}};
-  result.filled = triangulate(result.soup, job);
+  Read result{read_polygons(path, job()), {}};
+  result.filled = triangulate(result.soup, job());
   return result;
 }
 
-Mesh cleaned(const Read& read) {
-  Job job;
-  return clean(read.soup.vertices, read.filled.triangles, {}, job);
-}
+Mesh cleaned(const Read& read) { return clean(read.soup.vertices, read.filled.triangles, {}, job()); }
 
 std::map<std::string, std::int64_t> repairs(const Mesh& mesh) {
   std::map<std::string, std::int64_t> counts;
@@ -86,9 +74,8 @@ TEST_F(CleanData, EveryFileBecomesASoundMesh) {
       }
     ASSERT_TRUE(std::is_sorted(mesh.source_face().begin(), mesh.source_face().begin() + kept));
 
-    Job job;
     const Mesh again = clean({mesh.vertices().begin(), mesh.vertices().end()},
-                             {mesh.triangles().begin(), mesh.triangles().end()}, {}, job);
+                             {mesh.triangles().begin(), mesh.triangles().end()}, {}, job());
     if (!count.contains("split_edges")) {  // borders that taking edges apart made may lie together, to be welded
       EXPECT_TRUE(repairs(again).empty()) << repairs(again).begin()->first;
       EXPECT_TRUE(std::ranges::equal(again.triangles(), mesh.triangles()));
@@ -129,11 +116,10 @@ TEST_F(CleanData, TheKnownDefectsAreCounted) {
 /// The dragon has 54 handles, of which one can't be closed at its shortest loop, where a patch would meet the surface.
 TEST_F(CleanData, WhereOneLoopOfAHandleCantBeClosedAnotherIs) {
   const Read input = read(fs::path(labelled::data_folder()) / "scan/dragon_871k.ply");
-  Job job;
   std::vector<std::int64_t> euler;
   for (const int threads : kThreads) {
     const CleanOptions options{.cut_handles = 3.5, .threads = threads};
-    euler.push_back(clean(input.soup.vertices, input.filled.triangles, options, job).report().euler);
+    euler.push_back(clean(input.soup.vertices, input.filled.triangles, options, job()).report().euler);
   }
   EXPECT_GE(euler.front(), 0);
   EXPECT_EQ(euler.front(), euler.back()) << "one thread and two";

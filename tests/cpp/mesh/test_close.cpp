@@ -1,17 +1,7 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "cleaning/close.h"
-#include "isimp/core/errors.h"
 #include "isimp/mesh/clean.h"
 #include "mesh_checks.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -19,10 +9,7 @@ namespace {
 using checks::repaired;
 using shapes::Arrays;
 
-Mesh closed(const Arrays& a, const CleanOptions& options) {
-  Job job;
-  return clean(a.vertices, a.triangles, options, job);
-}
+Mesh closed(const Arrays& a, const CleanOptions& options) { return clean(a.vertices, a.triangles, options, job()); }
 
 /// The faces for which `gone` is false.
 template <class Gone>

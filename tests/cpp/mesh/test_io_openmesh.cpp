@@ -1,15 +1,10 @@
-#include <gtest/gtest.h>
-
 #include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
-#include <algorithm>
 #include <filesystem>
-#include <string>
-#include <vector>
 
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/io.h"
-#include "shapes.h"
+#include "tests.h"
 
 /// Files are for others: OpenMesh must read the files of this writer, and the other way round.
 namespace isimp {
@@ -34,8 +29,7 @@ TEST_F(OpenMeshPeer, ReadsTheWrittenFiles) {
                             {3, 2, 1, 0, 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4},
                             {0, 4, 7, 10, 13}};
   for (const char* name : {"a.ply", "a.obj"}) {
-    Job job;
-    write_polygons(folder_ / name, pyramid.vertices, pyramid.loops, pyramid.loop_start, job);
+    write_polygons(folder_ / name, pyramid.vertices, pyramid.loops, pyramid.loop_start, job());
     PolyMesh mesh;
     ASSERT_TRUE(OpenMesh::IO::read_mesh(mesh, (folder_ / name).string())) << name;
     ASSERT_EQ(mesh.n_vertices(), 5);
@@ -70,15 +64,14 @@ TEST_F(OpenMeshPeer, IsReadFromEveryKindItWrites) {
   for (const auto& [name, options] : kinds) {
     SCOPED_TRACE(name);
     ASSERT_TRUE(OpenMesh::IO::write_mesh(mesh, (folder_ / name).string(), options, 9));
-    Job job;
-    const PolygonSoup soup = read_polygons(folder_ / name, job);
+    const PolygonSoup soup = read_polygons(folder_ / name, job());
     ASSERT_EQ(soup.polygon_count(), 576);
     for (std::int32_t q = 0; q < 576; ++q)
       for (std::size_t k = 0; k < 3; ++k) {
         const Vec3 p = torus.vertices[torus.triangles[q][k]];
         EXPECT_LT((soup.vertices[soup.polygon(q)[k]] - p).norm(), 1e-6);
       }
-    const Mesh sound = clean(soup.vertices, triangulate(soup, job).triangles, {}, job);
+    const Mesh sound = clean(soup.vertices, triangulate(soup, job()).triangles, {}, job());
     EXPECT_TRUE(sound.report().closed);
     EXPECT_EQ(sound.report().euler, 0);
   }

@@ -1,13 +1,6 @@
 // Openings that stay open because the caller names a place in them.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-#include "isimp/core/errors.h"
 #include "isimp/mesh/found_opening.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -15,8 +8,7 @@ namespace {
 using shapes::Arrays;
 
 Cleaned cleaned(const Arrays& a, const std::vector<Vec3>& keep, double length) {
-  Job job;
-  return clean_keeping(a.vertices, a.triangles, {.fill_holes = length, .cut_handles = length}, keep, job);
+  return clean_keeping(a.vertices, a.triangles, {.fill_holes = length, .cut_handles = length}, keep, job());
 }
 
 /// A sphere with holes of a length of about 1 at +z, -z, +x and -x.
@@ -120,9 +112,8 @@ TEST(KeepOpenings, NoOtherLoopClosesAHandleThatStays) {
 }
 
 TEST(KeepOpenings, WithoutClosedOpeningsTheListIsEmpty) {
-  Job job;
   const Arrays scan = pierced();
-  const Cleaned open = clean_keeping(scan.vertices, scan.triangles, {}, {{0, 0, 1}}, job);
+  const Cleaned open = clean_keeping(scan.vertices, scan.triangles, {}, {{0, 0, 1}}, job());
   EXPECT_TRUE(open.openings.empty());
   EXPECT_EQ(open.mesh.report().border_loops, 4);
 }

@@ -1,29 +1,13 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <limits>
-#include <map>
-#include <random>
-#include <set>
-#include <utility>
-#include <vector>
-
-#include "isimp/core/errors.h"
 #include "isimp/mesh/mesh.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
 using shapes::Arrays;
 
-std::string message_of(const Arrays& a) {
-  try {
-    shapes::mesh(a);
-  } catch (const InvalidInput& e) {
-    return e.what();
-  }
-  return "no error";
+std::string said(const Arrays& a) {
+  return message_of([&] { shapes::mesh(a); });
 }
 
 TEST(Mesh, CubeIsClosedWithTwelveFaces) {
@@ -64,28 +48,28 @@ TEST(Mesh, BadInputIsNamed) {
   const Arrays cube = shapes::cube();
   Arrays a = cube;
   a.triangles.clear();
-  EXPECT_EQ(message_of(a), "the mesh has no faces");
+  EXPECT_EQ(said(a), "the mesh has no faces");
   a = cube;
   a.triangles[3][1] = 99;
-  EXPECT_EQ(message_of(a), "face 3 uses vertex 99, but there are 8 vertices");
+  EXPECT_EQ(said(a), "face 3 uses vertex 99, but there are 8 vertices");
   a = cube;
   a.vertices[5].y() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(message_of(a), "vertex 5 has a coordinate that is not finite; clean(...) repairs this");
+  EXPECT_EQ(said(a), "vertex 5 has a coordinate that is not finite; clean(...) repairs this");
   a = cube;
   a.triangles[2] = {1, 1, 2};
-  EXPECT_EQ(message_of(a), "face 2 uses vertex 1 twice; clean(...) repairs this");
+  EXPECT_EQ(said(a), "face 2 uses vertex 1 twice; clean(...) repairs this");
   a = cube;
   std::swap(a.triangles[4][0], a.triangles[4][1]);
-  EXPECT_NE(message_of(a).find("have opposite orientations at the edge of vertices"), std::string::npos);
+  EXPECT_NE(said(a).find("have opposite orientations at the edge of vertices"), std::string::npos);
   a = cube;
   a.vertices.emplace_back(0.5, 0.5, 3.0);
   a.triangles.push_back({a.triangles[0][1], a.triangles[0][0], 8});
-  EXPECT_NE(message_of(a).find("has three or more faces"), std::string::npos);
+  EXPECT_NE(said(a).find("has three or more faces"), std::string::npos);
 }
 
 TEST(Mesh, TwoTrianglesThatTouchInAPointAreTwoFans) {
   const Arrays bow_tie{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}};
-  EXPECT_EQ(message_of(bow_tie), "the faces of vertex 0 form two or more fans; clean(...) repairs this");
+  EXPECT_EQ(said(bow_tie), "the faces of vertex 0 form two or more fans; clean(...) repairs this");
 }
 
 using Edge = std::pair<std::int32_t, std::int32_t>;
@@ -140,7 +124,7 @@ TEST(Mesh, AcceptsExactlySoundArrays) {
     std::shuffle(name.begin(), name.end(), random);
     for (Triangle& t : a.triangles)
       for (std::int32_t& v : t) v = name[v];
-    const std::string verdict = verdict_on(a.triangles), message = message_of(a);
+    const std::string verdict = verdict_on(a.triangles), message = said(a);
     ASSERT_NE(message.find(verdict), std::string::npos) << "run " << run << ": " << message << ", not " << verdict;
     sound += verdict == "no error" ? 1 : 0;
   }

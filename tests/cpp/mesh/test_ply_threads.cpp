@@ -1,18 +1,11 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
 #include <atomic>
 #include <bit>
 #include <filesystem>
 #include <fstream>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include "isimp/core/errors.h"
 #include "isimp/mesh/io.h"
 #include "mesh_checks.h"
+#include "tests.h"
 
 /// Binary PLY files large enough that threads share them: the arrays and the messages are right for any number of
 /// threads.
@@ -100,8 +93,7 @@ class PlyThreads : public testing::Test {
   void expect_read(const std::string& bytes, const PolygonSoup& wanted) const {
     const fs::path path = save(bytes);
     for (const std::int32_t threads : {1, 2, 3}) {
-      Job job;
-      const PolygonSoup soup = read_polygons(path, job, threads);
+      const PolygonSoup soup = read_polygons(path, job(), threads);
       EXPECT_TRUE(soup.vertices == wanted.vertices) << threads;
       EXPECT_TRUE(soup.loops == wanted.loops) << threads;
       EXPECT_TRUE(soup.loop_start == wanted.loop_start) << threads;
@@ -109,15 +101,8 @@ class PlyThreads : public testing::Test {
   }
   void expect_error(const std::string& bytes, const std::string& wanted) const {
     const fs::path path = save(bytes);
-    for (const std::int32_t threads : {1, 2, 3}) {
-      Job job;
-      try {
-        read_polygons(path, job, threads);
-        ADD_FAILURE() << "no error, wanted: " << wanted;
-      } catch (const FileError& e) {
-        EXPECT_EQ(e.what(), path.string() + ": " + wanted) << threads;
-      }
-    }
+    for (const std::int32_t threads : {1, 2, 3})
+      EXPECT_EQ(message_of<FileError>([&] { read_polygons(path, job(), threads); }), path.string() + ": " + wanted);
   }
   fs::path folder_;
 };

@@ -1,15 +1,6 @@
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-#include <numbers>
-#include <numeric>
-#include <random>
-#include <utility>
-#include <vector>
-
 #include "isimp/mesh/io.h"
 #include "mesh_checks.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -24,10 +15,7 @@ double total_area(const PolygonSoup& soup, const Triangulation& t) {
   return sum;
 }
 
-Triangulation triangles_of(const PolygonSoup& soup) {
-  Job job;
-  return triangulate(soup, job);
-}
+Triangulation triangles_of(const PolygonSoup& soup) { return triangulate(soup, job()); }
 
 TEST(Triangulate, EachPolygonGivesTwoTrianglesLessThanItsCorners) {
   const Triangulation t = triangles_of(kHouse);

@@ -1,16 +1,7 @@
 // The sparse systems of planes that share corners, against dense ones.
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <array>
-#include <cstdint>
-#include <limits>
-#include <random>
-#include <vector>
-
 #include "isimp/core/symmetric.h"
 #include "planar/blocks.h"
+#include "tests.h"
 
 namespace isimp::meshing::planar {
 namespace {

@@ -1,10 +1,6 @@
 // Boxes that are added and moved: the results of a search against all boxes.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
-
 #include "judge/boxes.h"
+#include "tests.h"
 
 namespace isimp::meshing {
 namespace {

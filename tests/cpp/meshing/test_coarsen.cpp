@@ -1,11 +1,7 @@
 // Unneeded charts of a split region join their neighbours, also those of other regions.
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "isimp/meshing/polygonize.h"
 #include "labelled.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -14,18 +10,14 @@ namespace {
 class Coarsen : public testing::Test {
  protected:
   [[nodiscard]] MeshingReport report_of(const Partition& part) const {
-    Job job;
-    return polygonize(mesh_, part, {.threads = 1}, job).report;
+    return polygonize(mesh_, part, {.threads = 1}, job()).report;
   }
   /// \param outer  of the ring, its radius
   [[nodiscard]] std::vector<std::int32_t> labels(double outer) const {
-    std::vector<std::int32_t> label;
-    for (const Triangle& t : mesh_.triangles()) {
-      const Vec3 middle = (mesh_.vertices()[t[0]] + mesh_.vertices()[t[1]] + mesh_.vertices()[t[2]]) / 3;
+    return shapes::labels(mesh_, [&](const Vec3& middle) {
       const double r = std::hypot(middle.x() - 0.5, middle.y() - 0.5);
-      label.push_back(r < 0.3 ? 0 : r < outer ? 1 : 2);
-    }
-    return label;
+      return r < 0.3 ? 0 : r < outer ? 1 : 2;
+    });
   }
 
   const Mesh mesh_ = shapes::mesh(shapes::noisy(shapes::plane(40), 0.001, 3));
@@ -59,8 +51,7 @@ TEST_F(Coarsen, WhatARegionHadApartStaysInIt) {
 // With many splits, charts of mixed regions appear and disappear; a region must not lose its last one.
 TEST(CoarsenRough, EveryRegionKeepsAPolygon) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.06, 7));
-  Job job;
-  const MeshingReport r = polygonize(mesh, labelled::voronoi(mesh, 30, 7), {.threads = 1}, job).report;
+  const MeshingReport r = polygonize(mesh, labelled::voronoi(mesh, 30, 7), {.threads = 1}, job()).report;
   EXPECT_GT(r.polygons, 100);
   EXPECT_EQ(r.regions, 30);
 }

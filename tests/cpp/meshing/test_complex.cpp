@@ -1,13 +1,6 @@
 // Corners on the boundary between two halves of a sphere, where no third chart needs any.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdint>
-#include <limits>
-#include <vector>
-
 #include "complex/complex.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp::meshing {
 namespace {

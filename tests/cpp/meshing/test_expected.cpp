@@ -1,26 +1,19 @@
 // The estimated number of polygons.
-#include <gtest/gtest.h>
-
-#include <cmath>
-
-#include "isimp/core/errors.h"
 #include "isimp/meshing/expected.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/partition/partition.h"
 #include "isimp/simplify/partitioner.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
 ExpectedPolygons foreseen(const Mesh& mesh, const Partition& part, const MeshingOptions& options = {}) {
-  Job job;
-  return expected_polygons(mesh, part, options, job);
+  return expected_polygons(mesh, part, options, job());
 }
 
 Partition split(const Mesh& mesh, std::int32_t regions) {
-  Job job;
-  return Partitioner(mesh).run({.proxies = regions}, {}, job);
+  return Partitioner(mesh).run({.proxies = regions}, {}, job());
 }
 
 std::int32_t sum(const ExpectedPolygons& e) {
@@ -48,8 +41,7 @@ TEST(ExpectedPolygons, AreWithinATenthOnARoughTorus) {
   for (const std::int32_t regions : {20, 60, 200}) {
     const Partition part = split(mesh, regions);
     const ExpectedPolygons e = foreseen(mesh, part);
-    Job job;
-    const std::int32_t made = polygonize(mesh, part, {}, job).report.polygons;
+    const std::int32_t made = polygonize(mesh, part, {}, job()).report.polygons;
     EXPECT_NEAR(e.polygons, made, 2 + 0.1 * made) << regions << " regions";
     EXPECT_EQ(e.polygons, sum(e));
   }
@@ -58,9 +50,8 @@ TEST(ExpectedPolygons, AreWithinATenthOnARoughTorus) {
 TEST(ExpectedPolygons, HolesAndHandlesOfRegionsAreNamed) {
   // One region all over a torus: the cuts that make discs of it are for its handle.
   const Mesh mesh = shapes::mesh(shapes::torus(24, 12));
-  Job job;
   const Partition whole =
-      partition_from(mesh, std::vector<std::int32_t>(static_cast<std::size_t>(mesh.face_count()), 0), job);
+      partition_from(mesh, std::vector<std::int32_t>(static_cast<std::size_t>(mesh.face_count()), 0), job());
   const ExpectedPolygons e = foreseen(mesh, whole);
   EXPECT_EQ(e.regions, 1);
   EXPECT_GT(e.split_for_handles + e.split_for_holes + e.split_for_closed, 0);

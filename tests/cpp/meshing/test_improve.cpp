@@ -1,16 +1,10 @@
 // Corners keep their places while polygons change, and move one by one afterwards: nothing that was sound is spoilt.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "isimp/core/sorted.h"
 #include "judge/bounds.h"
 #include "judge/defects.h"
 #include "labelled.h"
 #include "place/improve.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp::meshing {
 namespace {

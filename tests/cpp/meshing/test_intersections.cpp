@@ -1,16 +1,8 @@
 // The search for polygons and for faces of the scan that meet finds exactly the pairs that a test of all pairs finds.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cstdint>
-#include <numeric>
-#include <random>
-#include <vector>
-
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/meet.h"
 #include "judge/judge.h"
+#include "tests.h"
 
 namespace isimp::meshing {
 namespace {
@@ -131,8 +123,7 @@ TEST(Intersections, ThoseOfTheScanAreThoseOfAllPairs) {
         triangles.push_back({a, b, d});
         triangles.push_back({a, d, c});
       }
-    Job job;
-    const Mesh mesh(vertices, triangles, job);
+    const Mesh mesh(vertices, triangles, job());
     std::array<std::vector<std::int32_t>, 2> half;
     for (std::int32_t f = 0; f < mesh.face_count(); ++f) half[f / 10 % 2].push_back(f);
     bool meet = false;

@@ -1,13 +1,8 @@
 // Undoing joined junctions restores the labels, and all charts are discs meanwhile.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <vector>
-
 #include "isimp/meshing/polygonize.h"
 #include "labelled.h"
 #include "repair/junctions.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp::meshing {
 namespace {
@@ -89,12 +84,11 @@ TEST(JoinsOfPolygons, AreTakenBackWhereMovingCornersDoesNotMendTheDefects) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.2, 1));
   const Partition part = labelled::voronoi(mesh, 120, 5);
   const MeshingOptions options{.flatness = 0.05, .threads = 1};  // else planes miss most places
-  Job job;
-  State state(mesh, part, options, job);
+  State state(mesh, part, options, job());
   state.update({});
-  const std::size_t possible = join_junctions(state, job).size();
+  const std::size_t possible = join_junctions(state, job()).size();
   EXPECT_GT(possible, 4U);
-  EXPECT_LT(polygonize(mesh, part, options, job).report.joined_junctions, 0.5 * static_cast<double>(possible));
+  EXPECT_LT(polygonize(mesh, part, options, job()).report.joined_junctions, 0.5 * static_cast<double>(possible));
 }
 
 }  // namespace

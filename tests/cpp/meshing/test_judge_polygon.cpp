@@ -1,11 +1,6 @@
 // Polygons of many corners: the edges that are found to cross against all pairs of edges.
-#include <gtest/gtest.h>
-
-#include <numbers>
-#include <numeric>
-#include <random>
-
 #include "judge/judge.h"
+#include "tests.h"
 
 namespace isimp::meshing {
 namespace {

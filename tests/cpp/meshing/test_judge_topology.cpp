@@ -1,9 +1,5 @@
-#include <gtest/gtest.h>
-
-#include <array>
-#include <vector>
-
 #include "judge/judge.h"
+#include "tests.h"
 
 namespace isimp::meshing {
 namespace {

@@ -1,14 +1,8 @@
 // Junctions that nearly coincide: where they become one, and where they must not.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "isimp/meshing/polygonize.h"
 #include "labelled.h"
 #include "polygon_judge.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -29,17 +23,13 @@ struct Bricks {
     return shapes::mesh(a);
   }
   static std::vector<std::int32_t> labels(const Mesh& mesh, int shift) {
-    std::vector<std::int32_t> label;
-    for (const Triangle& t : mesh.triangles()) {
-      const Vec3 c = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
+    return shapes::labels(mesh, [&](const Vec3& c) {
       const double middle = c.y() < 0.5 ? 0.5 - static_cast<double>(shift) / kRows : 0.5;
-      label.push_back((c.y() < 0.5 ? 0 : 2) + (c.x() < middle ? 0 : 1));
-    }
-    return label;
+      return (c.y() < 0.5 ? 0 : 2) + (c.x() < middle ? 0 : 1);
+    });
   }
   [[nodiscard]] PolygonMesh polygons(double join) const {
-    Job job;
-    return polygonize(mesh, part, {.join_junctions = join}, job);
+    return polygonize(mesh, part, {.join_junctions = join}, job());
   }
 };
 
@@ -88,11 +78,10 @@ TEST(Junctions, NeverCrossABarrier) {
   for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h)
     if (const std::int32_t o = mesh.opposite(h); o > h && labels[h / 3] != labels[o / 3])
       guides.barriers.push_back({mesh.from(h), mesh.to(h)});
-  Job job;
-  const Partition free = partition_from(mesh, labels, job),
-                  kept = partition_from(Surface(mesh, guides, job), labels, job);
-  EXPECT_EQ(polygonize(mesh, free, {}, job).report.joined_junctions, 1);
-  EXPECT_EQ(polygonize(mesh, kept, {}, job).report.joined_junctions, 0);
+  const Partition free = partition_from(mesh, labels, job()),
+                  kept = partition_from(Surface(mesh, guides, job()), labels, job());
+  EXPECT_EQ(polygonize(mesh, free, {}, job()).report.joined_junctions, 1);
+  EXPECT_EQ(polygonize(mesh, kept, {}, job()).report.joined_junctions, 0);
 }
 
 TEST(Junctions, StayWhereABoundWouldBreak) {
@@ -111,8 +100,7 @@ TEST(Junctions, OnARidgeBecomeOneOnTheRidge) {
   for (Vec3& v : a.vertices) v.z() = 0.3 * std::abs(v.y() - 0.5);
   const Mesh mesh = shapes::mesh(a);
   Partition part = labelled::by(Bricks::labels(mesh, 2));
-  Job job;
-  const PolygonMesh polygons = polygonize(mesh, part, {}, job);
+  const PolygonMesh polygons = polygonize(mesh, part, {}, job());
   EXPECT_EQ(polygons.report.joined_junctions, 1);
   EXPECT_TRUE(polygons.report.imperfect.empty());
   EXPECT_LT(polygons.report.planarity_max, 1e-12) << "all four planes go through the vertex";
@@ -125,9 +113,8 @@ TEST(Junctions, JoinedOnShapesOfAllKindsLeaveSoundPolygonsOnAnyThreads) {
                               shapes::noisy(shapes::cube(16), 0.004, 3)}) {
       const Mesh mesh = shapes::mesh(shape);
       const Partition part = labelled::voronoi(mesh, count, 5);
-      Job job;
-      const PolygonMesh one = polygonize(mesh, part, {.threads = 1}, job);
-      const PolygonMesh three = polygonize(mesh, part, {.threads = 3}, job);
+      const PolygonMesh one = polygonize(mesh, part, {.threads = 1}, job());
+      const PolygonMesh three = polygonize(mesh, part, {.threads = 3}, job());
       EXPECT_EQ(one.loops, three.loops);
       EXPECT_EQ(one.vertices, three.vertices);
       EXPECT_TRUE(one.report.closed && one.report.manifold);

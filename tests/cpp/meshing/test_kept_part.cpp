@@ -1,15 +1,7 @@
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cstdint>
-#include <vector>
-
-#include "isimp/core/errors.h"
 #include "isimp/meshing/expected.h"
 #include "isimp/meshing/polygonize.h"
 #include "labelled.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -17,10 +9,7 @@ namespace {
 using labelled::meshed;
 
 /// The regions of `labelled::planes`, with normals and sums.
-Partition planes_of(const Mesh& mesh) {
-  Job job;
-  return partition_from(mesh, labelled::planes(mesh).face_region, job);
-}
+Partition planes_of(const Mesh& mesh) { return partition_from(mesh, labelled::planes(mesh).face_region, job()); }
 
 /// A cube far from zero along one axis, its sides as regions, and the region that faces up.
 struct Cube {
@@ -99,9 +88,8 @@ TEST(KeptPart, PlanesThatAreHeldStayInPlace) {
 
 TEST(KeptPart, CountsOfPolygonsAreOfWhatIsKept) {
   const Cube cube;
-  Job job;
-  EXPECT_EQ(expected_polygons(cube.mesh, cube.without({cube.top}), {}, job).polygons, 5);
-  EXPECT_EQ(expected_polygons(cube.mesh, cube.sides, {}, job).polygons, 6);
+  EXPECT_EQ(expected_polygons(cube.mesh, cube.without({cube.top}), {}, job()).polygons, 5);
+  EXPECT_EQ(expected_polygons(cube.mesh, cube.sides, {}, job()).polygons, 6);
 }
 
 TEST(KeptPart, ABoxReplacesRegionsThatAreTurnedAsTheyStand) {

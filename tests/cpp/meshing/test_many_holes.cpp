@@ -1,22 +1,11 @@
 // Regions of many holes and scans that meet themselves everywhere: the results, and the length of their lists.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <functional>
-#include <limits>
-#include <map>
-#include <random>
-#include <utility>
-
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/meet.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/simplify/partitioner.h"
 #include "labelled.h"
 #include "polygon_judge.h"
-#include "shapes.h"
-#include "sizes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -37,8 +26,7 @@ TEST(ManyHoles, RowsOfHolesArePartedByRows) {
   for (const int n : {4, 12}) {
     const Mesh mesh = shapes::mesh(perforated(n));
     const Partition one = labelled::single(mesh);
-    Job job;
-    const PolygonMesh p = polygonize(mesh, one, {}, job);
+    const PolygonMesh p = polygonize(mesh, one, {}, job());
     EXPECT_EQ(judge::defects_against(p, mesh, one), "") << n;
     EXPECT_EQ(p.report.polygons, n + 1);
     EXPECT_EQ(p.report.split_for_holes, n);
@@ -50,8 +38,7 @@ TEST(ManyHoles, LongRowsArePartedAcross) {
   for (int n = 25; n <= checks::size(50, 25); n += 25) {
     const Mesh mesh = shapes::mesh(perforated(n));
     const Partition one = labelled::single(mesh);
-    Job job;
-    const PolygonMesh p = polygonize(mesh, one, {}, job);
+    const PolygonMesh p = polygonize(mesh, one, {}, job());
     EXPECT_EQ(judge::defects_against(p, mesh, one), "") << n;
     std::int32_t most = 0;
     for (std::int32_t q = 0; q < p.polygon_count(); ++q) most = std::max(most, p.loop_end(q) - p.loop_start[q]);
@@ -63,8 +50,7 @@ TEST(ManyHoles, LongRowsArePartedAcross) {
 TEST(ManyHoles, FewHolesTakeTwoPolygons) {
   const Mesh mesh = shapes::mesh(perforated(2));
   const Partition one = labelled::single(mesh);
-  Job job;
-  const PolygonMesh p = polygonize(mesh, one, {}, job);
+  const PolygonMesh p = polygonize(mesh, one, {}, job());
   EXPECT_EQ(judge::defects_against(p, mesh, one), "");
   EXPECT_EQ(p.report.polygons, 2);
 }
@@ -101,8 +87,7 @@ TEST(ManyHoles, ARoughWallIsCutAtCornersOfItsHole) {
   for (Vec3& v : flat.vertices) v.z() += noise(random);
   const Mesh mesh = shapes::mesh(flat);
   const Partition one = labelled::single(mesh);
-  Job job;
-  const PolygonMesh p = polygonize(mesh, one, {}, job);
+  const PolygonMesh p = polygonize(mesh, one, {}, job());
   EXPECT_EQ(judge::defects_against(p, mesh, one), "");
   EXPECT_EQ(p.report.polygons, 2);
   EXPECT_NEAR(least_area(p), 6 * 8 / 3600.0, 3 / 3600.0);
@@ -113,8 +98,7 @@ TEST(ManyHoles, TheTwoCutsOfAHoleAreApart) {
   const Mesh mesh = shapes::mesh(
       with_hole(30, [](int x, int y) { return (x >= 7 && x < 13 && y >= 12 && y < 18) || (x == 6 && y == 15); }));
   const Partition one = labelled::single(mesh);
-  Job job;
-  const PolygonMesh p = polygonize(mesh, one, {}, job);
+  const PolygonMesh p = polygonize(mesh, one, {}, job());
   EXPECT_EQ(judge::defects_against(p, mesh, one), "");
   EXPECT_EQ(p.report.polygons, 2);
   EXPECT_GE(least_area(p), 3 * 6 / 900.0);  // three squares wide, up to the side
@@ -136,8 +120,7 @@ TEST(ManyHoles, WallsArePartedFromTheirPlate) {
     region.push_back((b - a).cross(c - a).z() < 0 ? 0 : 1);
   }
   const Partition two = labelled::by(region);
-  Job job;
-  const PolygonMesh p = polygonize(mesh, two, {}, job);
+  const PolygonMesh p = polygonize(mesh, two, {}, job());
   EXPECT_EQ(judge::defects_against(p, mesh, two), "");
   EXPECT_TRUE(p.report.imperfect.empty());
   EXPECT_EQ(p.report.split_for_repair, 0);
@@ -157,8 +140,7 @@ TEST(ManyHoles, WallsAreWholeWhereverRegionsEnd) {
     region.push_back(is_rim ? 2 : normal.z() < 0 ? 0 : 1);
   }
   const Partition three = labelled::by(region);
-  Job job;
-  const PolygonMesh p = polygonize(mesh, three, {}, job);
+  const PolygonMesh p = polygonize(mesh, three, {}, job());
   EXPECT_EQ(judge::defects_against(p, mesh, three), "");
   EXPECT_EQ(p.report.split_for_repair, 0);
   EXPECT_LE(p.report.planarity_max, 1e-12);
@@ -184,9 +166,8 @@ std::int32_t upright(const PolygonMesh& p, double height = 0.6) {
 TEST(ManyHoles, FewFacesOfAnotherSideTiltNoPolygon) {
   for (const auto& [n, height] : {std::pair(4, 0.2), {5, 0.2}, {6, 0.2}, {8, 0.2}, {10, 0.6}, {20, 0.6}}) {
     const Mesh mesh = shapes::mesh(plate(n, height));
-    Job job;
-    const Partition six = partition(mesh, {.proxies = 6}, job);
-    const PolygonMesh p = polygonize(mesh, six, {}, job);
+    const Partition six = partition(mesh, {.proxies = 6}, job());
+    const PolygonMesh p = polygonize(mesh, six, {}, job());
     EXPECT_EQ(judge::defects_against(p, mesh, six), "") << n;
     EXPECT_LE(p.report.planarity_max, 1e-6 * mesh.diagonal()) << n;
     EXPECT_EQ(p.report.split_for_repair, 0) << n;
@@ -199,22 +180,12 @@ TEST(ManyHoles, FewFacesOfAnotherSideTiltNoPolygon) {
 TEST(ManyHoles, AWallOfTwoRegionsIsOnePolygonUnlessOneIsLocked) {
   const int n = 4;
   const Mesh mesh = shapes::mesh(plate(n));
-  std::vector<std::int32_t> region;
-  for (const Triangle& t : mesh.triangles()) {
-    double x = 0, z = 0;
-    for (const std::int32_t v : t) {
-      x += mesh.vertices()[v].x() / 3;
-      z += mesh.vertices()[v].z() / 3;
-    }
-    region.push_back(x + z < 4.5 ? 0 : 1);
-  }
-  Partition two = labelled::by(region);
-  Job job;
-  const PolygonMesh shared = polygonize(mesh, two, {}, job);
+  Partition two = labelled::by(shapes::labels(mesh, [](const Vec3& p) { return p.x() + p.z() < 4.5 ? 0 : 1; }));
+  const PolygonMesh shared = polygonize(mesh, two, {}, job());
   EXPECT_EQ(judge::defects_against(shared, mesh, two), "");
   EXPECT_EQ(upright(shared), 4 * n * n + 4);
   two.region_locked = {1, 0};
-  EXPECT_GT(upright(polygonize(mesh, two, {}, job)), 4 * n * n + 4);
+  EXPECT_GT(upright(polygonize(mesh, two, {}, job())), 4 * n * n + 4);
 }
 
 /// The work a hole does not grow with the holes, for polygons and for regions.
@@ -244,11 +215,10 @@ TEST(ManyHoles, HolesWithoutOrderAreCutToDiscs) {
     a.triangles.push_back(whole.triangles[f]);
     a.triangles.push_back(whole.triangles[f + 1]);
   }
-  Job job;
-  const Mesh mesh = clean(a.vertices, a.triangles, {}, job);
+  const Mesh mesh = clean(a.vertices, a.triangles, {}, job());
   ASSERT_GT(mesh.report().border_loops, 60);
   const Partition one = labelled::single(mesh);
-  const PolygonMesh p = polygonize(mesh, one, {}, job);
+  const PolygonMesh p = polygonize(mesh, one, {}, job());
   EXPECT_EQ(judge::defects_against(p, mesh, one), "");
   EXPECT_LE(p.report.split_for_holes, mesh.report().border_loops / 2);
 }
@@ -264,8 +234,7 @@ TEST(Soups, AllPairsAreCountedAndTheFirstListed) {
   const Mesh mesh = shapes::mesh(a);
   std::vector<std::int32_t> each(300);
   for (std::int32_t f = 0; f < 300; ++f) each[f] = f;
-  Job job;
-  const PolygonMesh p = polygonize(mesh, labelled::by(each), {}, job);
+  const PolygonMesh p = polygonize(mesh, labelled::by(each), {}, job());
   std::int64_t pairs = 0;
   const auto corners = [&](std::int32_t f) {
     Corners c;

@@ -1,19 +1,12 @@
 // Coplanar faces as polygons, with nothing else changed.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <set>
-
-#include "isimp/core/errors.h"
 #include "isimp/meshing/merge_flat.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
 FlatMerge merged(const Mesh& mesh, double angle = kFlatAngle, std::span<const std::int32_t> group = {}) {
-  Job job;
-  return merge_flat(mesh, angle, group, job);
+  return merge_flat(mesh, angle, group, job());
 }
 
 double area(const PolygonMesh& mesh) {

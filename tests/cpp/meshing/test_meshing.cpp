@@ -1,14 +1,7 @@
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-
-#include "isimp/core/errors.h"
 #include "isimp/meshing/polygonize.h"
 #include "labelled.h"
 #include "polygon_judge.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -98,12 +91,8 @@ TEST(Polygonize, OpenPlaneKeepsItsCornersAndArea) {
 
 TEST(Polygonize, AHalvedPlaneIsTwoRectangles) {
   const Mesh mesh = shapes::mesh(shapes::plane(10));
-  std::vector<std::int32_t> side;
-  for (const Triangle& t : mesh.triangles()) {
-    const double x = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]).x() / 3;
-    side.push_back(x < 0.5 ? 0 : 1);
-  }
-  const PolygonMesh p = meshed(mesh, labelled::by(side));
+  const auto side = [](const Vec3& middle) { return middle.x() < 0.5 ? 0 : 1; };
+  const PolygonMesh p = meshed(mesh, labelled::by(shapes::labels(mesh, side)));
   EXPECT_EQ(corner_counts(p), (std::vector<int>{4, 4}));
 }
 
@@ -161,11 +150,8 @@ TEST(Polygonize, CornerCutByATriangle) {
   // A cube whose corner at the origin is a region of its own: a staircase of squares on each side.
   const Mesh mesh = shapes::mesh(shapes::cube(20));
   std::vector<std::int32_t> regions = labelled::planes(mesh).face_region;
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    const Triangle& t = mesh.triangles()[f];
-    const Vec3 c = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
-    if (c.sum() < 0.475) regions[f] = 6;
-  }
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    if (shapes::middle(mesh, f).sum() < 0.475) regions[f] = 6;
   const Partition cut = labelled::by(regions);
   const PolygonMesh p = meshed(mesh, cut);
   EXPECT_EQ(judge::defects_against(p, mesh, cut), "");
@@ -227,29 +213,24 @@ TEST(Polygonize, PolygonsOfABulgeStayWhereTheScanIs) {
   EXPECT_NEAR(volume(p) / (4.0 / 3 * 3.14159265), 1.0, 0.05);
 }
 
-std::string message_of(const Mesh& mesh, const Partition& partition, const MeshingOptions& options = {}) {
-  try {
-    meshed(mesh, partition, options);
-  } catch (const InvalidInput& e) {
-    return e.what();
-  }
-  return "no error";
+std::string said(const Mesh& mesh, const Partition& partition, const MeshingOptions& options = {}) {
+  return message_of([&] { meshed(mesh, partition, options); });
 }
 
 TEST(Polygonize, BadInputIsNamed) {
   const Mesh mesh = shapes::mesh(shapes::cube(1));
   Partition p = labelled::single(mesh);
   p.face_region.pop_back();
-  EXPECT_EQ(message_of(mesh, p), "the partition has 11 faces and the mesh has 12: it was made for another mesh");
+  EXPECT_EQ(said(mesh, p), "the partition has 11 faces and the mesh has 12: it was made for another mesh");
   p = labelled::single(mesh);
   p.face_region[4] = 7;
-  EXPECT_EQ(message_of(mesh, p), "face 4 is in region 7, but there are 1 regions");
+  EXPECT_EQ(said(mesh, p), "face 4 is in region 7, but there are 1 regions");
   p = labelled::single(mesh);
   p.region_locked = {kLeftOut};
-  EXPECT_EQ(message_of(mesh, p), "all regions are left out: there is nothing to make polygons of");
+  EXPECT_EQ(said(mesh, p), "all regions are left out: there is nothing to make polygons of");
   MeshingOptions options;
   options.reach = -1;
-  EXPECT_EQ(message_of(mesh, labelled::single(mesh), options), "reach must be in [0, 1], got -1");
+  EXPECT_EQ(said(mesh, labelled::single(mesh), options), "reach must be in [0, 1], got -1");
 }
 
 /// The shapes of the data folder whose true regions are known.

@@ -1,18 +1,9 @@
 // Exactly planar polygons, and planes that are snapped.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
-
-#include "isimp/core/errors.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/regular/regularise.h"
 #include "labelled.h"
 #include "polygon_judge.h"
-#include "shapes.h"
-#include "sizes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -20,8 +11,7 @@ namespace {
 constexpr double kPlanar = 1e-6;
 
 PolygonMesh polygons(const Mesh& mesh, const Partition& part, MeshingOptions options = {.planar = true}) {
-  Job job;
-  return polygonize(mesh, part, options, job);
+  return polygonize(mesh, part, options, job());
 }
 
 /// Largest distance of a corner from the plane of its polygon, after rounding to float32 about the origin.
@@ -141,12 +131,9 @@ TEST(Planar, OpenSheetsStayOpen) {
   shapes::Arrays a = shapes::noisy(shapes::plane(24), 0.003, 2);
   for (Vec3& v : a.vertices) v.z() += std::abs(v.x() - 0.5);
   const Mesh mesh = shapes::mesh(a);
-  std::vector<std::int32_t> label;
-  for (const Triangle& t : mesh.triangles()) {
-    const Vec3 c = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
-    label.push_back(c.x() > 0.25 - 1e-3 && c.x() < 0.4 && c.y() > 0.3 && c.y() < 0.7 ? 2 : c.x() < 0.5 ? 0 : 1);
-  }
-  const Partition part = labelled::by(label);
+  const Partition part = labelled::by(shapes::labels(mesh, [](const Vec3& c) {
+    return c.x() > 0.25 - 1e-3 && c.x() < 0.4 && c.y() > 0.3 && c.y() < 0.7 ? 2 : c.x() < 0.5 ? 0 : 1;
+  }));
   const PolygonMesh out = polygons(mesh, part);
   expect_sound(out, mesh, part);
   EXPECT_FALSE(out.report.closed);
@@ -163,8 +150,7 @@ TEST(Planar, SameBitsForAnyThreads) {
 }
 
 Partition regular(const Box& box, RegulariseOptions options = {}) {
-  Job job;
-  return regularise(box.mesh, box.part, options, job);
+  return regularise(box.mesh, box.part, options, job());
 }
 
 TEST(Regularise, BoxGetsSixPlanesInThreeDirections) {
@@ -210,9 +196,8 @@ TEST(Regularise, CornersGoToPlanesThatAreFurtherOffThanTheirReach) {
     if (v.x() > 0.999) v.x() += 0.03 * v.z();
   }
   const Mesh mesh = shapes::mesh(a);
-  Job job;
   const Partition part =
-      regularise(mesh, labelled::planes(shapes::mesh(shapes::cube(6))), {.angle = 8, .length = 0.1}, job);
+      regularise(mesh, labelled::planes(shapes::mesh(shapes::cube(6))), {.angle = 8, .length = 0.1}, job());
   ASSERT_EQ(part.regularity->directions, 3);
   const PolygonMesh out = polygons(mesh, part);
   expect_sound(out, mesh, part);

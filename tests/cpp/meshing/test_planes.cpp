@@ -1,14 +1,7 @@
 // Planes of charts whose outermost faces belong to a rounded edge.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <vector>
-
 #include "complex/planes.h"
 #include "isimp/core/sorted.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp::meshing {
 namespace {

@@ -1,11 +1,6 @@
 // Raggedness of borders.
-#include <gtest/gtest.h>
-
-#include <cstdint>
-#include <vector>
-
 #include "complex/raggedness.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp::meshing {
 namespace {

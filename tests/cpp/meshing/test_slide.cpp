@@ -1,31 +1,22 @@
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "isimp/meshing/polygonize.h"
 #include "labelled.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
 /// Two regions of a flat sheet with a border that zigzags.
 Partition zigzag(const Mesh& mesh) {
-  std::vector<std::int32_t> regions;
-  for (const Triangle& t : mesh.triangles()) {
-    const Vec3 middle = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
+  return labelled::by(shapes::labels(mesh, [](const Vec3& middle) {
     const double border = 0.5 + 0.08 * std::asin(std::sin(6 * std::numbers::pi * (middle.y() + 0.0625)));
-    regions.push_back(middle.x() < border ? 0 : 1);
-  }
-  return labelled::by(std::move(regions));
+    return middle.x() < border ? 0 : 1;
+  }));
 }
 
 Mesh sheet() { return shapes::mesh(shapes::plane(40)); }
 
 PolygonMesh meshed(const Mesh& mesh, double reach, std::int32_t threads = 1) {
-  Job job;
-  return polygonize(mesh, zigzag(mesh), {.chord_tolerance = 0.05, .reach = reach, .threads = threads}, job);
+  return polygonize(mesh, zigzag(mesh), {.chord_tolerance = 0.05, .reach = reach, .threads = threads}, job());
 }
 
 TEST(Slide, KeepsCornersWithinReach) {
@@ -54,9 +45,8 @@ int needles(const PolygonMesh& p) {
 TEST(Slide, LeavesFewNeedles) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(120, 60), 0.004, 5));
   int found = 0;
-  Job job;
   for (const std::uint32_t seed : {1U, 2U, 3U, 4U})
-    found += needles(polygonize(mesh, labelled::voronoi(mesh, 300, seed), {}, job));
+    found += needles(polygonize(mesh, labelled::voronoi(mesh, 300, seed), {}, job()));
   EXPECT_LE(found, 8);
 }
 

@@ -1,14 +1,10 @@
 // Charts while polygons are made: removed ones, and the defects on united ones.
-#include <gtest/gtest.h>
-
-#include <vector>
-
 #include "complex/joins.h"
 #include "complex/state.h"
 #include "complex/transaction.h"
 #include "labelled.h"
 #include "repair/junctions.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp::meshing {
 namespace {
@@ -69,17 +65,16 @@ TEST_F(Charts, WhatIsKnownOfAUnionIsWhatItsFacesTell) {
 TEST(Handovers, LeaveChartsWhatTheirFacesTell) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(6), 0.0005, 3));  // 81,920 faces
   const Partition part = labelled::voronoi(mesh, 40, 1);
-  Job job;
   const MeshingOptions options;
-  State state(mesh, part, options, job);
+  State state(mesh, part, options, job());
   state.update({});
   const std::vector<Plane> before = state.planes;
   const std::int64_t walked = state.labels.walked;
-  std::vector<Join> joins = join_junctions(state, job);
+  std::vector<Join> joins = join_junctions(state, job());
   EXPECT_LT(state.labels.walked - walked, mesh.face_count() / 4) << "few faces are looked at again";
   ASSERT_GE(joins.size(), 5U);
   const auto check = [&] {
-    const std::vector<Plane> found = planes_of(state.labels, Threads(1), job);
+    const std::vector<Plane> found = planes_of(state.labels, Threads(1), job());
     for (std::int32_t l = 0; l < state.labels.chart_count(); ++l) {
       const Plane &a = state.planes[l], &b = found[l];
       EXPECT_NEAR(a.area, b.area, 1e-12);
@@ -112,8 +107,7 @@ TEST(Walls, AStripGoesWithTheSideBesideIt) {
   const Mesh mesh = shapes::mesh({vertices, triangles});
   const Partition one = labelled::single(mesh);
   Labels labels(mesh);
-  Job job;
-  label_charts(labels, one.face_region, Threads(1), job);
+  label_charts(labels, one.face_region, Threads(1), job());
   Cutter cutter(labels);
   EXPECT_EQ(cut_by_direction(cutter, 0), 2);
   EXPECT_EQ(labels.label[0], labels.label[2]);

@@ -1,17 +1,10 @@
 // Undoing changes of a state of meshing restores it, bit by bit, after any changes.
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <bit>
-#include <cstdint>
 #include <cstring>
-#include <random>
-#include <string>
-#include <vector>
 
 #include "complex/transaction.h"
 #include "labelled.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp::meshing {
 namespace {
@@ -187,11 +180,10 @@ void for_each_pair(Function fn) {
   const MeshingOptions options{.threads = 1};
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
-    Job job;
-    State one(c.mesh, c.part, options, job), other(c.mesh, c.part, options, job);
+    State one(c.mesh, c.part, options, job()), other(c.mesh, c.part, options, job());
     one.update({});
     other.update({});
-    fn(one, other, job);
+    fn(one, other, job());
   }
 }
 
@@ -270,8 +262,7 @@ TEST(Transaction, KeepsOnlyWhatAUnionChanges) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(6), 0.005, 1));
   const Partition part = labelled::voronoi(mesh, 400, 3);
   const MeshingOptions options{.threads = 1};
-  Job job;
-  State state(mesh, part, options, job);
+  State state(mesh, part, options, job());
   state.update({});
   Transaction transaction(state);
   const std::size_t faces = state.labels.faces_of(1).size();

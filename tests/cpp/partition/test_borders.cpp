@@ -1,14 +1,9 @@
 // Borders between regions as lengths: their length, their weight, and the straightening by relaxing.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <vector>
-
 #include "borders/relax.h"
 #include "hierarchy/region_graph.h"
 #include "isimp/partition/regions.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -19,8 +14,7 @@ TEST(BorderLengths, AreThoseOfTheMeshOnAnyThreads) {
   const FaceGraph& graph = mesh.graph();
   std::vector<std::int32_t> label(graph.faces.size(), kNone), faces;
   for (std::int32_t i = 0; i < graph.size(); ++i) {
-    const Triangle& t = mesh.triangles()[graph.mesh_face[i]];
-    const double y = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]).y() / 3;
+    const double y = shapes::middle(mesh, graph.mesh_face[i]).y();
     label[i] = y < 0.25 ? 0 : y < 0.5 ? 1 : 2;
     faces.push_back(i);
   }
@@ -40,13 +34,11 @@ TEST(Relaxation, WideBordersBecomeStraight) {
   Regions r{std::vector<std::int32_t>(graph.faces.size(), kNone), std::vector<RegionSum>(2)};
   std::vector<std::int32_t> faces;
   for (std::int32_t i = 0; i < graph.size(); ++i) {
-    const Triangle& t = mesh.triangles()[graph.mesh_face[i]];
-    const Vec3 c = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
+    const Vec3 c = shapes::middle(mesh, graph.mesh_face[i]);
     r.label[i] = c.y() < 0.5 + 0.06 * std::sin(30 * c.x()) ? 0 : 1;
     faces.push_back(i);
   }
-  Job job;
-  sum_regions(graph, r, job);
+  sum_regions(graph, r, job());
   const auto length = [&] {
     return border_lengths(mesh, r.label, faces, graph_of_regions(graph, r.label, 2, {}, faces), Threads(1))[0];
   };
@@ -56,7 +48,7 @@ TEST(Relaxation, WideBordersBecomeStraight) {
     r = start;
     Relaxation<GraphLabels> relaxation(graph, {r.label.data()}, r.sum, weight);
     for (const std::int32_t i : faces) relaxation.push_if_border(i);
-    relaxation.run(200, job);
+    relaxation.run(200, job());
     return length();
   };
   const double edges_alone = relax(border_weight(0.05)), wide = relax(border_weight(0.05, 1.0, graph.size(), 2));

@@ -1,24 +1,15 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "bound/bound.h"
 #include "density/adaptivity.h"
 #include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
 using shapes::Arrays;
 
-Partition within(const Surface& surface, double bound) {
-  Job job;
-  return partition(surface, {.bound = bound}, job);
-}
+Partition within(const Surface& surface, double bound) { return partition(surface, {.bound = bound}, job()); }
 
 /// The largest distance of a face's corner from the plane of the face's region.
 double farthest(const Mesh& mesh, const Partition& part) {
@@ -89,21 +80,19 @@ TEST(Bound, LeavesAClosedPartFourRegions) {
 }
 
 TEST(Bound, KeepsBarriers) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::plane(8));
   Guides guides;
   for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h)
     if (std::abs(mesh.vertices()[mesh.from(h)].x() - 0.5) < 1e-9 &&
         std::abs(mesh.vertices()[mesh.to(h)].x() - 0.5) < 1e-9)
       guides.barriers.push_back({mesh.from(h), mesh.to(h)});
-  EXPECT_EQ(within(Surface(mesh, guides, job), 0.1).region_count(), 2);
+  EXPECT_EQ(within(Surface(mesh, guides, job()), 0.1).region_count(), 2);
 }
 
 TEST(Bound, IsTheSameOnEveryRunAndThreadCount) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(150, 80), 0.01, 4));
   const auto labels = [&](std::int32_t threads) {
-    return partition(mesh, {.bound = 0.04, .threads = threads}, job).face_region;
+    return partition(mesh, {.bound = 0.04, .threads = threads}, job()).face_region;
   };
   EXPECT_EQ(labels(1), labels(1));
   EXPECT_EQ(labels(1), labels(3));
@@ -118,9 +107,8 @@ Arrays half_rough() {
 }
 
 TEST(Adaptivity, WeighsRoughPlacesMoreAndLeavesTheAreaAsItIs) {
-  Job job;
   const Mesh mesh = shapes::mesh(half_rough());
-  const std::vector<float> weight = adaptive_weights(mesh, 0.5, Threads(1), job);
+  const std::vector<float> weight = adaptive_weights(mesh, 0.5, Threads(1), job());
   double left = 0, right = 0, total = 0;
   for (std::int32_t i = 0; i < mesh.face_count(); ++i) {
     const double x = mesh.vertices()[mesh.triangles()[mesh.graph().mesh_face[i]][0]].x();
@@ -130,7 +118,7 @@ TEST(Adaptivity, WeighsRoughPlacesMoreAndLeavesTheAreaAsItIs) {
   }
   EXPECT_GT(right, 2 * left);
   EXPECT_NEAR(total, 1.0, 1e-5);
-  for (const float w : adaptive_weights(shapes::mesh(shapes::plane(9)), 1.0, Threads(1), job)) EXPECT_EQ(w, 1.0F);
+  for (const float w : adaptive_weights(shapes::mesh(shapes::plane(9)), 1.0, Threads(1), job())) EXPECT_EQ(w, 1.0F);
 }
 
 /// As above, with a bend on the left that needs regions too: where one region does for all of it, none can be moved.
@@ -154,12 +142,11 @@ std::int32_t on_the_right(const Mesh& mesh, const Partition& part) {
 }
 
 TEST(Adaptivity, MovesRegionsToRoughPlacesAndStatesPlainErrors) {
-  Job job;
   const Mesh mesh = shapes::mesh(bent_and_rough());
   std::vector<std::int32_t> rough;
   for (const double a : {0.0, 0.5, 1.0}) {
     // By the error alone, since short borders move a few regions too.
-    const Partition part = partition(mesh, {.proxies = 60, .adaptivity = a, .smooth = 0}, job);
+    const Partition part = partition(mesh, {.proxies = 60, .adaptivity = a, .smooth = 0}, job());
     EXPECT_EQ(part.region_count(), 60);
     EXPECT_EQ(part.guided, nullptr);
     checks::expect_sound(mesh, part);

@@ -1,14 +1,7 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <set>
-
 #include "hierarchy/choose_cut.h"
 #include "hierarchy/detail_tree.h"
 #include "isimp/partition/noise.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -90,11 +83,10 @@ struct Counted {
 };
 
 Counted count_at(const Arrays& shape, double detail) {
-  Job job;
   const Mesh mesh = shapes::mesh(shape);
-  const DetailTree tree(mesh, {}, job);
+  const DetailTree tree(mesh, {}, job());
   const Cut cut = tree.choose(detail * tree.size(), true);
-  const Regions regions = tree.regions(mesh, cut, Threads(1), job);
+  const Regions regions = tree.regions(mesh, cut, Threads(1), job());
   EXPECT_LE(regions.count(), tree.count(cut));
   const std::set<std::int32_t> used(regions.label.begin(), regions.label.end() - 1);
   EXPECT_EQ(used.size(), regions.sum.size());
@@ -128,35 +120,32 @@ TEST(Detail, LeavesAClosedPartFourRegions) {
 }
 
 TEST(Detail, LeavesSpecksOut) {
-  Job job;
   Arrays speck = shapes::cube(1);
   for (Vec3& v : speck.vertices) v *= 0.01;
   const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(6), speck, Vec3(3, 0, 0)));
-  const DetailTree tree(mesh, {.noise = 0}, job);
-  const Regions regions = tree.regions(mesh, tree.choose(0.01, true), Threads(1), job);
+  const DetailTree tree(mesh, {.noise = 0}, job());
+  const Regions regions = tree.regions(mesh, tree.choose(0.01, true), Threads(1), job());
   EXPECT_EQ(regions.count(), 6);
   EXPECT_EQ(std::count(regions.label.begin(), regions.label.end(), kNone), 12 + 1);
 }
 
 TEST(Detail, LeavesNothingToMergeBelowTheCut) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(120, 60), 0.02, 4));
-  const DetailTree tree(mesh, {.finest = 0.001, .noise = 0}, job);
+  const DetailTree tree(mesh, {.finest = 0.001, .noise = 0}, job());
   for (const double tolerance : {0.005, 0.01, 0.02}) {
     const Cut cut = tree.choose(tolerance, false);
-    const Regions regions = tree.regions(mesh, cut, Threads(1), job);
+    const Regions regions = tree.regions(mesh, cut, Threads(1), job());
     EXPECT_LT(regions.count(), tree.count(cut));  // borders that moved made more of them alike
-    const ClusterGraph all = region_clusters(mesh.graph(), regions, job);
-    EXPECT_EQ(merge_all(all, {.cost = cut.cost / mesh.graph().area, .need = {}}, job).merges(), 0U) << tolerance;
+    const ClusterGraph all = region_clusters(mesh.graph(), regions, job());
+    EXPECT_EQ(merge_all(all, {.cost = cut.cost / mesh.graph().area, .need = {}}, job()).merges(), 0U) << tolerance;
   }
 }
 
 TEST(Detail, IsTheSameOnEveryRun) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(300, 150), 0.002, 4));  // enough faces for blocks
   const auto labels = [&](std::int32_t threads) {
-    const DetailTree tree(mesh, {.finest = 0.001, .noise = 0.001}, job);
-    return tree.regions(mesh, tree.choose(0.003, true), Threads(threads), job).label;
+    const DetailTree tree(mesh, {.finest = 0.001, .noise = 0.001}, job());
+    return tree.regions(mesh, tree.choose(0.003, true), Threads(threads), job()).label;
   };
   EXPECT_EQ(labels(1), labels(1));
   EXPECT_EQ(labels(1), labels(3));

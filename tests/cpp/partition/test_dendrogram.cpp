@@ -1,13 +1,6 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <map>
-#include <set>
-
 #include "hierarchy/dendrogram.h"
 #include "hierarchy/strays.h"
-#include "isimp/core/errors.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -41,18 +34,16 @@ std::vector<double> plain_costs(const ClusterGraph& graph) {
 }
 
 TEST(MergeTree, AlwaysMergesTheCheapestPair) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(14, 7), 0.03, 2));
-  const MergeTree tree = merge_all(faces_of(mesh), {}, job);
+  const MergeTree tree = merge_all(faces_of(mesh), {}, job());
   const std::vector<double> expected = plain_costs(faces_of(mesh));
   ASSERT_EQ(tree.cost.size(), expected.size());
   for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_NEAR(tree.cost[k], expected[k], 1e-9);
 }
 
 TEST(MergeTree, HasFiveMergesWithCostOnACube) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::cube(9), 4));
-  const MergeTree tree = merge_all(faces_of(mesh), {}, job);
+  const MergeTree tree = merge_all(faces_of(mesh), {}, job());
   ASSERT_EQ(tree.merges(), mesh.face_count() - 1);
   EXPECT_EQ(std::count_if(tree.cost.begin(), tree.cost.end(), [](double c) { return c > 1e-9; }), 5);
   // Two sides of the cube, each a sixth of the area, at a right angle.
@@ -66,27 +57,25 @@ TEST(MergeTree, HasFiveMergesWithCostOnACube) {
 }
 
 TEST(MergeTree, StopsAtTheCostAndKeepsTheNeededClusters) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(3), shapes::sphere(2), Vec3(5, 0, 0)));
   ClusterGraph graph = faces_of(mesh);
-  EXPECT_EQ(merge_all(graph, {-1, {}}, job).merges(), 0);
-  EXPECT_EQ(merge_all(graph, {}, job).merges(), mesh.face_count() - 2);  // never across components
+  EXPECT_EQ(merge_all(graph, {-1, {}}, job()).merges(), 0);
+  EXPECT_EQ(merge_all(graph, {}, job()).merges(), mesh.face_count() - 2);  // never across components
   for (std::int32_t i = 0; i < mesh.face_count(); ++i)
     graph.component.push_back(mesh.component()[mesh.graph().mesh_face[i]]);
   const std::vector<std::int32_t> need{4, 7};
-  EXPECT_EQ(merge_all(graph, {.cost = 1e9, .need = need}, job).merges(), mesh.face_count() - 11);
+  EXPECT_EQ(merge_all(graph, {.cost = 1e9, .need = need}, job()).merges(), mesh.face_count() - 11);
 }
 
 TEST(MergeTree, IsTheSameForRegionsOfOneFace) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::torus(10, 6));
   Regions regions;
   for (std::int32_t i = 0; i < mesh.face_count(); ++i) regions.label.push_back(i);
   regions.label.push_back(kNone);
   regions.sum.resize(mesh.face_count());
-  sum_regions(mesh.graph(), regions, job);
-  EXPECT_EQ(merge_all(region_clusters(mesh.graph(), regions, job), {}, job).merged,
-            merge_all(faces_of(mesh), {}, job).merged);
+  sum_regions(mesh.graph(), regions, job());
+  EXPECT_EQ(merge_all(region_clusters(mesh.graph(), regions, job()), {}, job()).merged,
+            merge_all(faces_of(mesh), {}, job()).merged);
 }
 
 /// Patches in a row, all of area 1 and one normal but the last two.

@@ -1,20 +1,12 @@
 // The metric of normals and distances: its sums, its moves, and the regions that go by it.
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "borders/distances.h"
 #include "borders/relax.h"
 #include "hierarchy/hierarchy.h"
 #include "isimp/core/symmetric.h"
 #include "isimp/partition/regions.h"
 #include "methods.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -26,7 +18,6 @@ struct Bumpy {
   Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(96, 48), 0.01, 5));
   const FaceGraph& graph = mesh.graph();
   Regions regions{std::vector<std::int32_t>(graph.faces.size(), kNone), std::vector<RegionSum>(kRegions)};
-  Job job;
 
   Bumpy() {
     const auto part = [](double y, double x, int parts) {
@@ -36,7 +27,7 @@ struct Bumpy {
       const Vec3& p = mesh.vertices()[mesh.triangles()[graph.mesh_face[i]][0]];
       regions.label[i] = 4 * part(p.y(), p.x(), kRegions / 4) + part(p.z(), std::hypot(p.x(), p.y()) - 1, 4);
     }
-    sum_regions(graph, regions, job);
+    sum_regions(graph, regions, job());
   }
   [[nodiscard]] GraphLabels labels() { return {regions.label.data()}; }
 };
@@ -67,7 +58,7 @@ double from_planes(const Mesh& mesh, const std::vector<std::int32_t>& label, int
 TEST(Distances, SumUpToTheErrorOfThePlanesOfLeastSquares) {
   Bumpy bumpy;
   Distances distances(bumpy.mesh, Metric::mixed, kRegions);
-  distances.sum_up(bumpy.labels(), bumpy.regions.sum, bumpy.job);
+  distances.sum_up(bumpy.labels(), bumpy.regions.sum, job());
   for (int k = 0; k < 20; ++k)
     for (int r = 0; r < kRegions; ++r) distances.fit(r);
   EXPECT_NEAR(distances.error() / from_planes(bumpy.mesh, bumpy.regions.label, kRegions), 1, 1e-9);
@@ -76,7 +67,7 @@ TEST(Distances, SumUpToTheErrorOfThePlanesOfLeastSquares) {
 TEST(Distances, AMoveChangesTheErrorByWhatTheFaceCostsAndAFitLowersIt) {
   Bumpy bumpy;
   Distances distances(bumpy.mesh, Metric::mixed, kRegions);
-  distances.sum_up(bumpy.labels(), bumpy.regions.sum, bumpy.job);
+  distances.sum_up(bumpy.labels(), bumpy.regions.sum, job());
   int moved = 0;
   for (std::int32_t i = 0; i < bumpy.graph.size(); ++i) {
     const std::int32_t from = bumpy.regions.label[i];
@@ -99,8 +90,8 @@ TEST(Distances, AMoveChangesTheErrorByWhatTheFaceCostsAndAFitLowersIt) {
   }
   EXPECT_GT(moved, 100);
   const double error = distances.error();
-  sum_regions(bumpy.graph, bumpy.regions, bumpy.job);
-  distances.sum_up(bumpy.labels(), bumpy.regions.sum, bumpy.job);
+  sum_regions(bumpy.graph, bumpy.regions, job());
+  distances.sum_up(bumpy.labels(), bumpy.regions.sum, job());
   for (int k = 0; k < 20; ++k)
     for (int r = 0; r < kRegions; ++r) distances.fit(r);
   EXPECT_NEAR(distances.error() / error, 1, 1e-3) << "a few steps of each fit are enough";
@@ -110,10 +101,9 @@ TEST(Distances, AreZeroOnFlatRegions) {
   const Mesh mesh = shapes::mesh(shapes::cube(6));
   Regions regions{std::vector<std::int32_t>(mesh.graph().faces.size(), kNone), std::vector<RegionSum>(6)};
   for (std::int32_t i = 0; i < mesh.graph().size(); ++i) regions.label[i] = mesh.graph().mesh_face[i] / 72;
-  Job job;
-  sum_regions(mesh.graph(), regions, job);
+  sum_regions(mesh.graph(), regions, job());
   Distances distances(mesh, Metric::mixed, 6);
-  distances.sum_up(GraphLabels{regions.label.data()}, regions.sum, job);
+  distances.sum_up(GraphLabels{regions.label.data()}, regions.sum, job());
   EXPECT_LT(distances.error(), 1e-20);
 }
 
@@ -123,18 +113,17 @@ TEST(Distances, RelaxingLowersTheErrorByItsMetric) {
     Relaxation<GraphLabels> relaxation(bumpy.graph, bumpy.labels(), bumpy.regions.sum, {});
     for (std::int32_t i = 0; i < bumpy.graph.size(); ++i) relaxation.push_if_border(i);
     Distances distances(bumpy.mesh, metric, kRegions);
-    distances.sum_up(bumpy.labels(), bumpy.regions.sum, bumpy.job);
+    distances.sum_up(bumpy.labels(), bumpy.regions.sum, job());
     const double before = error_by(distances, bumpy.regions.sum);
     relaxation.measure(&distances);
-    EXPECT_GT(relaxation.run(100, bumpy.job), 100);
+    EXPECT_GT(relaxation.run(100, job()), 100);
     EXPECT_LT(error_by(distances, bumpy.regions.sum), 0.9 * before);
   }
 }
 
 std::vector<std::int32_t> labels_of(const Mesh& mesh, Metric metric, std::int32_t threads = 1) {
-  Job job;
   const PartitionOptions options{.proxies = 60, .metric = metric, .threads = threads};
-  return by_number(mesh, build_hierarchy(mesh, 60, job, {.threads = threads}), options, job).face_region;
+  return by_number(mesh, build_hierarchy(mesh, 60, job(), {.threads = threads}), options, job()).face_region;
 }
 
 TEST(Distances, OfRegionsThatASweepComesToAreThoseOfAll) {
@@ -142,17 +131,17 @@ TEST(Distances, OfRegionsThatASweepComesToAreThoseOfAll) {
     Bumpy bumpy;  // with connected regions, since a sweep walks over those that it comes to
     const auto label = labels_of(bumpy.mesh, Metric::normals);
     for (std::int32_t i = 0; i < bumpy.graph.size(); ++i) bumpy.regions.label[i] = label[bumpy.graph.mesh_face[i]];
-    sum_regions(bumpy.graph, bumpy.regions, bumpy.job);
+    sum_regions(bumpy.graph, bumpy.regions, job());
     Relaxation<GraphLabels> relaxation(bumpy.graph, bumpy.labels(), bumpy.regions.sum, {});
     for (std::int32_t i = 0; i < bumpy.graph.size(); ++i)
       if (bumpy.regions.label[i] == 0) relaxation.push_if_border(i);
     Distances distances(bumpy.mesh, Metric::mixed, kRegions);
     if (all)
-      distances.sum_up(bumpy.labels(), bumpy.regions.sum, bumpy.job);
+      distances.sum_up(bumpy.labels(), bumpy.regions.sum, job());
     else
       distances.forget(kRegions);
     relaxation.measure(&distances);
-    EXPECT_GT(relaxation.run(1, bumpy.job), 0);
+    EXPECT_GT(relaxation.run(1, job()), 0);
     EXPECT_EQ(distances.knows_all(), all);
     return bumpy.regions.label;
   };

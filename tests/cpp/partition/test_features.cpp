@@ -1,9 +1,5 @@
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <vector>
-
 #include "hierarchy/features.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {

@@ -1,18 +1,8 @@
 // Clusters with many others around them, against a version that compares all pairs before each merge.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <map>
-#include <random>
-#include <utility>
-#include <vector>
-
 #include "graphs.h"
 #include "hierarchy/greedy.h"
-#include "isimp/core/job.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -123,12 +113,11 @@ class Hubs : public testing::TestWithParam<Kind> {};
 
 TEST_P(Hubs, MergeAsInASearchOfAllPairs) {
   const auto [planes, around, away, length] = GetParam();
-  Job job;
   const std::vector<std::int32_t> need{1};
   for (std::uint32_t seed = 0; seed < 2; ++seed) {
     const Case c = houses(planes, around, away, length, seed);
     for (const std::int32_t target : {static_cast<std::int32_t>(c.sum.size()) / 2, 40, 2})
-      EXPECT_EQ(merge_greedily(rows_of(c), c.sum, need, target, job), merged_slowly(c, target))
+      EXPECT_EQ(merge_greedily(rows_of(c), c.sum, need, target, job()), merged_slowly(c, target))
           << seed << " " << target;
   }
 }

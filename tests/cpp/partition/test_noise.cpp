@@ -1,14 +1,8 @@
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <array>
-#include <cmath>
 #include <span>
 
 #include "density/normal_filter.h"
 #include "isimp/partition/noise.h"
-#include "shapes.h"
-#include "sizes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -29,9 +23,8 @@ TEST(SurfaceSize, NeitherTurnsNorMoves) {
 }
 
 TEST(Noise, IsFoundOnPlanesAndCurvedSurfaces) {
-  Job job;
   const auto ratio = [&](const shapes::Arrays& shape, double sigma) {
-    return estimate_noise(shapes::mesh(shapes::noisy(shape, sigma, 5)), Threads(2), job) / sigma;
+    return estimate_noise(shapes::mesh(shapes::noisy(shape, sigma, 5)), Threads(2), job()) / sigma;
   };
   for (const double sigma : {0.001, 0.004}) {
     EXPECT_NEAR(ratio(shapes::plane(60), sigma), 1.0, 0.1);
@@ -41,26 +34,23 @@ TEST(Noise, IsFoundOnPlanesAndCurvedSurfaces) {
 }
 
 TEST(Noise, OfOneThreadIsThatOfTheVertices) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::plane(60), 0.002, 1));
-  EXPECT_NEAR(estimate_noise(mesh, Threads(1), job), 0.002, 0.0004);
+  EXPECT_NEAR(estimate_noise(mesh, Threads(1), job()), 0.002, 0.0004);
 }
 
 TEST(Noise, ASampleShowsWhetherThereIsEnough) {
-  Job job;
   const std::array sigmas{0.05, 0.0005, 0.004, 0.0};
   for (const double sigma : std::span(sigmas).first(checks::size(4, 2))) {
     const Mesh mesh = shapes::mesh(shapes::noisy(shapes::plane(240), sigma, 5));  // 57,600 vertices
-    const double noise = estimate_noise(mesh, Threads(2), job);
+    const double noise = estimate_noise(mesh, Threads(2), job());
     for (const double share : {0.1, 0.9, 0.999, 1.001, 1.1, 10.0})
-      EXPECT_EQ(is_noisier(mesh, share * std::max(noise, 1e-6), job), noise > share * std::max(noise, 1e-6)) << sigma;
+      EXPECT_EQ(is_noisier(mesh, share * std::max(noise, 1e-6), job()), noise > share * std::max(noise, 1e-6)) << sigma;
   }
 }
 
 TEST(Noise, IsZeroOnASmoothSurface) {
-  Job job;
-  EXPECT_LT(estimate_noise(shapes::mesh(shapes::sphere(5)), Threads(2), job), 1e-4);
-  EXPECT_EQ(estimate_noise(shapes::mesh(shapes::plane(9)), Threads(2), job), 0.0);
+  EXPECT_LT(estimate_noise(shapes::mesh(shapes::sphere(5)), Threads(2), job()), 1e-4);
+  EXPECT_EQ(estimate_noise(shapes::mesh(shapes::plane(9)), Threads(2), job()), 0.0);
 }
 
 /// A lump of few triangles of all shapes, as modellers draw and decimation leaves.
@@ -75,10 +65,9 @@ shapes::Arrays coarse(int levels, std::uint32_t seed) {
 }
 
 TEST(Noise, IsMostlyTakenForShapeOnACoarseCurvedMesh) {
-  Job job;
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     const Mesh mesh = shapes::mesh(coarse(3, seed));
-    EXPECT_LT(estimate_noise(mesh, Threads(2), job), 0.03 * mean_edge(mesh)) << seed;
+    EXPECT_LT(estimate_noise(mesh, Threads(2), job()), 0.03 * mean_edge(mesh)) << seed;
   }
 }
 
@@ -98,31 +87,27 @@ shapes::Arrays cubes(int n) {
 }
 
 TEST(Noise, IsTakenForShapeWhereItGrowsWithTheEdges) {
-  Job job;
-  EXPECT_EQ(estimate_noise(shapes::mesh(cubes(2)), Threads(2), job), 0.0);
-  EXPECT_EQ(estimate_noise(shapes::mesh(cubes(3)), Threads(2), job), 0.0);
+  EXPECT_EQ(estimate_noise(shapes::mesh(cubes(2)), Threads(2), job()), 0.0);
+  EXPECT_EQ(estimate_noise(shapes::mesh(cubes(3)), Threads(2), job()), 0.0);
   const double sigma = 0.02;  // as much at edges of .06 as at edges of .5
-  EXPECT_NEAR(estimate_noise(shapes::mesh(shapes::noisy(cubes(16), sigma, 5)), Threads(2), job) / sigma, 1.0, 0.3);
+  EXPECT_NEAR(estimate_noise(shapes::mesh(shapes::noisy(cubes(16), sigma, 5)), Threads(2), job()) / sigma, 1.0, 0.3);
 }
 
 TEST(Noise, IsFoundOnACoarseNoisyScan) {
-  Job job;
   for (const double sigma : {0.01, 0.02})
-    EXPECT_NEAR(estimate_noise(shapes::mesh(shapes::noisy(shapes::cube(12), sigma, 5)), Threads(2), job) / sigma, 1.0,
+    EXPECT_NEAR(estimate_noise(shapes::mesh(shapes::noisy(shapes::cube(12), sigma, 5)), Threads(2), job()) / sigma, 1.0,
                 0.35);
 }
 
 TEST(Noise, IsTakenForShapeOnTwelveTriangles) {
-  Job job;
-  EXPECT_EQ(estimate_noise(shapes::mesh(shapes::cube(1)), Threads(2), job), 0.0);
+  EXPECT_EQ(estimate_noise(shapes::mesh(shapes::cube(1)), Threads(2), job()), 0.0);
 }
 
 TEST(NormalFilter, RemovesNoiseAndKeepsCreases) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::cube(20), 0.005, 3));
   FaceGraph graph = mesh.graph();
   const double bend = median_bend(graph);
-  graph.faces = filtered_faces(graph, 8, filter_range(bend), Threads(2), job);
+  graph.faces = filtered_faces(graph, 8, filter_range(bend), Threads(2), job());
   EXPECT_LT(median_bend(graph), bend / 5);
   // Every face of the cube faces along an axis again, also next to its edges.
   for (std::int32_t i = 0; i < graph.size(); ++i) {

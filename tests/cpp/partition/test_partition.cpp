@@ -1,18 +1,11 @@
-#include <gtest/gtest.h>
-
-#include <limits>
-#include <numeric>
-#include <set>
-
 #include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
 using checks::expect_sound;
-using checks::message_of;
 using checks::run;
 
 TEST(Partition, CubeSplitsIntoItsSixSides) {

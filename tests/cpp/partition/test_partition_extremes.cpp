@@ -1,12 +1,7 @@
 // Extreme inputs: hardly any faces a region, ten thousand components, slivers, nothing but a plane.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <vector>
-
 #include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {

@@ -1,18 +1,10 @@
 // Partitions of shapes with flat sides are exact, for any order of their faces and any rotation.
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <array>
-#include <cmath>
-#include <map>
-#include <random>
-#include <set>
 #include <tuple>
 
 #include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -132,8 +124,7 @@ class Shapes : public testing::TestWithParam<std::uint32_t> {
     Arrays a = scrambled(s.arrays, GetParam(), order);
     if (noise > 0) a = shapes::noisy(a, noise, GetParam() + 100);
     const Mesh mesh = shapes::mesh(a);
-    Job job;
-    const Partition p = partition(mesh, {.proxies = s.sides, .seed = GetParam(), .method = method}, job);
+    const Partition p = partition(mesh, {.proxies = s.sides, .seed = GetParam(), .method = method}, job());
     checks::expect_sound(mesh, p);
     EXPECT_EQ(p.region_count(), s.sides);
     return least_overlap(s, order, p);
@@ -165,8 +156,7 @@ TEST(Shape, SidesAreCountedRight) {
 
 TEST(Shape, ASphereIsSharedOutEvenly) {
   const Mesh mesh = shapes::mesh(shapes::sphere(5));
-  Job job;
-  const Partition p = partition(mesh, {.proxies = 50}, job);
+  const Partition p = partition(mesh, {.proxies = 50}, job());
   checks::expect_sound(mesh, p);
   double least = 1e9, most = 0;
   for (const RegionSum& s : p.region_sum) {

@@ -1,11 +1,6 @@
 // The steps of partitioning on graphs small enough to know the answer, and against a plain version of each.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <queue>
-#include <random>
 #include <tuple>
 
 #include "borders/local.h"
@@ -19,7 +14,7 @@
 #include "isimp/simplify/partitioner.h"
 #include "isimp/thesis/thesis.h"
 #include "partition_checks.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -43,10 +38,9 @@ TEST(MergeGreedily, JoinsParallelNodesFirst) {
   // x x y y in a row: each pair costs nothing, the middle costs 2 - sqrt(2) of their length.
   const std::vector<RegionSum> sums{node(1, 0), node(1, 0), node(0, 1), node(0, 1)};
   const std::vector<std::int32_t> need{1};
-  Job job;
-  EXPECT_EQ(merge_greedily(chain(4), sums, need, 2, job), (std::vector<std::int32_t>{0, 0, 1, 1}));
-  EXPECT_EQ(merge_greedily(chain(4), sums, need, 1, job), (std::vector<std::int32_t>{0, 0, 0, 0}));
-  EXPECT_EQ(merge_greedily(chain(4), sums, need, 4, job), (std::vector<std::int32_t>{0, 1, 2, 3}));
+  EXPECT_EQ(merge_greedily(chain(4), sums, need, 2, job()), (std::vector<std::int32_t>{0, 0, 1, 1}));
+  EXPECT_EQ(merge_greedily(chain(4), sums, need, 1, job()), (std::vector<std::int32_t>{0, 0, 0, 0}));
+  EXPECT_EQ(merge_greedily(chain(4), sums, need, 4, job()), (std::vector<std::int32_t>{0, 1, 2, 3}));
 }
 
 TEST(MergeGreedily, LeavesEveryComponentItsNeed) {
@@ -58,28 +52,25 @@ TEST(MergeGreedily, LeavesEveryComponentItsNeed) {
   g.component = {0, 0, 1, 1};
   const std::vector<RegionSum> sums{node(1, 0), node(0, 1), node(1, 0), node(1, 0)};
   const std::vector<std::int32_t> need{1, 2};
-  Job job;
-  EXPECT_EQ(merge_greedily(g, sums, need, 1, job), (std::vector<std::int32_t>{0, 0, 1, 2}));
+  EXPECT_EQ(merge_greedily(g, sums, need, 1, job()), (std::vector<std::int32_t>{0, 0, 1, 2}));
 }
 
 TEST(MergeGreedily, LeavesOutEmptyNodes) {
   const std::vector<RegionSum> sums{node(1, 0), RegionSum{}, node(1, 0)};
   const std::vector<std::int32_t> need{1};
-  Job job;
-  EXPECT_EQ(merge_greedily(chain(3), sums, need, 1, job), (std::vector<std::int32_t>{0, kNone, 1}));
+  EXPECT_EQ(merge_greedily(chain(3), sums, need, 1, job()), (std::vector<std::int32_t>{0, kNone, 1}));
 }
 
 TEST(MergeRound, PairsUpMutuallyCheapestNodes) {
   MergeGraph g = chain(4);
   g.sum = {{1, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {0, 1, 0, 1}};
   std::vector<std::int32_t> map;
-  Job job;
-  const MergeGraph next = merge_round(g, {.satellites = true}, map, Threads(1), job);
+  const MergeGraph next = merge_round(g, {.satellites = true}, map, Threads(1), job());
   EXPECT_EQ(map, (std::vector<std::int32_t>{0, 0, 1, 1}));
   ASSERT_EQ(next.size(), 2);
   EXPECT_EQ(next.neighbour, (std::vector<std::int32_t>{1, 0}));
   EXPECT_EQ(next.sum[0].x, 2.0F);
-  EXPECT_EQ(merge_round(g, {.satellites = true, .least = 4}, map, Threads(1), job).size(), 4)
+  EXPECT_EQ(merge_round(g, {.satellites = true, .least = 4}, map, Threads(1), job()).size(), 4)
       << "a component of no more than `least` nodes is left alone";
 }
 
@@ -87,19 +78,17 @@ TEST(MergeRound, MakesNoMergeAboveTheMost) {
   MergeGraph g = chain(5);
   g.sum = {{1, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}, {0, 0, 1, 1}};  // node 2 adds 1.17 to the error
   std::vector<std::int32_t> map;
-  Job job;
-  EXPECT_EQ(merge_round(g, {.satellites = true, .most = 2.0}, map, Threads(1), job).size(), 2);
-  EXPECT_EQ(merge_round(g, {.satellites = true, .most = 1.0}, map, Threads(1), job).size(), 3);
+  EXPECT_EQ(merge_round(g, {.satellites = true, .most = 2.0}, map, Threads(1), job()).size(), 2);
+  EXPECT_EQ(merge_round(g, {.satellites = true, .most = 1.0}, map, Threads(1), job()).size(), 3);
   EXPECT_EQ(map, (std::vector<std::int32_t>{0, 0, 1, 2, 2}));
-  EXPECT_EQ(merge_round(g, {.satellites = true}, map, Threads(1), job).size(), 3) << "far above the usual price";
+  EXPECT_EQ(merge_round(g, {.satellites = true}, map, Threads(1), job()).size(), 3) << "far above the usual price";
 }
 
 TEST(PatchRelaxation, MovesAStrayPatchHome) {
   MergeGraph g = chain(4);
   g.sum = {{1, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {0, 1, 0, 1}};
   std::vector<std::int32_t> label{0, 1, 1, 1};
-  Job job;
-  relax_patches(g, label, 2, 0.0, 5, Threads(1), job);
+  relax_patches(g, label, 2, 0.0, 5, Threads(1), job());
   EXPECT_EQ(label, (std::vector<std::int32_t>{0, 0, 1, 1}));
 }
 
@@ -112,22 +101,20 @@ TEST(PatchRelaxation, MovesPatchesAcrossTheEdgesOfBlocks) {
     g.sum[u] = x ? NodeSum{1, 0, 0, 1} : NodeSum{0, 1, 0, 1};
     label[u] = (u + 50) / 2050;
   }
-  Job job;
   std::vector<std::int32_t> one = label;
-  relax_patches(g, one, 5, 0.0, 200, Threads(1), job);
+  relax_patches(g, one, 5, 0.0, 200, Threads(1), job());
   for (std::int32_t u = 0; u < 10000; ++u) ASSERT_EQ(one[u], u / 2050) << "patch " << u;
-  relax_patches(g, label, 5, 0.0, 200, Threads(3), job);
+  relax_patches(g, label, 5, 0.0, 200, Threads(3), job());
   EXPECT_EQ(label, one);
 }
 
 TEST(Relaxation, MovesTheBorderToTheCrease) {
   const FaceGraph g = strip({0, 0, 0, 90, 90, 90});
   Regions r{{0, 1, 1, 1, 1, 1, kNone}, std::vector<RegionSum>(2)};
-  Job job;
-  sum_regions(g, r, job);
+  sum_regions(g, r, job());
   Relaxation<GraphLabels> relaxation(g, {r.label.data()}, r.sum, BorderWeight{});
   for (std::int32_t i = 0; i < 6; ++i) relaxation.push_if_border(i);
-  EXPECT_EQ(relaxation.run(10, job), 2);
+  EXPECT_EQ(relaxation.run(10, job()), 2);
   EXPECT_EQ(r.label, (std::vector<std::int32_t>{0, 0, 0, 1, 1, 1, kNone}));
   EXPECT_NEAR(r.error(), 0.0, 1e-7);
 }
@@ -152,17 +139,16 @@ Regions grown(const FaceGraph& graph, std::int32_t count, Job& job) {
 
 /// Relaxes rough regions, and checks that no region is torn or emptied and that the sums are kept.
 Regions relaxed(const Mesh& mesh, std::int32_t proxies, std::int32_t threads, BorderWeight weight = {}) {
-  Job job;
-  Regions r = grown(mesh.graph(), proxies, job);
+  Regions r = grown(mesh.graph(), proxies, job());
   const double before = r.error();
   Relaxation<GraphLabels> relaxation(mesh.graph(), {r.label.data()}, r.sum, weight, Threads(threads));
   for (std::int32_t i = 0; i < mesh.face_count(); ++i) relaxation.push_if_border(i);
-  EXPECT_GT(relaxation.run(50, job), proxies);
+  EXPECT_GT(relaxation.run(50, job()), proxies);
   if (!weight.is_wide) {
     EXPECT_LT(r.error(), before);
   }
   Regions moved = r;
-  sum_regions(mesh.graph(), r, job);
+  sum_regions(mesh.graph(), r, job());
   for (std::int32_t k = 0; k < proxies; ++k) {
     EXPECT_GT(r.sum[k].faces, 0);
     EXPECT_EQ(r.sum[k].faces, moved.sum[k].faces);
@@ -235,8 +221,7 @@ TEST(LocalFlood, LeavesOutOnlyOffersThatCannotWin) {
   for (const double noise : {0.0, 0.01}) {  // many equal errors, and none
     const Mesh mesh = shapes::mesh(noise > 0 ? shapes::noisy(shapes::sphere(4), noise, 4) : shapes::cube(20));
     const FaceGraph& g = mesh.graph();
-    Job job;
-    const Partition p = partition(mesh, {.proxies = 12}, job);
+    const Partition p = partition(mesh, {.proxies = 12}, job());
     for (std::int32_t region = 0; region < p.region_count(); ++region) {
       std::vector<std::int32_t> label(g.faces.size(), kNone), faces, touched;
       for (std::int32_t i = 0; i < g.size(); ++i) {
@@ -267,8 +252,7 @@ TEST(RegionGraph, ListsBothDirectionsOnce) {
 
 TEST(Hierarchy, PatchesAreConnectedAndSmooth) {
   const Mesh mesh = shapes::mesh(shapes::cube(12));
-  Job job;
-  const Hierarchy h = build_hierarchy(mesh, 1, job);
+  const Hierarchy h = build_hierarchy(mesh, 1, job());
   ASSERT_EQ(h.patch_first.back(), mesh.face_count());
   for (std::int32_t p = 0; p < h.patches(); ++p) {
     const FaceRecord& first = mesh.graph().faces[h.patch_face[h.patch_first[p]]];
@@ -282,8 +266,7 @@ TEST(Hierarchy, PatchesAreConnectedAndSmooth) {
 
 TEST(Hierarchy, ServesSmallerNumbers) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.003, 2));
-  Job job;
-  const Hierarchy kept = build_hierarchy(mesh, 40, job);
+  const Hierarchy kept = build_hierarchy(mesh, 40, job());
   EXPECT_TRUE(kept.serves(mesh, 20));
   EXPECT_FALSE(kept.serves(mesh, 3000));
   EXPECT_FALSE(Hierarchy{}.serves(mesh, 20));
@@ -291,14 +274,13 @@ TEST(Hierarchy, ServesSmallerNumbers) {
 
 TEST(Threads, DoNotChangeTheResult) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::both(shapes::sphere(6), shapes::cube(20), {3, 0, 0}), 0.001, 2));
-  Job job;
   std::vector<Method> methods{Method::hierarchy};
   if (Thesis::is_built()) methods.push_back(Method::lloyd);
   for (const Method method : methods) {
-    const Partition one = partition(mesh, {.proxies = 90, .method = method, .threads = 1}, job);
+    const Partition one = partition(mesh, {.proxies = 90, .method = method, .threads = 1}, job());
     checks::expect_sound(mesh, one);
     for (const std::int32_t threads : {2, 3, 5}) {
-      const Partition more = partition(mesh, {.proxies = 90, .method = method, .threads = threads}, job);
+      const Partition more = partition(mesh, {.proxies = 90, .method = method, .threads = threads}, job());
       EXPECT_EQ(one.face_region, more.face_region);
       EXPECT_EQ(one.region_seed, more.region_seed);
       EXPECT_EQ(one.error, more.error);
@@ -313,8 +295,7 @@ TEST(Hierarchy, FillsUpComponentsThatHaveTooFewPatches) {
   for (Vec3& v : ball.vertices) v *= 0.1;
   for (int k = 0; k < 12; ++k) arrays = shapes::both(arrays, ball, {3.0 + k, 0, 0});
   const Mesh mesh = shapes::mesh(arrays);
-  Job job;
-  const Partition p = partition(mesh, {.proxies = 60, .leave_out = 0}, job);
+  const Partition p = partition(mesh, {.proxies = 60, .leave_out = 0}, job());
   checks::expect_sound(mesh, p);
   EXPECT_EQ(p.region_count(), 60);
   std::vector<std::vector<bool>> seen(13, std::vector<bool>(60, false));

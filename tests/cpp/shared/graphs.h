@@ -1,11 +1,8 @@
 #pragma once
 
-#include <cmath>
-#include <cstdint>
-#include <vector>
-
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/metric.h"
+#include "tests.h"
 
 namespace isimp::graphs {
 

@@ -1,22 +1,14 @@
 #include "labelled.h"
 
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <filesystem>
 #include <fstream>
-#include <map>
-#include <numeric>
-#include <random>
 #include <sstream>
 #include <stdexcept>
 
-#include "isimp/core/job.h"
+#include "tests.h"
 
 namespace isimp::labelled {
 
@@ -90,8 +82,7 @@ Partition each(const Mesh& mesh) {
 }
 
 PolygonMesh meshed(const Mesh& mesh, const Partition& partition, const MeshingOptions& options) {
-  Job job;
-  return polygonize(mesh, partition, options, job);
+  return polygonize(mesh, partition, options, job());
 }
 
 std::string data_folder() {
@@ -126,8 +117,7 @@ Mesh read_ply(const std::string& path) {
     if (!in || corners != 3) throw std::runtime_error(path + " is not a binary PLY of triangles");
     triangles.push_back(t);
   }
-  Job job;
-  return Mesh(std::move(points), std::move(triangles), job);
+  return Mesh(std::move(points), std::move(triangles), job());
 }
 
 Partition read_labels(const std::string& path) {

@@ -1,12 +1,9 @@
 #pragma once
 
-#include <functional>
-#include <string>
-#include <vector>
-
 #include "isimp/mesh/mesh.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/partition/partition.h"
+#include "tests.h"
 
 /// Partitions made by hand, and the meshes of the data folder.
 namespace isimp::labelled {

@@ -1,13 +1,11 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <bit>
 #include <stdexcept>
-#include <string>
 
 #include "isimp/mesh/io.h"
 #include "isimp/mesh/mesh.h"
+#include "tests.h"
 
 namespace isimp::checks {
 

@@ -1,17 +1,8 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <string>
-#include <vector>
-
-#include "isimp/core/errors.h"
 #include "isimp/simplify/edges.h"
 #include "isimp/simplify/partitioner.h"
-#include "shapes.h"
-#include "sizes.h"
+#include "tests.h"
 
 namespace isimp::checks {
 
@@ -34,17 +25,13 @@ inline Mesh cube_and_speck() {
   return shapes::mesh(shapes::both(shapes::cube(6), speck, {3, 3, 3}));
 }
 
-inline Partition run(const Mesh& mesh, const PartitionOptions& options) {
-  Job job;
-  return partition(mesh, options, job);
-}
+inline Partition run(const Mesh& mesh, const PartitionOptions& options) { return partition(mesh, options, job()); }
 inline Partition run(const Mesh& mesh, std::int32_t proxies) { return run(mesh, {.proxies = proxies}); }
 
 /// The inner edges both ends of which satisfy a condition.
 template <class Condition>
 std::vector<VertexPair> edges_where(const Mesh& mesh, Condition holds) {
-  Job job;
-  std::vector<VertexPair> edges = inner_edges(mesh, job).edges;
+  std::vector<VertexPair> edges = inner_edges(mesh, job()).edges;
   std::erase_if(edges,
                 [&](const VertexPair& e) { return !holds(mesh.vertices()[e[0]]) || !holds(mesh.vertices()[e[1]]); });
   return edges;
@@ -115,17 +102,6 @@ inline void expect_sound(const Mesh& mesh, const Partition& p) {
   expect_sound_regions(mesh, p);
   if (testing::Test::HasFatalFailure()) return;
   EXPECT_LE(p.error, *std::min_element(p.history.begin(), p.history.end()) + 1e-12 * mesh.report().area);
-}
-
-/// The message of the InvalidInput that `call` throws.
-template <class Call>
-std::string message_of(Call call) {
-  try {
-    call();
-  } catch (const InvalidInput& e) {
-    return e.what();
-  }
-  return "no error";
 }
 
 }  // namespace isimp::checks

@@ -1,14 +1,9 @@
 #include "polygon_judge.h"
 
-#include <Eigen/Geometry>
-#include <algorithm>
 #include <cstddef>
-#include <map>
-#include <numeric>
-#include <set>
-#include <vector>
 
 #include "isimp/mesh/part_of.h"
+#include "tests.h"
 
 namespace isimp::judge {
 
@@ -138,8 +133,7 @@ std::string defects_against(const PolygonMesh& mesh, const Mesh& scan, const Par
   std::vector<std::int32_t> faces;
   for (std::int32_t f = 0; f < scan.face_count(); ++f)
     if (partition.kept_region(f) != kNone) faces.push_back(f);
-  Job job;
-  const Mesh part = part_of(scan, faces, job);
+  const Mesh part = part_of(scan, faces, job());
   PolygonMesh kept;
   kept.vertices.assign(part.vertices().begin(), part.vertices().end());
   for (const Triangle& t : part.triangles()) {

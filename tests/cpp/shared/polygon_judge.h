@@ -1,11 +1,8 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "isimp/mesh/mesh.h"
 #include "isimp/meshing/polygonize.h"
+#include "tests.h"
 
 namespace isimp::judge {
 

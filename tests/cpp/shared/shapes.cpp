@@ -1,13 +1,4 @@
-#include "shapes.h"
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <numbers>
-#include <random>
-#include <set>
-#include <utility>
+#include "tests.h"
 
 namespace isimp::shapes {
 namespace {
@@ -178,9 +169,17 @@ Arrays smoothed(const Arrays& a, int rounds) {
   return result;
 }
 
-Mesh mesh(const Arrays& a) {
-  Job job;
-  return Mesh(a.vertices, a.triangles, job);
+Mesh mesh(const Arrays& a) { return Mesh(a.vertices, a.triangles, job()); }
+
+Vec3 middle(const Mesh& mesh, std::int32_t face) {
+  const auto [a, b, c] = mesh.triangles()[face];
+  return (mesh.vertices()[a] + mesh.vertices()[b] + mesh.vertices()[c]) / 3;
+}
+
+std::vector<std::int32_t> labels(const Mesh& mesh, const std::function<std::int32_t(const Vec3&)>& label) {
+  std::vector<std::int32_t> all;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) all.push_back(label(middle(mesh, f)));
+  return all;
 }
 
 }  // namespace isimp::shapes

@@ -34,5 +34,8 @@ Arrays noisy(const Arrays& a, double sigma, std::uint32_t seed);
 Arrays smoothed(const Arrays& a, int rounds);
 
 Mesh mesh(const Arrays& a);
+Vec3 middle(const Mesh& mesh, std::int32_t face);
+/// The label of each face, by its middle.
+std::vector<std::int32_t> labels(const Mesh& mesh, const std::function<std::int32_t(const Vec3&)>& label);
 
 }  // namespace isimp::shapes

@@ -1,34 +1,22 @@
 // Partitions under constraints: barriers, cuts that end inside a region, locked regions, parts of a mesh.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <numbers>
-#include <numeric>
-#include <set>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "isimp/interact/lock.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/part_of.h"
 #include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
 using checks::bumpy;
 using checks::edges_where;
-using checks::message_of;
 
 Partition run(const Mesh& mesh, const PartitionOptions& options, const Constraints& constraints) {
-  Job job;
-  return Partitioner(mesh).run(options, constraints, job);
+  return Partitioner(mesh).run(options, constraints, job());
 }
 
 /// Four edges on top of a cube of 8 by 8 squares, from the middle of a side to the middle of the top.
@@ -38,13 +26,11 @@ std::vector<VertexPair> slit(const Mesh& cube) {
 }
 
 std::int64_t inside(const Mesh& mesh, const Partition& part, const std::vector<VertexPair>& edges) {
-  Job job;
-  return inside_regions(mesh, part, edges, job);
+  return inside_regions(mesh, part, edges, job());
 }
 
 Partition with_locked(const Mesh& mesh, const PartitionOptions& options, int count) {
-  Job job;
-  const Partition part = partition(mesh, options, job);
+  const Partition part = partition(mesh, options, job());
   return set_locked(mesh, part, std::span(part.region_seed).first(count), kLocked);
 }
 
@@ -63,9 +49,8 @@ std::vector<std::int32_t> upper_faces(const Mesh& mesh) {
 }
 
 TEST(Edges, OfACubeAreEighteenAndTwelveOfThemSharp) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::cube());
-  const InnerEdges all = inner_edges(mesh, job);
+  const InnerEdges all = inner_edges(mesh, job());
   ASSERT_EQ(all.edges.size(), 18U);  // 12, and a diagonal in each side
   EXPECT_TRUE(std::ranges::is_sorted(all.edges));
   for (std::size_t k = 0; k < all.edges.size(); ++k) {
@@ -74,19 +59,18 @@ TEST(Edges, OfACubeAreEighteenAndTwelveOfThemSharp) {
       for (const std::int32_t v : all.edges[k]) EXPECT_EQ(std::ranges::count(mesh.triangles()[face], v), 1);
     EXPECT_NE(all.face[k], all.beside[k]);
   }
-  EXPECT_EQ(sharp_edges(mesh, std::numbers::pi / 4, job).size(), 12U);
-  EXPECT_EQ(sharp_edges(mesh, 1.6, job).size(), 0U);
-  EXPECT_EQ(message_of([&] { (void)sharp_edges(mesh, -1, job); }), "angle must be in [0, pi], got -1");
-  EXPECT_EQ(message_of([&] { (void)sharp_edges(mesh, NAN, job); }), "angle must be in [0, pi], got nan");
+  EXPECT_EQ(sharp_edges(mesh, std::numbers::pi / 4, job()).size(), 12U);
+  EXPECT_EQ(sharp_edges(mesh, 1.6, job()).size(), 0U);
+  EXPECT_EQ(message_of([&] { (void)sharp_edges(mesh, -1, job()); }), "angle must be in [0, pi], got -1");
+  EXPECT_EQ(message_of([&] { (void)sharp_edges(mesh, NAN, job()); }), "angle must be in [0, pi], got nan");
 }
 
 TEST(Edges, ThatWereMarkedAreFoundAgainInAPartOfTheMesh) {
-  Job job;
   const Mesh& mesh = bumpy();
   const std::vector<std::int32_t> faces = upper_faces(mesh);
-  const Mesh part = part_of(mesh, faces, job);
+  const Mesh part = part_of(mesh, faces, job());
   ASSERT_EQ(part.face_count(), static_cast<std::int32_t>(faces.size()));
-  const InnerEdges all = inner_edges(mesh, job);
+  const InnerEdges all = inner_edges(mesh, job());
   std::vector<VertexPair> marked{{-1, 3}, {0, 1 << 30}};  // no edges
   std::size_t wanted = 0;
   const std::set<std::int32_t> chosen(faces.begin(), faces.end());
@@ -94,7 +78,7 @@ TEST(Edges, ThatWereMarkedAreFoundAgainInAPartOfTheMesh) {
     marked.push_back({all.edges[k][1], all.edges[k][0]});
     wanted += chosen.contains(all.face[k]) && chosen.contains(all.beside[k]) ? 1 : 0;
   }
-  const std::vector<VertexPair> found = marked_edges(part, marked, job);
+  const std::vector<VertexPair> found = marked_edges(part, marked, job());
   EXPECT_EQ(found.size(), wanted);
   const std::set<VertexPair> given(marked.begin(), marked.end());
   for (const auto& [a, b] : found) {
@@ -133,9 +117,8 @@ TEST(Constraints, ACutContinuesHalfWayBetweenItsSides) {
 }
 
 TEST(Constraints, NoRegionIsOnBothSidesOfACutHoweverTheyBranch) {
-  Job job;
   const Mesh& mesh = bumpy();
-  const std::vector<VertexPair> all = inner_edges(mesh, job).edges;
+  const std::vector<VertexPair> all = inner_edges(mesh, job()).edges;
   Partition part;
   for (const std::size_t step : {97, 13, 3, 1}) {
     std::vector<VertexPair> cuts;
@@ -195,11 +178,10 @@ TEST(Constraints, OnlyChosenFacesGetNewRegions) {
 }
 
 TEST(Constraints, WeightsAndBarriersHoldInAPartToo) {
-  Job job;
   const Mesh& mesh = bumpy();
   const std::vector<std::int32_t> faces = upper_faces(mesh);
   const auto is_left = [&](std::int32_t f) { return mesh.vertices()[mesh.triangles()[f][0]].y() > 0; };
-  const InnerEdges all = inner_edges(mesh, job);
+  const InnerEdges all = inner_edges(mesh, job());
   std::vector<VertexPair> barriers;  // between the left and the right
   for (std::size_t k = 0; k < all.edges.size(); ++k)
     if (is_left(all.face[k]) != is_left(all.beside[k])) barriers.push_back(all.edges[k]);
@@ -219,9 +201,8 @@ TEST(Constraints, WeightsAndBarriersHoldInAPartToo) {
 }
 
 TEST(Constraints, SpecksAreLeftOutNextToLockedRegionsAsWithoutThem) {
-  Job job;
   const Mesh mesh = checks::cube_and_speck();
-  const Partition base = partition(mesh, {.proxies = 6}, job);
+  const Partition base = partition(mesh, {.proxies = 6}, job());
   ASSERT_EQ(base.parts_left_out, 1);
   const Partition before = set_locked(mesh, base, std::span(base.region_seed).first(1), kLocked);
   const Partition part = run(mesh, {.proxies = 6}, {.before = &before});
@@ -232,8 +213,7 @@ TEST(Constraints, SpecksAreLeftOutNextToLockedRegionsAsWithoutThem) {
 
 TEST(Constraints, ANumberDoesNotCountRegionsThatAreLeftOut) {
   const Mesh& mesh = bumpy();
-  Job job;
-  const Partition base = partition(mesh, {.proxies = 20}, job);
+  const Partition base = partition(mesh, {.proxies = 20}, job());
   const Partition before = set_locked(mesh, base, std::span(base.region_seed).first(2), kLeftOut);
   const Partition part = run(mesh, {.proxies = 30}, {.before = &before});
   EXPECT_EQ(part.region_count(), 32);
@@ -271,7 +251,6 @@ TEST(ConstraintsThreads, TheResultDoesNotDependOnThem) {
 }
 
 TEST(Constraints, KeptDataOfAPartChangesNothing) {
-  Job job;
   const Mesh& mesh = bumpy();
   const Partitioner kept(mesh);
   const Partition before = with_locked(mesh, {.proxies = 30}, 3);
@@ -280,7 +259,7 @@ TEST(Constraints, KeptDataOfAPartChangesNothing) {
     constraints.faces = only_some ? std::optional(upper_faces(mesh)) : std::nullopt;
     for (const std::int32_t proxies : {30, 50}) {
       const Partition fresh = run(mesh, {.proxies = proxies}, constraints);
-      expect_same(kept.run({.proxies = proxies}, constraints, job), fresh);
+      expect_same(kept.run({.proxies = proxies}, constraints, job()), fresh);
     }
   }
 }
@@ -303,13 +282,12 @@ TEST(Constraints, APartIsCutOffOnce) {
 }
 
 TEST(Constraints, BadOnesAreNamed) {
-  Job job;
   const Mesh& mesh = bumpy();
   const std::int32_t count = mesh.face_count();
   const std::string all = std::to_string(count);
   const Mesh other = shapes::mesh(shapes::cube());
   const Partition before = with_locked(mesh, {.proxies = 4}, 4), some = with_locked(mesh, {.proxies = 4}, 1);
-  const Partition foreign = partition(other, {.proxies = 6}, job);
+  const Partition foreign = partition(other, {.proxies = 6}, job());
   const auto said = [&](const Constraints& constraints, PartitionOptions options = {.proxies = 9}) {
     return message_of([&] { (void)run(mesh, options, constraints); });
   };
@@ -325,7 +303,7 @@ TEST(Constraints, BadOnesAreNamed) {
   EXPECT_EQ(said({.cuts = {{0, 0}}, .before = &some}),
             "barrier 0 runs between vertices 0 and 0, but there is no such edge in the mesh");
   EXPECT_EQ(said({.before = &some}, {.proxies = 0}), "proxies must be in [1, " + all + "], got 0");
-  EXPECT_EQ(message_of([&] { (void)part_of(mesh, Faces{count}, job); }),
+  EXPECT_EQ(message_of([&] { (void)part_of(mesh, Faces{count}, job()); }),
             "faces must be in [0, " + all + "), got " + all);
   EXPECT_EQ(message_of([&] { (void)inside(mesh, foreign, {}); }),
             "the partition has 12 faces and the mesh has " + all + ": it was made for another mesh");

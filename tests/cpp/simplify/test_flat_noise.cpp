@@ -1,14 +1,6 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdint>
-#include <random>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "isimp/mesh/mesh.h"
 #include "isimp/simplify/partitioner.h"
+#include "tests.h"
 
 /// Flat ground with noise becomes one region with hundreds around it. Splitting it again from a neighbour takes time by
 /// its size and gains nothing; it is tried a few times, not with each neighbour.
@@ -27,8 +19,7 @@ Mesh ground(int n) {
       triangles.push_back({a, a + n + 1, a + n + 2});
       triangles.push_back({a, a + n + 2, a + 1});
     }
-  Job job;
-  return {std::move(vertices), std::move(triangles), job};
+  return {std::move(vertices), std::move(triangles), job()};
 }
 
 TEST(FlatNoise, TheGroundIsSplitAgainAFewTimesOnly) {

@@ -1,34 +1,17 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <set>
-
-#include "isimp/core/errors.h"
 #include "isimp/interact/interact.h"
 #include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
 using checks::edges_where;
 
-Partition run(const Surface& surface, const PartitionOptions& options) {
-  Job job;
-  return partition(surface, options, job);
-}
+Partition run(const Surface& surface, const PartitionOptions& options) { return partition(surface, options, job()); }
 
 std::string message(const Mesh& mesh, const Guides& guides) {
-  Job job;
-  try {
-    const Surface surface(mesh, guides, job);
-  } catch (const InvalidInput& e) {
-    return e.what();
-  }
-  return "no error";
+  return message_of([&] { const Surface surface(mesh, guides, job()); });
 }
 
 bool kept(const Mesh& mesh, const Partition& part, const std::vector<std::array<std::int32_t, 2>>& barriers) {
@@ -60,39 +43,36 @@ TEST(Guides, BadOnesAreNamed) {
 }
 
 TEST(Guides, AnyEdgeMayBeABarrierAlsoOnABorder) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::plane(3));
   Guides guides;
   for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h) guides.barriers.push_back({mesh.to(h), mesh.from(h)});
-  EXPECT_EQ(Surface(mesh, guides, job).component_count(), mesh.face_count());
+  EXPECT_EQ(Surface(mesh, guides, job()).component_count(), mesh.face_count());
 }
 
 TEST(Barriers, AreKeptByEveryMethodAndEdit) {
-  Job job;
   // The plane x = .5 of a cube's sides: it cuts through four of them.
   const Mesh mesh = shapes::mesh(shapes::cube(8));
   const Guides guides{{}, edges_where(mesh, [](const Vec3& p) { return std::abs(p.x() - 0.5) < 1e-9; })};
-  const Surface surface(mesh, guides, job);
+  const Surface surface(mesh, guides, job());
   EXPECT_EQ(surface.component_count(), 2);
   for (const Method method : {Method::lloyd, Method::hierarchy, Method::teleport}) {
     Partition part = run(surface, {.proxies = 10, .method = method});
     EXPECT_EQ(part.region_count(), 10);
     EXPECT_TRUE(kept(mesh, part, guides.barriers));
-    part = add_proxy(mesh, part, 5, job);
+    part = add_proxy(mesh, part, 5, job());
     EXPECT_TRUE(kept(mesh, part, guides.barriers));
-    part = delete_proxy(mesh, delete_proxy(mesh, part, 5, job), 700, job);
+    part = delete_proxy(mesh, delete_proxy(mesh, part, 5, job()), 700, job());
     EXPECT_TRUE(kept(mesh, part, guides.barriers));
   }
   EXPECT_NEAR(run(surface, {.proxies = 10}).error, 0.0, 1e-9);
 }
 
 TEST(Barriers, DoNotMakePiecesThatAreLeftOut) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::plane(40));
   const std::int32_t corner = 0;  // its three edges cut one face of 3200 off
   Guides guides;
   for (std::int32_t h = 3 * corner; h < 3 * corner + 3; ++h) guides.barriers.push_back({mesh.from(h), mesh.to(h)});
-  const Partition part = run(Surface(mesh, guides, job), {.proxies = 4});
+  const Partition part = run(Surface(mesh, guides, job()), {.proxies = 4});
   EXPECT_EQ(part.parts_left_out, 0);
   EXPECT_EQ(std::count(part.face_region.begin(), part.face_region.end(), part.face_region[corner]), 1);
 }
@@ -106,14 +86,13 @@ std::int32_t above(const Mesh& mesh, const Partition& part) {
 }
 
 TEST(Weights, DrawRegionsToHighOnes) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::sphere(4));
   for (const Method method : {Method::hierarchy, Method::teleport, Method::lloyd}) {
     std::vector<std::int32_t> counts;
     for (const double weight : {0.0, 0.25, 1.0, 4.0, 16.0}) {
       Guides guides;
       for (const Triangle& t : mesh.triangles()) guides.weights.push_back(mesh.vertices()[t[0]].z() > 0 ? weight : 1.0);
-      const Partition part = run(Surface(mesh, guides, job), {.proxies = 100, .method = method});
+      const Partition part = run(Surface(mesh, guides, job()), {.proxies = 100, .method = method});
       EXPECT_EQ(part.region_count(), 100);
       counts.push_back(above(mesh, part));
     }
@@ -124,10 +103,9 @@ TEST(Weights, DrawRegionsToHighOnes) {
 }
 
 TEST(Weights, AllAlikeChangeNothing) {
-  Job job;
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(40, 20), 0.02, 3));
   const Guides guides{std::vector<double>(static_cast<std::size_t>(mesh.face_count()), 4.0), {}};
-  const Partition plain = run(mesh, {.proxies = 30}), weighted = run(Surface(mesh, guides, job), {.proxies = 30});
+  const Partition plain = run(mesh, {.proxies = 30}), weighted = run(Surface(mesh, guides, job()), {.proxies = 30});
   EXPECT_EQ(plain.face_region, weighted.face_region);
   EXPECT_NEAR(weighted.error / plain.error, 4.0, 1e-6);
 }

@@ -1,23 +1,11 @@
 // The openings that count as errors of scanning.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <utility>
-#include <vector>
-
-#include "isimp/core/errors.h"
 #include "isimp/simplify/openings.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
-double length(const shapes::Arrays& a, std::int32_t regions) {
-  Job job;
-  return opening_length(shapes::mesh(a), regions, job);
-}
+double length(const shapes::Arrays& a, std::int32_t regions) { return opening_length(shapes::mesh(a), regions, job()); }
 
 TEST(Openings, AreMeasuredByTheRegions) {
   const shapes::Arrays scan = shapes::noisy(shapes::torus(120, 60), 0.001, 1);
@@ -39,29 +27,28 @@ TEST(Openings, HolesOfOneVertexAreFilledAsLongAsRegionsAreLarger) {
   const shapes::Arrays scan = shapes::noisy(shapes::torus(120, 60), 0.001, 1);
   const Mesh mesh = shapes::mesh(scan);
   const double edge = std::sqrt(mesh.graph().area / 14400 * 4 / std::sqrt(3.0));
-  Job job;
   for (const std::int32_t regions : {1, 100, 300, 1200}) {
-    const OpeningLengths lengths = opening_lengths(mesh, regions, job);
+    const OpeningLengths lengths = opening_lengths(mesh, regions, job());
     EXPECT_EQ(lengths.handles, length(scan, regions));
     EXPECT_GE(lengths.holes, lengths.handles);
     EXPECT_LE(lengths.holes, std::max(lengths.handles, std::sqrt(mesh.graph().area / regions)));
   }
-  EXPECT_GT(opening_lengths(mesh, 100, job).holes, 5 * edge);
-  EXPECT_GT(opening_lengths(mesh, 100, job).holes, 1.5 * length(scan, 100));
-  EXPECT_EQ(opening_lengths(shapes::mesh(shapes::torus(120, 60)), 100, job).holes, 0) << "drawn";
+  EXPECT_GT(opening_lengths(mesh, 100, job()).holes, 5 * edge);
+  EXPECT_GT(opening_lengths(mesh, 100, job()).holes, 1.5 * length(scan, 100));
+  EXPECT_EQ(opening_lengths(shapes::mesh(shapes::torus(120, 60)), 100, job()).holes, 0) << "drawn";
 }
 
 TEST(Openings, LengthsOfANumberThatIsNotKnownHoldUpToABound) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(120, 60), 0.001, 1));
-  Job job;
-  const GuessedLengths guessed = guess_opening_lengths(mesh, {.detail = 1.0}, job);
+  const GuessedLengths guessed = guess_opening_lengths(mesh, {.detail = 1.0}, job());
   ASSERT_GE(guessed.most, 2);
   EXPECT_TRUE(guessed.likely);
-  for (const std::int32_t regions : {1, guessed.most}) EXPECT_EQ(opening_lengths(mesh, regions, job), guessed.lengths);
-  EXPECT_NE(opening_lengths(mesh, guessed.most + 1, job), guessed.lengths);
-  EXPECT_FALSE(guess_opening_lengths(mesh, {.detail = 0.001}, job).likely) << "many regions";
-  EXPECT_FALSE(guess_opening_lengths(mesh, {.proxies = 2}, job).likely) << "known";
-  const GuessedLengths drawn = guess_opening_lengths(shapes::mesh(shapes::torus(120, 60)), {}, job);
+  for (const std::int32_t regions : {1, guessed.most})
+    EXPECT_EQ(opening_lengths(mesh, regions, job()), guessed.lengths);
+  EXPECT_NE(opening_lengths(mesh, guessed.most + 1, job()), guessed.lengths);
+  EXPECT_FALSE(guess_opening_lengths(mesh, {.detail = 0.001}, job()).likely) << "many regions";
+  EXPECT_FALSE(guess_opening_lengths(mesh, {.proxies = 2}, job()).likely) << "known";
+  const GuessedLengths drawn = guess_opening_lengths(shapes::mesh(shapes::torus(120, 60)), {}, job());
   EXPECT_TRUE(drawn.likely) << "whatever is found, nothing is closed";
   EXPECT_EQ(drawn.lengths, OpeningLengths{});
 }
@@ -79,7 +66,6 @@ TEST(Openings, ThatAreNotThereNeedNoLength) {
 }
 
 TEST(Openings, AreMeasuredWithoutTheSmallestComponents) {
-  Job job;
   const shapes::Arrays specks = shapes::both(shapes::cube(1), shapes::plane(1), {5, 0, 0});
   shapes::Arrays scan = shapes::cube(4);
   for (Vec3& v : scan.vertices) v *= 2;
@@ -87,12 +73,12 @@ TEST(Openings, AreMeasuredWithoutTheSmallestComponents) {
   const std::int32_t large = 12 * 16, all = large + 12 + 2;
   ASSERT_EQ(mesh.face_count(), all);
   for (const auto& [count, marked] : {std::pair(1, 2), std::pair(2, 14), std::pair(3, 14)}) {
-    const std::vector<std::uint8_t> is_small = smallest_components(mesh, count, job);
+    const std::vector<std::uint8_t> is_small = smallest_components(mesh, count, job());
     ASSERT_EQ(is_small.size(), static_cast<std::size_t>(all)) << count;
     EXPECT_EQ(std::count(is_small.begin(), is_small.end(), 1), marked) << count;
     EXPECT_EQ(is_small.back(), 1) << count;
   }
-  EXPECT_TRUE(smallest_components(mesh, 0, job).empty());
+  EXPECT_TRUE(smallest_components(mesh, 0, job()).empty());
 }
 
 TEST(Openings, NeedARegion) { EXPECT_THROW(length(shapes::plane(3), 0), InvalidInput); }

@@ -1,20 +1,13 @@
 // The data kept from one partition to the next changes no result.
 
-#include <gtest/gtest.h>
-
-#include <string>
 #include <thread>
-#include <vector>
 
 #include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
-#include "shapes.h"
-#include "sizes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
-
-using checks::message_of;
 
 /// A sphere with noise, a quarter of the faces of `checks::bumpy`.
 const Mesh& coarse() {
@@ -65,9 +58,8 @@ TEST(Partitioner, EqualsAFreshOne) {
   int number = 0;
   for (const Guides& guides : {Guides{}, some, Guides{}})
     for (const PartitionOptions& options : orders()) {
-      Job job;
-      const Surface surface = guides.weights.empty() ? Surface(coarse()) : Surface(coarse(), guides, job);
-      expect_same(kept.run(options, {.guides = guides}, job), partition(surface, options, job),
+      const Surface surface = guides.weights.empty() ? Surface(coarse()) : Surface(coarse(), guides, job());
+      expect_same(kept.run(options, {.guides = guides}, job()), partition(surface, options, job()),
                   std::to_string(number++));
     }
 }
@@ -78,29 +70,23 @@ TEST(Partitioner, MayRunOnSeveralThreads) {
   std::vector<Partition> found(all.size());
   std::vector<std::thread> threads;
   threads.reserve(all.size());
-  for (std::size_t i = 0; i < all.size(); ++i)
-    threads.emplace_back([&, i] {
-      Job job;
-      found[i] = kept.run(all[i], {}, job);
-    });
+  for (std::size_t i = 0; i < all.size(); ++i) threads.emplace_back([&, i] { found[i] = kept.run(all[i], {}, job()); });
   for (std::thread& thread : threads) thread.join();
   for (std::size_t i = 0; i < all.size(); ++i) {
-    Job job;
-    expect_same(found[i], partition(coarse(), all[i], job), std::to_string(i));
+    expect_same(found[i], partition(coarse(), all[i], job()), std::to_string(i));
   }
 }
 
 TEST(Partitioner, AFailedOrCancelledCallLeavesTheKeptData) {
   const Partitioner kept(coarse());
-  Job job;
-  const Partition before = kept.run({.proxies = 20}, {}, job);
-  EXPECT_EQ(message_of([&] { (void)kept.run({.proxies = 0}, {}, job); }),
+  const Partition before = kept.run({.proxies = 20}, {}, job());
+  EXPECT_EQ(message_of([&] { (void)kept.run({.proxies = 0}, {}, job()); }),
             "proxies must be in [1, " + std::to_string(coarse().face_count()) + "], got 0");
   Job cancelled;
   cancelled.cancel();
   for (const PartitionOptions& options : orders())
     EXPECT_THROW((void)kept.run(options, {}, cancelled), Cancelled) << options.proxies.value_or(0);
-  expect_same(kept.run({.proxies = 20}, {}, job), before, "after");
+  expect_same(kept.run({.proxies = 20}, {}, job()), before, "after");
 }
 
 }  // namespace

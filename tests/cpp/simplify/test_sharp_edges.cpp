@@ -1,17 +1,8 @@
 // Strips along an edge join the planes that meet there.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <numbers>
-#include <set>
-#include <utility>
-#include <vector>
-
 #include "isimp/mesh/mesh.h"
 #include "labelled.h"
 #include "sharp_edges.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -42,16 +33,14 @@ std::pair<Mesh, Partition> bent(const std::vector<double>& widths, const std::ve
       triangles.push_back({a, a + kAlong + 2, a + 1});
       region.insert(region.end(), 2, band[i]);
     }
-  Job job;
-  Mesh mesh(std::move(vertices), std::move(triangles), job);
+  Mesh mesh(std::move(vertices), std::move(triangles), job());
   return {std::move(mesh), labelled::by(std::move(region))};
 }
 
 std::size_t regions_left(const std::vector<double>& widths, const std::vector<double>& degrees,
                          std::int32_t least = 1) {
   const auto [mesh, partition] = bent(widths, degrees);
-  Job job;
-  const auto labels = without_strips(mesh, partition, 3, least, job);
+  const auto labels = without_strips(mesh, partition, 3, least, job());
   const std::vector<std::int32_t>& found = labels ? *labels : partition.face_region;
   return std::set<std::int32_t>(found.begin(), found.end()).size();
 }

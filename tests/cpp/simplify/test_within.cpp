@@ -1,33 +1,20 @@
 // The distance of the scan from its polygons, and polygons that keep a bound.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <string>
-#include <vector>
-
-#include "isimp/core/errors.h"
 #include "isimp/mesh/io.h"
 #include "isimp/simplify/within.h"
 #include "partition_checks.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
-
-using checks::message_of;
 
 struct Made {
   Mesh mesh = shapes::mesh(shapes::torus(40, 20));
   Partition part;
   PolygonMesh polygons;
   Made() {
-    Job job;
-    part = partition(mesh, {.bound = 0.1}, job);
-    polygons = polygonize(mesh, part, {}, job);
+    part = partition(mesh, {.bound = 0.1}, job());
+    polygons = polygonize(mesh, part, {}, job());
   }
 };
 
@@ -37,8 +24,7 @@ const Made& ring() {
 }
 
 std::vector<double> distances(const DistanceOptions& options) {
-  Job job;
-  return scan_distances(ring().mesh, ring().part, ring().polygons, options, job);
+  return scan_distances(ring().mesh, ring().part, ring().polygons, options, job());
 }
 
 TEST(Distances, AreToPlanesSidesAndCorners) {
@@ -52,10 +38,9 @@ TEST(Distances, AreToPlanesSidesAndCorners) {
 }
 
 TEST(Distances, AreTheLeastToAnyTriangle) {
-  Job job;
   const PolygonMesh& p = ring().polygons;
   const Triangulation cut =
-      triangulate({p.vertices, {p.loops.begin(), p.loops.end()}, {p.loop_start.begin(), p.loop_start.end()}}, job);
+      triangulate({p.vertices, {p.loops.begin(), p.loops.end()}, {p.loop_start.begin(), p.loop_start.end()}}, job());
   std::vector<double> wanted;
   for (const Vec3& v : ring().mesh.vertices()) {
     double least = std::numeric_limits<double>::infinity();
@@ -81,23 +66,21 @@ TEST(DistancesThreads, DoNotChangeThemNorDoBlocks) {
 
 // Far from zero coordinates are kept relative to an origin, which the polygons are not.
 TEST(Distances, AreTheSameFarFromZero) {
-  Job job;
   shapes::Arrays arrays = shapes::torus(40, 20);
   const Vec3 far(1 << 22, 0, 1 << 20);
   for (Vec3& v : arrays.vertices) v = (v + far).eval();
   const Mesh mesh = shapes::mesh(arrays);
   ASSERT_FALSE(mesh.origin().isZero(0));
-  const Partition part = partition(mesh, {.bound = 0.1}, job);
-  const PolygonMesh polygons = polygonize(mesh, part, {}, job);
-  const std::vector<double> away = scan_distances(mesh, part, polygons, {}, job), near = distances({});
+  const Partition part = partition(mesh, {.bound = 0.1}, job());
+  const PolygonMesh polygons = polygonize(mesh, part, {}, job());
+  const std::vector<double> away = scan_distances(mesh, part, polygons, {}, job()), near = distances({});
   EXPECT_NEAR(*std::ranges::max_element(away), *std::ranges::max_element(near), 0.01);
 }
 
 TEST(Distances, AreNoneWhereThereIsNoRegion) {
-  Job job;
   const Mesh mesh = checks::cube_and_speck();
-  const Partition part = partition(mesh, {.proxies = 6}, job);
-  const std::vector<double> away = scan_distances(mesh, part, polygonize(mesh, part, {}, job), {}, job);
+  const Partition part = partition(mesh, {.proxies = 6}, job());
+  const std::vector<double> away = scan_distances(mesh, part, polygonize(mesh, part, {}, job()), {}, job());
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
     const bool left_out = part.face_region[Mesh::face(mesh.vertex_halfedge()[v])] == kNone;
     EXPECT_EQ(std::isnan(away[v]), left_out);
@@ -106,12 +89,11 @@ TEST(Distances, AreNoneWhereThereIsNoRegion) {
 }
 
 TEST(Distances, OfAnotherMeshOrPartitionAreRefused) {
-  Job job;
   const Mesh cube = shapes::mesh(shapes::cube(2));
-  const Partition six = partition(cube, {.proxies = 6}, job);
-  EXPECT_EQ(message_of([&] { (void)scan_distances(cube, ring().part, ring().polygons, {}, job); }),
+  const Partition six = partition(cube, {.proxies = 6}, job());
+  EXPECT_EQ(message_of([&] { (void)scan_distances(cube, ring().part, ring().polygons, {}, job()); }),
             "the partition has 1600 faces and the mesh has 48: it was made for another mesh");
-  const std::string said = message_of([&] { (void)scan_distances(cube, six, ring().polygons, {}, job); });
+  const std::string said = message_of([&] { (void)scan_distances(cube, six, ring().polygons, {}, job()); });
   EXPECT_NE(said.find("but there are 6: the polygons were made of another partition"), std::string::npos) << said;
 }
 

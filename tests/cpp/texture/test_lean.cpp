@@ -1,23 +1,13 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <map>
-#include <utility>
-#include <vector>
-
 #include "isimp/simplify/partitioner.h"
 #include "isimp/texture/bake.h"
 #include "isimp/texture/unwrap.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
 /// A sphere in as many regions as there are directions, its polygons, and the places that they show without a band.
 struct Ball {
-  Job job;
   Mesh mesh = shapes::mesh(shapes::sphere(6));
   Partition part;
   PolygonMesh poly;
@@ -34,10 +24,10 @@ struct Ball {
       regions.push_back(static_cast<std::int32_t>(nearest - directions.begin()));
     }
     const Surface surface(mesh);
-    part = partition_from(surface, regions, job);
-    poly = polygonize(mesh, part, {}, job);
-    atlas = unwrap(poly, {512, 1, 1, 0}, job);
-    map = bake_map(mesh, part, poly, atlas, {.band = 0}, job);
+    part = partition_from(surface, regions, job());
+    poly = polygonize(mesh, part, {}, job());
+    atlas = unwrap(poly, {512, 1, 1, 0}, job());
+    map = bake_map(mesh, part, poly, atlas, {.band = 0}, job());
   }
 
   /// The number of the texel (x, y), y upward.

@@ -1,11 +1,5 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <vector>
-
 #include "draw/ownership.h"
+#include "tests.h"
 
 namespace isimp::detail {
 namespace {

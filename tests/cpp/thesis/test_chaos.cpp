@@ -1,16 +1,11 @@
 // Results that no order of threads, no rubbish in memory and no failed allocation may change: see chaos.h.
 
-#include <gtest/gtest.h>
-
 #include <cstdlib>
-#include <random>
-#include <string>
 
 #include "chaos/chaos.h"
-#include "isimp/core/errors.h"
 #include "partition_checks.h"
 #include "rounds.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -46,8 +41,7 @@ std::unique_ptr<parallel::Flooder> load(const parallel::Kernels& kernels) {
 }
 
 Partition run(const PartitionOptions& options, parallel::Flooder& flooder) {
-  Job job;
-  return in_rounds(mesh(), Hierarchy{}, &flooder, options, job);
+  return in_rounds(mesh(), Hierarchy{}, &flooder, options, job());
 }
 
 TEST(Chaos, NoOrderOfThreadsChangesALabel) {
@@ -69,7 +63,6 @@ TEST(Chaos, NoOrderOfThreadsChangesALabel) {
 
 /// The results of the steps of a flooder, one after another.
 std::vector<std::vector<std::int32_t>> steps_of(parallel::Flooder& flooder) {
-  Job job;
   std::vector<std::vector<std::int32_t>> all;
   const auto read = [&] {
     all.emplace_back(static_cast<std::size_t>(mesh().face_count()));
@@ -82,12 +75,12 @@ std::vector<std::vector<std::int32_t>> steps_of(parallel::Flooder& flooder) {
     const FaceRecord& face = graph.faces[f];
     proxies.normal.insert(proxies.normal.end(), {face.nx, face.ny, face.nz});
   }
-  all.push_back({flooder.queued(proxies, 1, job)});
+  all.push_back({flooder.queued(proxies, 1, job())});
   read();
-  all.push_back({flooder.cut_to_pieces(1, job)});
+  all.push_back({flooder.cut_to_pieces(1, job())});
   read();
   all.push_back(flooder.nearest_faces(proxies, 1));
-  all.push_back({flooder.fill(proxies, 1, job)});
+  all.push_back({flooder.fill(proxies, 1, job())});
   read();
   return all;
 }

@@ -1,12 +1,10 @@
 // A surface's memory on a device: kept from call to call, and the errors when there is too little.
 
-#include <gtest/gtest.h>
-
 #include "isimp/parallel/backend.h"
 #include "kept_flooder.h"
 #include "partition_checks.h"
 #include "rounds.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -22,8 +20,7 @@ std::vector<PartitionOptions> variants() {
 }
 
 Partition run(const PartitionOptions& options, parallel::Flooder& flooder) {
-  Job job;
-  return in_rounds(ring(), Hierarchy{}, &flooder, options, job);
+  return in_rounds(ring(), Hierarchy{}, &flooder, options, job());
 }
 
 std::unique_ptr<parallel::Flooder> load_within(const std::string& name, std::size_t most) {
@@ -128,13 +125,12 @@ TEST(KeptFlooder, KeepsOneSurfaceInTheMemoryOfTheDevice) {
 TEST(KeptFlooder, AnotherSurfaceTakesThePlaceOfTheFirst) {
   const KeptFlooder kept;
   const Mesh other = shapes::mesh(shapes::cube(4));
-  Job job;
-  const Surface guided(ring(), Guides{std::vector<double>(3600, 2.0), {}}, job);
+  const Surface guided(ring(), Guides{std::vector<double>(3600, 2.0), {}}, job());
   for (const Surface& surface : {Surface(ring()), Surface(other), guided, Surface(ring())}) {
     std::vector<std::int32_t> labels(static_cast<std::size_t>(surface.face_count()));
-    const Partition fresh = partition(surface, variants().back(), job);
+    const Partition fresh = partition(surface, variants().back(), job());
     const Partition result = kept.with(surface, "cpu", [&](parallel::Flooder& flooder) {
-      return in_rounds(surface, Hierarchy{}, &flooder, variants().back(), job);
+      return in_rounds(surface, Hierarchy{}, &flooder, variants().back(), job());
     });
     EXPECT_EQ(result.face_region, fresh.face_region);
     EXPECT_EQ(result.error, fresh.error);

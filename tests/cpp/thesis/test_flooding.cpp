@@ -1,9 +1,5 @@
 // Flooding and fitting on graphs small enough to know the answer, and against the plain method.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <queue>
 #include <tuple>
 
@@ -11,7 +7,7 @@
 #include "graphs.h"
 #include "lloyd.h"
 #include "seeding.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
@@ -22,8 +18,7 @@ std::vector<std::int32_t> flood(const FaceGraph& g, const std::vector<std::int32
   std::vector<NormalMetric::Proxy> proxies;
   for (const std::int32_t s : seeds) proxies.push_back(NormalMetric::proxy_of(g.faces[s]));
   std::vector<std::int32_t> label;
-  Job job;
-  Flooding().run(g, proxies, seeds, label, job);
+  Flooding().run(g, proxies, seeds, label, job());
   return label;
 }
 
@@ -66,7 +61,6 @@ double plain_error(const FaceGraph& g, std::vector<std::int32_t> seeds, int roun
   for (const std::int32_t s : seeds) proxies.push_back(NormalMetric::proxy_of(g.faces[s]));
   Regions state;
   double least = 1e300;
-  Job job;
   for (int round = 0; round < rounds; ++round) {
     using Entry = std::tuple<float, std::int32_t, std::int32_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
@@ -84,9 +78,9 @@ double plain_error(const FaceGraph& g, std::vector<std::int32_t> seeds, int roun
       queue.pop();
       if (state.label[face] == kNone) settle(face, r);
     }
-    sum_regions(g, state, job);
+    sum_regions(g, state, job());
     least = std::min(least, state.error());
-    seeds = nearest_faces(g, state, job);
+    seeds = nearest_faces(g, state, job());
     for (std::size_t r = 0; r < seeds.size(); ++r) proxies[r] = NormalMetric::fit(state.sum[r]);
   }
   return least;
@@ -96,11 +90,10 @@ TEST(Flooding, IsAsGoodAsThePlainVersion) {
   double fast = 0, plain = 0;
   for (std::uint32_t k = 1; k <= 8; ++k) {
     const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.004, k));
-    Job job;
-    const Components components = find_components(mesh, 60, 0, job);
-    const auto seeds = random_seeds(mesh, components, share_out(components), k, job);
+    const Components components = find_components(mesh, 60, 0, job());
+    const auto seeds = random_seeds(mesh, components, share_out(components), k, job());
     std::vector<double> history;
-    fast += lloyd(mesh.graph(), seeds, 20, history, job).error();
+    fast += lloyd(mesh.graph(), seeds, 20, history, job()).error();
     plain += plain_error(mesh.graph(), seeds, 20);
   }
   EXPECT_LT(std::abs(fast / plain - 1), 0.015);

@@ -1,29 +1,20 @@
 // Decimation, and proxies carried back from the decimated mesh.
 
-#include <gtest/gtest.h>
-
-#include <set>
-
 #include "hybrid.h"
 #include "partition_checks.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
 using checks::expect_sound;
-using checks::message_of;
 
 Partition hybrid(const Surface& surface, PartitionOptions options) {
-  Job job;
   options.method = Method::hybrid;
-  return partition(surface, options, job);
+  return partition(surface, options, job());
 }
 
-Decimated coarse_of(const Surface& surface, double fraction) {
-  Job job;
-  return decimate(surface, fraction, job);
-}
+Decimated coarse_of(const Surface& surface, double fraction) { return decimate(surface, fraction, job()); }
 
 TEST(Decimate, KeepsAFractionOfTheFacesAndVerticesOfTheMesh) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.005, 2));
@@ -33,8 +24,7 @@ TEST(Decimate, KeepsAFractionOfTheFacesAndVerticesOfTheMesh) {
     EXPECT_EQ(std::set(coarse.vertex.begin(), coarse.vertex.end()).size(), coarse.vertex.size());
     std::vector<Vec3> vertices;
     for (const std::int32_t v : coarse.vertex) vertices.push_back(mesh.vertices()[v]);
-    Job job;
-    const Mesh made(vertices, coarse.triangles, job);
+    const Mesh made(vertices, coarse.triangles, job());
     EXPECT_TRUE(made.report().closed);
     EXPECT_EQ(made.report().components, 1);
     EXPECT_NEAR(made.report().area, mesh.report().area, 0.03 * mesh.report().area);
@@ -57,8 +47,7 @@ TEST(Hybrid, CubeSplitsIntoItsSixSides) {
 
 TEST(Hybrid, HasExactlyTheRequestedRegionsAndErrsLittle) {
   const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::torus(48, 24), 0.002, 2), 3));
-  Job job;
-  const double lloyd = partition(mesh, {.proxies = 100, .method = Method::lloyd}, job).error;
+  const double lloyd = partition(mesh, {.proxies = 100, .method = Method::lloyd}, job()).error;
   for (const std::int32_t proxies : {4, 100, 250}) {
     const Partition p = hybrid(mesh, {.proxies = proxies});
     expect_sound(mesh, p);
@@ -105,17 +94,13 @@ TEST(Hybrid, BarriersAndWeightsAreKept) {
         guides.barriers.push_back({i, j});
   ASSERT_EQ(guides.barriers.size(), 16U);
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) guides.weights.push_back(f % 3 == 0 ? 2.0 : 1.0);
-  Job job;
-  const Surface surface(mesh, guides, job);
+  const Surface surface(mesh, guides, job());
   const Partition p = hybrid(surface, {.proxies = 6, .fraction = 0.25});
   expect_sound(mesh, p);
   EXPECT_EQ(p.region_count(), 6);
   std::vector<std::set<bool>> sides(6);
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    double x = 0;
-    for (const std::int32_t v : mesh.triangles()[f]) x += mesh.vertices()[v].x() / 3;
-    sides[p.face_region[f]].insert(x < 0.5);
-  }
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    sides[p.face_region[f]].insert(shapes::middle(mesh, f).x() < 0.5);
   for (const auto& side : sides) EXPECT_EQ(side.size(), 1U);
   EXPECT_EQ(p.guided, surface.guided());
 }

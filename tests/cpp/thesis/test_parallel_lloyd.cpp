@@ -1,29 +1,19 @@
 // Parallel flooding on every back end that is here: against plain versions, and the same bits for any number of
 // threads.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <set>
-
 #include "isimp/parallel/backend.h"
 #include "parallel_lloyd.h"
 #include "partition_checks.h"
 #include "rounds.h"
 #include "seeding.h"
-#include "shapes.h"
-#include "sizes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
 using checks::expect_sound_regions;
-using checks::message_of;
 
-Partition run(const Surface& surface, const PartitionOptions& options) {
-  Job job;
-  return partition(surface, options, job);
-}
+Partition run(const Surface& surface, const PartitionOptions& options) { return partition(surface, options, job()); }
 
 std::vector<PartitionOptions> variants(PartitionOptions options) {
   std::vector<PartitionOptions> all;
@@ -44,10 +34,9 @@ const Mesh& large() {
 }
 
 parallel::Proxies proxies_of(const Surface& surface, std::int32_t count, std::uint64_t seed) {
-  Job job;
-  const Components components = find_components(surface, count, 0, job);
+  const Components components = find_components(surface, count, 0, job());
   parallel::Proxies proxies;
-  proxies.seed = random_seeds(surface, components, share_out(components), seed, job);
+  proxies.seed = random_seeds(surface, components, share_out(components), seed, job());
   for (const std::int32_t s : proxies.seed) {
     const FaceRecord& f = surface.graph().faces[s];
     for (const float x : {f.nx, f.ny, f.nz}) proxies.normal.push_back(x);
@@ -93,12 +82,11 @@ TEST(Flooder, AQueueEqualsAVisitOfAllFaces) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.02, 5));
   const parallel::Proxies proxies = proxies_of(mesh, 40, 9);
   const std::vector<std::int32_t> plain = plain_queued(mesh.graph(), proxies);
-  Job job;
   for (const std::string& name : parallel::backends()) {
     const auto flooder = load(mesh, name);
-    EXPECT_GT(flooder->queued(proxies, 2, job), 5);
+    EXPECT_GT(flooder->queued(proxies, 2, job()), 5);
     EXPECT_EQ(labels_of(*flooder, mesh), plain) << name;
-    flooder->queued(proxies, 1, job);
+    flooder->queued(proxies, 1, job());
     EXPECT_EQ(labels_of(*flooder, mesh), plain) << name << ", the second time";
   }
 }
@@ -128,12 +116,11 @@ TEST(Flooder, NaiveFloodingTakesTheBestOfTheNearest) {
         plain[i] = r;
   }
   for (std::int32_t r = 0; r < 60; ++r) plain[proxies.seed[r]] = r;
-  Job job;
   for (const std::string& name : parallel::backends())
     for (const bool brute : {false, true}) {
       const auto flooder = load(mesh, name);
       flooder->place(centre, {});
-      flooder->naive(proxies, 5, brute, 2, job);
+      flooder->naive(proxies, 5, brute, 2, job());
       EXPECT_EQ(labels_of(*flooder, mesh), plain) << name;
     }
 }
@@ -149,18 +136,17 @@ TEST(Flooder, RepairLeavesTheLargestPieceAndFillsTheRest) {
     for (const std::int32_t j : {i > 0 ? i - 1 : 9, i + 1, 9}) neighbours.push_back(j);
   }
   const parallel::Proxies proxies{{0, 4}, {1, 0, 0, 0, 1, 0}, {0, 0, 0, 1, 0, 0}};
-  Job job;
   for (const std::string& name : parallel::backends()) {
     const auto flooder = parallel::backend(name).load({faces, neighbours});
     flooder->place(std::vector<float>(27, 0.5F), {});
-    flooder->naive(proxies, 2, false, 1, job);
+    flooder->naive(proxies, 2, false, 1, job());
     std::vector<std::int32_t> labels(9);
     flooder->labels(labels);
     EXPECT_EQ(labels, (std::vector<std::int32_t>{0, 0, 0, 0, 1, 1, 1, 0, 0}));
-    EXPECT_EQ(flooder->cut_to_pieces(1, job), 2);
+    EXPECT_EQ(flooder->cut_to_pieces(1, job()), 2);
     flooder->labels(labels);
     EXPECT_EQ(labels, (std::vector<std::int32_t>{0, 0, 0, 0, 1, 1, 1, -1, -1}));
-    EXPECT_EQ(flooder->fill(proxies, 1, job), 2);
+    EXPECT_EQ(flooder->fill(proxies, 1, job()), 2);
     flooder->labels(labels);
     EXPECT_EQ(labels, (std::vector<std::int32_t>{0, 0, 0, 0, 1, 1, 1, 1, 1}));
   }
@@ -277,19 +263,15 @@ TEST(ParallelLloyd, BarriersAndWeightsAreKept) {
         guides.barriers.push_back({i, j});
   ASSERT_EQ(guides.barriers.size(), 8U);
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) guides.weights.push_back(f % 3 == 0 ? 2.0 : 1.0);
-  Job job;
-  const Surface surface(mesh, guides, job);
+  const Surface surface(mesh, guides, job());
   const double weighted = surface.graph().area;
   EXPECT_GT(weighted, mesh.report().area);
   for (const PartitionOptions& options : variants({.proxies = 6})) {
-    const Partition p = partition(surface, options, job);
+    const Partition p = partition(surface, options, job());
     expect_sound_regions(mesh, p);
     std::vector<std::set<bool>> sides(static_cast<std::size_t>(p.region_count()));
-    for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-      double x = 0;
-      for (const std::int32_t v : mesh.triangles()[f]) x += mesh.vertices()[v].x() / 3;
-      sides[p.face_region[f]].insert(x < 0.5);
-    }
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+      sides[p.face_region[f]].insert(shapes::middle(mesh, f).x() < 0.5);
     for (const auto& side : sides) EXPECT_EQ(side.size(), 1U);
     EXPECT_EQ(p.guided, surface.guided());
   }
@@ -297,11 +279,10 @@ TEST(ParallelLloyd, BarriersAndWeightsAreKept) {
 
 TEST(ParallelLloyd, AKeptFlooderGivesTheSame) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(40, 20), 0.01, 3));
-  Job job;
   const auto flooder = load(mesh, "cpu");
   for (const std::int32_t proxies : {30, 80, 30})
     for (const PartitionOptions& options : variants({.proxies = proxies})) {
-      const Partition kept = in_rounds(mesh, Hierarchy{}, flooder.get(), options, job);
+      const Partition kept = in_rounds(mesh, Hierarchy{}, flooder.get(), options, job());
       const Partition fresh = run(mesh, options);
       EXPECT_EQ(kept.face_region, fresh.face_region);
       EXPECT_EQ(kept.history, fresh.history);
@@ -310,12 +291,11 @@ TEST(ParallelLloyd, AKeptFlooderGivesTheSame) {
 
 TEST(ParallelLloyd, QueuedMakesTheSameRoundsOnAFlooderThatNaiveHasPlaced) {
   const Mesh mesh = shapes::mesh(shapes::plane(8));  // flat, so that it converges, and one round more shows
-  Job job;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const auto flooder = load(mesh, "cpu");
-    (void)in_rounds(mesh, Hierarchy{}, flooder.get(), {.proxies = 20, .method = Method::naive}, job);
+    (void)in_rounds(mesh, Hierarchy{}, flooder.get(), {.proxies = 20, .method = Method::naive}, job());
     const PartitionOptions queued{.proxies = 20, .seed = seed, .method = Method::queued};
-    EXPECT_EQ(in_rounds(mesh, Hierarchy{}, flooder.get(), queued, job).history, run(mesh, queued).history);
+    EXPECT_EQ(in_rounds(mesh, Hierarchy{}, flooder.get(), queued, job()).history, run(mesh, queued).history);
   }
 }
 

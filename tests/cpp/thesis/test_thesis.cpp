@@ -1,22 +1,18 @@
 // The methods of the paper and the thesis by their interface: all of them where they are built, a clear error where not.
 
-#include <gtest/gtest.h>
-
 #include "isimp/simplify/partitioner.h"
 #include "isimp/thesis/thesis.h"
 #include "partition_checks.h"
-#include "shapes.h"
+#include "tests.h"
 
 namespace isimp {
 namespace {
 
-using checks::message_of;
 using checks::ring;
 
 Partition thirty(const Mesh& mesh, PartitionOptions options) {
   options.proxies = 30;
-  Job job;
-  return Partitioner(mesh).run(options, {}, job);
+  return Partitioner(mesh).run(options, {}, job());
 }
 
 TEST(Thesis, TheDefaultMethodNeedsNoneOfIt) { EXPECT_EQ(thirty(ring(), {}).region_count(), 30); }
@@ -50,13 +46,12 @@ TEST(Thesis, ADecimatedMeshServesItsOwnSurface) {
   const Partitioner kept(ring());
   const PartitionOptions options{.proxies = 30, .method = Method::hybrid};
   if (!Thesis::is_built()) GTEST_SKIP() << "made with ISIMP_THESIS=OFF";
-  Job job;
   Constraints heavy;
   for (std::int32_t f = 0; f < ring().face_count(); ++f) heavy.guides.weights.push_back(f % 7 == 0 ? 9.0 : 1.0);
-  const auto plain = kept.run(options, {}, job).face_region;
-  const auto weighted = kept.run(options, heavy, job).face_region;
-  EXPECT_EQ(kept.run(options, {}, job).face_region, plain);
-  EXPECT_EQ(Partitioner(ring()).run(options, heavy, job).face_region, weighted);
+  const auto plain = kept.run(options, {}, job()).face_region;
+  const auto weighted = kept.run(options, heavy, job()).face_region;
+  EXPECT_EQ(kept.run(options, {}, job()).face_region, plain);
+  EXPECT_EQ(Partitioner(ring()).run(options, heavy, job()).face_region, weighted);
   EXPECT_NE(plain, weighted);
 }
 
