@@ -39,9 +39,7 @@ TEST_P(Offsets, ShiftIsExact) {
 TEST_P(Offsets, PolygonsEqualThoseAtZeroAfterAShift) {
   const shapes::Arrays here = rough_sphere();
   const Mesh mesh = shapes::mesh(here), far = shapes::mesh(moved(here, GetParam()));
-  PartitionOptions options;
-  options.proxies = 60;
-  const Partition part = partition(mesh, options, job()), far_part = partition(far, options, job());
+  const Partition part = partition(mesh, {.proxies = 60}, job()), far_part = partition(far, {.proxies = 60}, job());
   EXPECT_EQ(part.face_region, far_part.face_region);
   const PolygonMesh p = polygonize(mesh, part, {}, job()), q = polygonize(far, far_part, {}, job());
   EXPECT_EQ(p.loops, q.loops);
@@ -54,9 +52,7 @@ TEST_P(Offsets, PolygonsEqualThoseAtZeroAfterAShift) {
 TEST_P(Offsets, LinesToCutAlongAreInTheCallersCoordinates) {
   const Mesh mesh = shapes::mesh(moved(shapes::plane(8), GetParam()));
   const std::vector<Vec3> line{GetParam() + Vec3(0.5, 0, 0), GetParam() + Vec3(0.5, 1, 0)};
-  PartitionOptions options;
-  options.proxies = 1;
-  const Partition two = split_along(mesh, partition(mesh, options, job()), 0, line, Vec3(0, 0, 1), job());
+  const Partition two = split_along(mesh, partition(mesh, {.proxies = 1}, job()), 0, line, Vec3(0, 0, 1), job());
   ASSERT_EQ(two.region_count(), 2);
   EXPECT_EQ(two.region_sum[0].faces, 64);
   EXPECT_EQ(two.region_sum[1].faces, 64);
@@ -81,9 +77,7 @@ TEST(MapCoordinates, RoughScansOfFewMetresAreAsGoodAsAtZero) {
     shapes::Arrays a = shapes::noisy(shapes::smoothed(shapes::cube(12), 2), 0.002, 5);
     for (Vec3& v : a.vertices) v = 3 * v + by;
     const Mesh mesh = shapes::mesh(a);
-    PartitionOptions options;
-    options.proxies = 300;
-    const PolygonMesh p = polygonize(mesh, partition(mesh, options, job()), {}, job());
+    const PolygonMesh p = polygonize(mesh, partition(mesh, {.proxies = 300}, job()), {}, job());
     EXPECT_TRUE(p.report.imperfect.empty());
     EXPECT_LE(p.report.polygons, 306);
     EXPECT_LE((p.vertices[0] - by).norm(), 6);

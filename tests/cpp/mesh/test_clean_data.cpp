@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <iostream>
 
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/io.h"
@@ -80,12 +79,6 @@ TEST_F(CleanData, EveryFileBecomesASoundMesh) {
       EXPECT_TRUE(repairs(again).empty()) << repairs(again).begin()->first;
       EXPECT_TRUE(std::ranges::equal(again.triangles(), mesh.triangles()));
     }
-    std::string line = path.filename().string() + ": " + std::to_string(mesh.face_count()) + " faces, " +
-                       std::to_string(mesh.component_count()) + " components, " +
-                       std::to_string(mesh.report().border_edges) + " border edges, euler " +
-                       std::to_string(mesh.report().euler);
-    for (const auto& [key, n] : count) line += ", " + key + " " + std::to_string(n);
-    std::cout << line << "\n";
   }
 }
 

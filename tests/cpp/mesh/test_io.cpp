@@ -16,17 +16,8 @@ using checks::raw;
 
 namespace fs = std::filesystem;
 
-/// A folder of its own for each test, removed afterwards.
-class Io : public testing::Test {
+class Io : public checks::InFolder {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / ("isimp_io_" + std::string(info->name()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   fs::path file(const std::string& name, const std::string& bytes) const {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
     return folder_ / name;
@@ -44,7 +35,6 @@ class Io : public testing::Test {
   std::size_t files_in_folder() const {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
   }
-  fs::path folder_;
 };
 
 void expect_same(const PolygonSoup& a, const PolygonSoup& b) {
@@ -59,8 +49,6 @@ void save(const fs::path& path, const PolygonSoup& soup) {
 
 PolygonSoup load(const fs::path& path) { return read_polygons(path, job()); }
 
-// --- written files can be read again
-
 TEST_F(Io, PlyAndObjAreReadBackBitForBit) {
   PolygonSoup soup = kHouse;
   soup.vertices[6] = {1.0 / 3, -5e6 - 0.123456789, 1e-300};
@@ -71,8 +59,12 @@ TEST_F(Io, PlyAndObjAreReadBackBitForBit) {
   EXPECT_EQ(files_in_folder(), 4);
 }
 
-TEST_F(Io, APolygonOfManyCornersIsReadBack) {
+TEST_F(Io, APolygonOfManyCornersAndNoneAreReadBack) {
   PolygonSoup soup;
+  soup.vertices = {{1, 2, 3}};
+  save(folder_ / "none.ply", soup);
+  expect_same(load(folder_ / "none.ply"), soup);
+  soup.vertices.clear();
   for (std::int32_t i = 0; i < 1000; ++i) {
     soup.vertices.emplace_back(std::cos(i * 0.00628), std::sin(i * 0.00628), 0);
     soup.loops.push_back(i);
@@ -82,13 +74,6 @@ TEST_F(Io, APolygonOfManyCornersIsReadBack) {
     save(folder_ / name, soup);
     expect_same(load(folder_ / name), soup);
   }
-}
-
-TEST_F(Io, AFileWithoutPolygonsIsReadBack) {
-  PolygonSoup soup;
-  soup.vertices = {{1, 2, 3}};
-  save(folder_ / "a.ply", soup);
-  expect_same(load(folder_ / "a.ply"), soup);
 }
 
 TEST_F(Io, WritingReplacesWholeFilesOnly) {
@@ -111,9 +96,6 @@ TEST_F(Io, WritingReplacesWholeFilesOnly) {
   EXPECT_THROW(save(folder_ / "d.obj", short_polygon), InvalidInput);
   EXPECT_EQ(files_in_folder(), 2);
 }
-
-// --- PLY
-// --------------------------------------------------------------------------------------------------------------
 
 const std::string kPlyHead =
     "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
@@ -267,9 +249,6 @@ TEST_F(Io, PlyTriangleStripsBecomeTriangles) {
   }
 }
 
-// --- OBJ
-// --------------------------------------------------------------------------------------------------------------
-
 TEST_F(Io, ObjTakesItsManySpellings) {
   const PolygonSoup soup =
       parse("a.obj",
@@ -309,9 +288,6 @@ TEST_F(Io, DamagedObjIsNamed) {
   EXPECT_EQ(error("a.obj", "v 0 0 0\nf 1 1 99\n"),
             "face 0 (the first is 0) uses vertex 99, but there are 1 vertices, the first of them 1");
 }
-
-// --- STL
-// --------------------------------------------------------------------------------------------------------------
 
 std::string binary_stl(const shapes::Arrays& a) {
   std::string bytes = std::string("solid that is not text") + std::string(58, ' ');
@@ -388,9 +364,6 @@ TEST_F(Io, DamagedStlIsNamed) {
             "line 2: a facet has more than three vertices, or a vertex is outside a facet");
 }
 
-// --- OFF
-// --------------------------------------------------------------------------------------------------------------
-
 TEST_F(Io, OffTakesItsManySpellings) {
   const std::string body = "0 0 0\n1 0 0\n\n# between\n1 1 0\n0 1 0 # here\n4 0 1 2 3\n3 0 1 2 255 0 0\n";
   for (const char* head : {"OFF\n4 2 0\n", "OFF 4 2 5\n", "# first\nOFF # kind\n\n4 2\n"}) {
@@ -416,9 +389,6 @@ TEST_F(Io, DamagedOffIsNamed) {
   EXPECT_EQ(error("a.off", "OFF\n1 1 0\n0 0 y\n3 0 0 0\n"),
             "line 3: expected three coordinates for vertex 0, got \"y\"");
 }
-
-// --- any kind
-// ---------------------------------------------------------------------------------------------------------
 
 TEST_F(Io, AFileThatIsNoMeshIsNamed) {
   const auto message = [](const fs::path& path) { return message_of<FileError>([&] { load(path); }); };

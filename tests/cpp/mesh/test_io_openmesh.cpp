@@ -1,28 +1,18 @@
 #include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
-#include <filesystem>
 
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/io.h"
+#include "mesh_checks.h"
 #include "tests.h"
 
 /// Files are for others: OpenMesh must read the files of this writer, and the other way round.
 namespace isimp {
 namespace {
 
-namespace fs = std::filesystem;
 using PolyMesh = OpenMesh::PolyMesh_ArrayKernelT<>;
 
-class OpenMeshPeer : public testing::Test {
- protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / ("isimp_openmesh_" + std::string(info->name()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path folder_;
-};
+class OpenMeshPeer : public checks::InFolder {};
 
 TEST_F(OpenMeshPeer, ReadsTheWrittenFiles) {
   const PolygonSoup pyramid{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 1}},

@@ -76,16 +76,8 @@ std::string written(const PolygonSoup& soup, const Form& form = {}) {
   return bytes;
 }
 
-class PlyThreads : public testing::Test {
+class PlyThreads : public checks::InFolder {
  protected:
-  void SetUp() override {
-    folder_ =
-        fs::temp_directory_path() / ("isimp_ply_" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) +
-                                     testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   fs::path save(const std::string& bytes) const {
     std::ofstream(folder_ / "a.ply", std::ios::binary) << bytes;
     return folder_ / "a.ply";
@@ -104,7 +96,6 @@ class PlyThreads : public testing::Test {
     for (const std::int32_t threads : {1, 2, 3})
       EXPECT_EQ(message_of<FileError>([&] { read_polygons(path, job(), threads); }), path.string() + ": " + wanted);
   }
-  fs::path folder_;
 };
 
 /// Vertices that a float holds exactly.

@@ -10,24 +10,27 @@
 namespace isimp {
 namespace {
 
-/// The plane, n by n times three by three squares, without the middle one of each three by three.
-shapes::Arrays perforated(int n) {
-  const shapes::Arrays whole = shapes::plane(3 * n);
+/// The plane of n by n squares without some of them.
+shapes::Arrays with_hole(int n, const std::function<bool(int x, int y)>& is_open) {
+  const shapes::Arrays whole = shapes::plane(n);
   shapes::Arrays a{whole.vertices, {}};
   for (const Triangle& t : whole.triangles) {
-    const Vec3 middle = 3 * n * (whole.vertices[t[0]] + whole.vertices[t[1]] + whole.vertices[t[2]]) / 3;
-    const auto is_middle = [](double x) { return static_cast<int>(x) % 3 == 1; };
-    if (!is_middle(middle.x()) || !is_middle(middle.y())) a.triangles.push_back(t);
+    const Vec3 middle = n * (whole.vertices[t[0]] + whole.vertices[t[1]] + whole.vertices[t[2]]) / 3;
+    if (!is_open(static_cast<int>(middle.x()), static_cast<int>(middle.y()))) a.triangles.push_back(t);
   }
   return a;
+}
+
+/// The plane, n by n times three by three squares, without the middle one of each three by three.
+shapes::Arrays perforated(int n) {
+  return with_hole(3 * n, [](int x, int y) { return x % 3 == 1 && y % 3 == 1; });
 }
 
 TEST(ManyHoles, RowsOfHolesArePartedByRows) {
   for (const int n : {4, 12}) {
     const Mesh mesh = shapes::mesh(perforated(n));
     const Partition one = labelled::single(mesh);
-    const PolygonMesh p = polygonize(mesh, one, {}, job());
-    EXPECT_EQ(judge::defects_against(p, mesh, one), "") << n;
+    const PolygonMesh p = judge::sound(mesh, one);
     EXPECT_EQ(p.report.polygons, n + 1);
     EXPECT_EQ(p.report.split_for_holes, n);
     EXPECT_TRUE(p.report.imperfect.empty());
@@ -38,8 +41,7 @@ TEST(ManyHoles, LongRowsArePartedAcross) {
   for (int n = 25; n <= checks::size(50, 25); n += 25) {
     const Mesh mesh = shapes::mesh(perforated(n));
     const Partition one = labelled::single(mesh);
-    const PolygonMesh p = polygonize(mesh, one, {}, job());
-    EXPECT_EQ(judge::defects_against(p, mesh, one), "") << n;
+    const PolygonMesh p = judge::sound(mesh, one);
     std::int32_t most = 0;
     for (std::int32_t q = 0; q < p.polygon_count(); ++q) most = std::max(most, p.loop_end(q) - p.loop_start[q]);
     EXPECT_LE(most, 128) << n;  // for any number of holes in a row
@@ -50,20 +52,8 @@ TEST(ManyHoles, LongRowsArePartedAcross) {
 TEST(ManyHoles, FewHolesTakeTwoPolygons) {
   const Mesh mesh = shapes::mesh(perforated(2));
   const Partition one = labelled::single(mesh);
-  const PolygonMesh p = polygonize(mesh, one, {}, job());
-  EXPECT_EQ(judge::defects_against(p, mesh, one), "");
+  const PolygonMesh p = judge::sound(mesh, one);
   EXPECT_EQ(p.report.polygons, 2);
-}
-
-/// The plane of n by n squares without some of them.
-shapes::Arrays with_hole(int n, const std::function<bool(int x, int y)>& is_open) {
-  const shapes::Arrays whole = shapes::plane(n);
-  shapes::Arrays a{whole.vertices, {}};
-  for (const Triangle& t : whole.triangles) {
-    const Vec3 middle = n * (whole.vertices[t[0]] + whole.vertices[t[1]] + whole.vertices[t[2]]) / 3;
-    if (!is_open(static_cast<int>(middle.x()), static_cast<int>(middle.y()))) a.triangles.push_back(t);
-  }
-  return a;
 }
 
 /// The area of the smallest polygon.
@@ -87,8 +77,7 @@ TEST(ManyHoles, ARoughWallIsCutAtCornersOfItsHole) {
   for (Vec3& v : flat.vertices) v.z() += noise(random);
   const Mesh mesh = shapes::mesh(flat);
   const Partition one = labelled::single(mesh);
-  const PolygonMesh p = polygonize(mesh, one, {}, job());
-  EXPECT_EQ(judge::defects_against(p, mesh, one), "");
+  const PolygonMesh p = judge::sound(mesh, one);
   EXPECT_EQ(p.report.polygons, 2);
   EXPECT_NEAR(least_area(p), 6 * 8 / 3600.0, 3 / 3600.0);
 }
@@ -98,8 +87,7 @@ TEST(ManyHoles, TheTwoCutsOfAHoleAreApart) {
   const Mesh mesh = shapes::mesh(
       with_hole(30, [](int x, int y) { return (x >= 7 && x < 13 && y >= 12 && y < 18) || (x == 6 && y == 15); }));
   const Partition one = labelled::single(mesh);
-  const PolygonMesh p = polygonize(mesh, one, {}, job());
-  EXPECT_EQ(judge::defects_against(p, mesh, one), "");
+  const PolygonMesh p = judge::sound(mesh, one);
   EXPECT_EQ(p.report.polygons, 2);
   EXPECT_GE(least_area(p), 3 * 6 / 900.0);  // three squares wide, up to the side
 }
@@ -120,8 +108,7 @@ TEST(ManyHoles, WallsArePartedFromTheirPlate) {
     region.push_back((b - a).cross(c - a).z() < 0 ? 0 : 1);
   }
   const Partition two = labelled::by(region);
-  const PolygonMesh p = polygonize(mesh, two, {}, job());
-  EXPECT_EQ(judge::defects_against(p, mesh, two), "");
+  const PolygonMesh p = judge::sound(mesh, two);
   EXPECT_TRUE(p.report.imperfect.empty());
   EXPECT_EQ(p.report.split_for_repair, 0);
   EXPECT_LE(p.report.planarity_max, 1e-12);
@@ -140,8 +127,7 @@ TEST(ManyHoles, WallsAreWholeWhereverRegionsEnd) {
     region.push_back(is_rim ? 2 : normal.z() < 0 ? 0 : 1);
   }
   const Partition three = labelled::by(region);
-  const PolygonMesh p = polygonize(mesh, three, {}, job());
-  EXPECT_EQ(judge::defects_against(p, mesh, three), "");
+  const PolygonMesh p = judge::sound(mesh, three);
   EXPECT_EQ(p.report.split_for_repair, 0);
   EXPECT_LE(p.report.planarity_max, 1e-12);
 }
@@ -167,8 +153,7 @@ TEST(ManyHoles, FewFacesOfAnotherSideTiltNoPolygon) {
   for (const auto& [n, height] : {std::pair(4, 0.2), {5, 0.2}, {6, 0.2}, {8, 0.2}, {10, 0.6}, {20, 0.6}}) {
     const Mesh mesh = shapes::mesh(plate(n, height));
     const Partition six = partition(mesh, {.proxies = 6}, job());
-    const PolygonMesh p = polygonize(mesh, six, {}, job());
-    EXPECT_EQ(judge::defects_against(p, mesh, six), "") << n;
+    const PolygonMesh p = judge::sound(mesh, six);
     EXPECT_LE(p.report.planarity_max, 1e-6 * mesh.diagonal()) << n;
     EXPECT_EQ(p.report.split_for_repair, 0) << n;
     EXPECT_GE(upright(p, height), 4 * n * n + 4) << n;
@@ -181,8 +166,7 @@ TEST(ManyHoles, AWallOfTwoRegionsIsOnePolygonUnlessOneIsLocked) {
   const int n = 4;
   const Mesh mesh = shapes::mesh(plate(n));
   Partition two = labelled::by(shapes::labels(mesh, [](const Vec3& p) { return p.x() + p.z() < 4.5 ? 0 : 1; }));
-  const PolygonMesh shared = polygonize(mesh, two, {}, job());
-  EXPECT_EQ(judge::defects_against(shared, mesh, two), "");
+  const PolygonMesh shared = judge::sound(mesh, two);
   EXPECT_EQ(upright(shared), 4 * n * n + 4);
   two.region_locked = {1, 0};
   EXPECT_GT(upright(polygonize(mesh, two, {}, job())), 4 * n * n + 4);
@@ -218,8 +202,7 @@ TEST(ManyHoles, HolesWithoutOrderAreCutToDiscs) {
   const Mesh mesh = clean(a.vertices, a.triangles, {}, job());
   ASSERT_GT(mesh.report().border_loops, 60);
   const Partition one = labelled::single(mesh);
-  const PolygonMesh p = polygonize(mesh, one, {}, job());
-  EXPECT_EQ(judge::defects_against(p, mesh, one), "");
+  const PolygonMesh p = judge::sound(mesh, one);
   EXPECT_LE(p.report.split_for_holes, mesh.report().border_loops / 2);
 }
 

@@ -123,12 +123,6 @@ TEST(MergeFlat, AnAngleOutOfItsRangeAndWrongGroupsAreRefused) {
   EXPECT_THROW(merged(mesh, 1, group), InvalidInput);
 }
 
-TEST(MergeFlat, ACancelledJobMakesNothing) {
-  Job job;
-  job.cancel();
-  EXPECT_THROW(merge_flat(shapes::mesh(shapes::cube()), 1, {}, job), Cancelled);
-}
-
 TEST(MergeFlat, FuzzedScansStaySound) {
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
     const shapes::Arrays noisy = shapes::noisy(shapes::cube(6), 0.01 * (seed % 4), seed);

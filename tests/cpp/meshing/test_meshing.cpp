@@ -1,3 +1,4 @@
+#include "isimp/mesh/io.h"
 #include "isimp/meshing/polygonize.h"
 #include "labelled.h"
 #include "polygon_judge.h"
@@ -37,8 +38,7 @@ TEST(Polygonize, CubeComesBackAsSixQuadsInAnyFaceOrder) {
     const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::cube(8), order));
     const Partition sides = labelled::planes(mesh);
     ASSERT_EQ(sides.region_count(), 6);
-    const PolygonMesh p = meshed(mesh, sides);
-    EXPECT_EQ(judge::defects_against(p, mesh, sides), "");
+    const PolygonMesh p = judge::sound(mesh, sides);
     EXPECT_EQ(corner_counts(p), std::vector<int>(6, 4));
     expect_vertices(p, box(Vec3::Zero(), Vec3::Ones()), 1e-12);
     EXPECT_LT(p.report.planarity_max, 1e-12);
@@ -62,16 +62,14 @@ TEST(Polygonize, RotatedCubeIsExactToRounding) {
 TEST(Polygonize, TwoCubesAreTwelveQuads) {
   const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(5), shapes::cube(3), {3, 0.5, 0.25}));
   const Partition sides = labelled::planes(mesh);
-  const PolygonMesh p = meshed(mesh, sides);
-  EXPECT_EQ(judge::defects_against(p, mesh, sides), "");
+  const PolygonMesh p = judge::sound(mesh, sides);
   EXPECT_EQ(corner_counts(p).size(), 12U);
   EXPECT_TRUE(p.report.closed);
 }
 
 TEST(Polygonize, OneTriangleStaysOne) {
   const Mesh mesh = shapes::mesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
-  const PolygonMesh p = meshed(mesh, labelled::single(mesh));
-  EXPECT_EQ(judge::defects_against(p, mesh, labelled::single(mesh)), "");
+  const PolygonMesh p = judge::sound(mesh, labelled::single(mesh));
   EXPECT_EQ(corner_counts(p), std::vector<int>{3});
   EXPECT_EQ(p.loops, (std::vector<std::int32_t>{0, 1, 2}));
 }
@@ -83,8 +81,7 @@ TEST(Polygonize, OpenPlaneKeepsItsCornersAndArea) {
   expect_vertices(whole, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, 1e-12);
   for (const int regions : {2, 5, 20}) {
     const Partition parts = labelled::voronoi(mesh, regions, 5);
-    const PolygonMesh p = meshed(mesh, parts);
-    EXPECT_EQ(judge::defects_against(p, mesh, parts), "");
+    const PolygonMesh p = judge::sound(mesh, parts);
     EXPECT_NEAR(judge::look_at(p).area, 1.0, 1e-9);
   }
 }
@@ -99,8 +96,7 @@ TEST(Polygonize, AHalvedPlaneIsTwoRectangles) {
 TEST(Polygonize, SphereOfOneRegionBecomesFourPolygons) {
   const Mesh mesh = shapes::mesh(shapes::sphere(3));
   const Partition one = labelled::single(mesh);
-  const PolygonMesh p = meshed(mesh, one);
-  EXPECT_EQ(judge::defects_against(p, mesh, one), "");
+  const PolygonMesh p = judge::sound(mesh, one);
   EXPECT_EQ(p.report.polygons, 4);
   EXPECT_EQ(p.report.regions, 1);
   EXPECT_EQ(p.report.regions_split, 1);
@@ -110,8 +106,7 @@ TEST(Polygonize, SphereOfOneRegionBecomesFourPolygons) {
 TEST(Polygonize, TorusOfOneRegionKeepsItsHandle) {
   const Mesh mesh = shapes::mesh(shapes::torus(40, 20));
   const Partition one = labelled::single(mesh);
-  const PolygonMesh p = meshed(mesh, one);
-  EXPECT_EQ(judge::defects_against(p, mesh, one), "");
+  const PolygonMesh p = judge::sound(mesh, one);
   EXPECT_GT(p.report.split_for_handles, 0);
 }
 
@@ -141,8 +136,7 @@ TEST(Polygonize, APartLeftOutGetsNoPolygon) {
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
     if (mesh.component()[f] == 1) regions[f] = kNone;
   const Partition kept = labelled::by(regions);
-  const PolygonMesh p = meshed(mesh, kept);
-  EXPECT_EQ(judge::defects_against(p, mesh, kept), "");
+  const PolygonMesh p = judge::sound(mesh, kept);
   EXPECT_EQ(p.report.polygons, 6);
 }
 
@@ -153,8 +147,7 @@ TEST(Polygonize, CornerCutByATriangle) {
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
     if (shapes::middle(mesh, f).sum() < 0.475) regions[f] = 6;
   const Partition cut = labelled::by(regions);
-  const PolygonMesh p = meshed(mesh, cut);
-  EXPECT_EQ(judge::defects_against(p, mesh, cut), "");
+  const PolygonMesh p = judge::sound(mesh, cut);
   EXPECT_EQ(corner_counts(p), (std::vector<int>{3, 4, 4, 4, 5, 5, 5}));
 }
 
@@ -162,15 +155,13 @@ TEST(Polygonize, UnconnectedRegionsBecomeConnectedPolygons) {
   const Mesh mesh = shapes::mesh(shapes::sphere(3));
   for (const int count : {2, 10, 1000}) {
     const Partition noise = labelled::noise(mesh, count, 11);
-    const PolygonMesh p = meshed(mesh, noise);
-    EXPECT_EQ(judge::defects_against(p, mesh, noise), "");
+    const PolygonMesh p = judge::sound(mesh, noise);
   }
 }
 
 TEST(Polygonize, EveryFaceARegionGivesTheMeshBack) {
   const Mesh mesh = shapes::mesh(shapes::torus(15, 9));
-  const PolygonMesh p = meshed(mesh, labelled::each(mesh));
-  EXPECT_EQ(judge::defects_against(p, mesh, labelled::each(mesh)), "");
+  const PolygonMesh p = judge::sound(mesh, labelled::each(mesh));
   EXPECT_EQ(p.report.polygons, mesh.face_count());
   EXPECT_EQ(p.report.vertices, mesh.vertex_count());
 }
@@ -180,8 +171,7 @@ TEST(Polygonize, ARegionWithoutAreaGoesToItsNeighbour) {
   const Mesh mesh = shapes::mesh(
       {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}}, {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}});
   const Partition each = labelled::each(mesh);
-  const PolygonMesh p = meshed(mesh, each);
-  EXPECT_EQ(judge::defects_against(p, mesh, each), "");
+  const PolygonMesh p = judge::sound(mesh, each);
   EXPECT_EQ(p.report.merged_without_area, 1);
   EXPECT_EQ(p.report.polygons, 3);
   EXPECT_EQ(p.report.regions, 3);
@@ -191,9 +181,7 @@ TEST(Polygonize, NoCornerMovesFurtherThanTheReach) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.02, 3));
   const Partition parts = labelled::voronoi(mesh, 80, 2);
   for (const double reach : {0.0, 0.002, 0.01}) {
-    MeshingOptions options;
-    options.reach = reach;
-    const PolygonMesh p = meshed(mesh, parts, options);
+    const PolygonMesh p = meshed(mesh, parts, {.reach = reach});
     for (std::size_t i = 0; i < p.vertices.size(); ++i)
       EXPECT_LE((p.vertices[i] - mesh.vertices()[p.source_vertex[i]]).norm(), reach * mesh.diagonal() * (1 + 1e-9));
   }
@@ -228,9 +216,7 @@ TEST(Polygonize, BadInputIsNamed) {
   p = labelled::single(mesh);
   p.region_locked = {kLeftOut};
   EXPECT_EQ(said(mesh, p), "all regions are left out: there is nothing to make polygons of");
-  MeshingOptions options;
-  options.reach = -1;
-  EXPECT_EQ(said(mesh, labelled::single(mesh), options), "reach must be in [0, 1], got -1");
+  EXPECT_EQ(said(mesh, labelled::single(mesh), {.reach = -1}), "reach must be in [0, 1], got -1");
 }
 
 /// The shapes of the data folder whose true regions are known.
@@ -240,10 +226,10 @@ TEST_P(Known, ComesBackExactly) {
   const std::string folder = labelled::data_folder();
   if (folder.empty()) GTEST_SKIP() << "no test data: set ISIMP_DATA";
   const std::string path = folder + "/known/" + GetParam();
-  const Mesh mesh = labelled::read_ply(path + ".ply");
+  const PolygonSoup soup = read_polygons(path + ".ply", job());
+  const Mesh mesh(soup.vertices, triangulate(soup, job()).triangles, job());
   const Partition truth = labelled::read_labels(path + ".lab");
-  const PolygonMesh p = meshed(mesh, truth);
-  EXPECT_EQ(judge::defects_against(p, mesh, truth), "");
+  const PolygonMesh p = judge::sound(mesh, truth);
   EXPECT_NEAR(judge::look_at(p).area, mesh.report().area, 1e-6 * mesh.report().area);
   EXPECT_LT(p.report.planarity_max, 1e-6 * mesh.diagonal());
   EXPECT_LE(p.report.polygons, p.report.regions + 2 * p.report.regions_split);

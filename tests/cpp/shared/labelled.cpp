@@ -92,34 +92,6 @@ std::string data_folder() {
   return fs::exists(beside) ? beside.string() : "";
 }
 
-Mesh read_ply(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string line;
-  std::size_t vertices = 0, faces = 0;
-  while (std::getline(in, line) && line.rfind("end_header", 0) != 0) {
-    std::istringstream words(line);
-    std::string element, name;
-    std::size_t count = 0;
-    if (words >> element >> name >> count && element == "element") (name == "vertex" ? vertices : faces) = count;
-  }
-  std::vector<Vec3> points;
-  std::vector<Triangle> triangles;
-  for (std::size_t i = 0; i < vertices; ++i) {
-    std::array<float, 3> p{};
-    in.read(reinterpret_cast<char*>(p.data()), sizeof p);
-    points.emplace_back(p[0], p[1], p[2]);
-  }
-  for (std::size_t i = 0; i < faces; ++i) {
-    unsigned char corners = 0;
-    Triangle t{};
-    in.read(reinterpret_cast<char*>(&corners), 1);
-    in.read(reinterpret_cast<char*>(t.data()), sizeof t);
-    if (!in || corners != 3) throw std::runtime_error(path + " is not a binary PLY of triangles");
-    triangles.push_back(t);
-  }
-  return Mesh(std::move(points), std::move(triangles), job());
-}
-
 Partition read_labels(const std::string& path) {
   std::ifstream in(path);
   std::vector<std::int32_t> regions;

@@ -26,8 +26,6 @@ PolygonMesh meshed(const Mesh& mesh, const Partition& partition, const MeshingOp
 
 /// The folder of test scans, "" if there is none: the environment's ISIMP_DATA, else next to the source tree.
 std::string data_folder();
-/// A binary PLY of triangles; throws std::runtime_error if it cannot be read.
-Mesh read_ply(const std::string& path);
 /// The true regions of data/known/<name>.ply.
 Partition read_labels(const std::string& path);
 

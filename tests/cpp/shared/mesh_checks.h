@@ -1,6 +1,7 @@
 #pragma once
 
 #include <bit>
+#include <filesystem>
 #include <stdexcept>
 
 #include "isimp/mesh/io.h"
@@ -8,6 +9,16 @@
 #include "tests.h"
 
 namespace isimp::checks {
+
+/// Tests with a folder of their own, removed afterwards.
+class InFolder : public testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directories(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  const std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("isimp_" + std::to_string(std::random_device{}()));
+};
 
 /// Two quads and a triangle: a small house front.
 inline const PolygonSoup kHouse{

@@ -155,4 +155,10 @@ std::string defects_against(const PolygonMesh& mesh, const Mesh& scan, const Par
   return v.defects;
 }
 
+PolygonMesh sound(const Mesh& scan, const Partition& partition) {
+  PolygonMesh polygons = polygonize(scan, partition, {}, job());
+  EXPECT_EQ(defects_against(polygons, scan, partition), "");
+  return polygons;
+}
+
 }  // namespace isimp::judge

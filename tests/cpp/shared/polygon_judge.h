@@ -27,4 +27,7 @@ Figures look_at(const PolygonMesh& mesh);
 /// \return "" or the defect
 std::string defects_against(const PolygonMesh& mesh, const Mesh& scan, const Partition& partition);
 
+/// The polygons of a partition; the test fails if they have a defect.
+PolygonMesh sound(const Mesh& scan, const Partition& partition);
+
 }  // namespace isimp::judge
