@@ -161,29 +161,32 @@ def test_more_scans_are_added_to_earlier_ones(scans, tmp_path, log):
 
 
 def test_what_one_scan_does_is_its_row_alone(tmp_path, log):
-    for name in ("crash", "exit", "good", "hang", "large", "raise", "slow"):
+    for name in ("crash", "exit", "good", "large", "raise", "slow"):
         scan(tmp_path / "in" / f"{name}.ply")
     (tmp_path / "in" / "broken.ply").symlink_to(tmp_path / "nowhere")
-    os.mkfifo(tmp_path / "in" / "pipe.ply")
     (tmp_path / "in" / "torn.ply").write_text("ply\nformat ascii 1.0\n")
-    limits = {"time_limit": 2.5, "memory_limit": 400}
-    outcome = batch.run(tmp_path / "in", tmp_path / "out", work=ODD, children=batch.Children(jobs=4, **limits))
+    limits = batch.Children(jobs=4, memory_limit=400)
+    outcome = batch.run(tmp_path / "in", tmp_path / "out", work=ODD, children=limits)
     assert {row["name"] for row in outcome.rows if row["status"] == "ok"} == {"good.ply", "slow.ply"}
     assert whys(outcome) == {
         "broken.ply": "there is no such file",
         "crash.ply": "ended by signal 11",
         "exit.ply": "ended with exit status 9: no licence for this machine",
-        "hang.ply": "over the time limit of 2.5 s",
         "large.ply": "over the memory limit of 400 MB",
-        "pipe.ply": "over the time limit of 2.5 s",
         "raise.ply": "ended with exit status 70: KeyError: 'a mistake in the work'",
         "torn.ply": "the PLY header has no end_header; the file is cut short or damaged",
     }
     assert all(row["output"] is None for row in outcome.failed)
-    rows = rows_by_name(tmp_path / "out")
-    assert rows["hang.ply"]["seconds"] >= 2.5
-    assert rows["large.ply"]["peak_mb"] < 500
+    assert rows_by_name(tmp_path / "out")["large.ply"]["peak_mb"] < 500
     assert sorted(path.name for path in (tmp_path / "out").glob("*.obj")) == ["good.obj", "slow.obj"]
+
+
+def test_scans_without_an_end_are_ended(tmp_path):
+    scan(tmp_path / "in" / "hang.ply")
+    os.mkfifo(tmp_path / "in" / "pipe.ply")
+    outcome = batch.run(tmp_path / "in", tmp_path / "out", work=ODD, children=batch.Children(jobs=2, time_limit=0.5))
+    assert whys(outcome) == dict.fromkeys(("hang.ply", "pipe.ply"), "over the time limit of 0.5 s")
+    assert rows_by_name(tmp_path / "out")["hang.ply"]["seconds"] >= 0.5
 
 
 def test_memory_of_the_engine_is_limited_too(tmp_path):
