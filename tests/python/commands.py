@@ -36,6 +36,13 @@ def called(*arguments, cwd="."):
     return subprocess.CompletedProcess(arguments, status, out.getvalue(), err.getvalue())
 
 
+def ran(*arguments, cwd="."):
+    """As `called`, for a command that has no error."""
+    done = called(*arguments, cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
 def check_line(done, status, *parts):
     """The command ended with a status and one line on stderr that holds all parts."""
     assert done.returncode == status, done.stderr

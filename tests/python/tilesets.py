@@ -58,8 +58,7 @@ def labels_of(folder: Path, parts, faces):
     label = np.full(faces, -9, np.int32)
     for k, (_, _, own) in enumerate(parts):
         array = np.load(folder / f"tile_{k:02d}.npy")
-        assert array.dtype == np.int32
-        assert len(array) == len(own)
+        assert (array.dtype, len(array)) == (np.int32, len(own))
         label[own] = array
     return label
 

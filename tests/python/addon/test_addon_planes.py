@@ -94,8 +94,7 @@ def test_up_is_the_scenes_in_the_scans_space(session):
         held = np.asarray(outcome.partition.region_held) == 1
         along = np.abs(np.asarray(outcome.partition.region_normal)[held] @ (0, 1, 0))
         assert name == "none" or (along > 1 - 1e-12).sum() == levels[name] > 2
-    assert levels["scene"] == levels["y"]
-    assert levels["none"] == 0
+    assert (levels["scene"], levels["none"]) == (levels["y"], 0)
     floor = face_along(session, lying, BEGIN, 1)
     by_region = session.replay(lying, BEGIN.then(rcp.Regularise(up="region", face=floor)))
     assert by_region.partition.regularity["snapped_to"]["level"] == pytest.approx(levels["y"], abs=3)
@@ -136,8 +135,7 @@ def test_a_plane_that_needs_too_much_fails_with_the_amount(house, session):
     far = BEGIN.then(rcp.AlignPlanes(faces=(wall,), to="upright", direction=(0.3, 0.0, 1.0), length=0.001))
     with pytest.raises(StepFailed, match=r"needs [\d.]+, allowed 0.001") as failed:
         session.replay(house, far)
-    assert failed.value.index == 1
-    assert failed.value.outcome.numbers["regions"] == 112
+    assert (failed.value.index, failed.value.outcome.numbers["regions"]) == (1, 112)
     told = messages.reason(failed.value.reason, lambda value: f"{1000 * value:.0f} mm")
     assert told.startswith("this region needs ")
     assert told.endswith(" mm, allowed 1 mm")

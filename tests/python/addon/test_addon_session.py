@@ -55,10 +55,8 @@ def scan(quads):
 def test_partition_labels_every_face_and_has_numbers(scan):
     outcome = Session().replay(scan, SIDES)
     assert np.unique(outcome.face_region).tolist() == list(range(6))
-    assert outcome.face_region.dtype == np.int32
-    assert outcome.numbers["regions"] == 6
-    assert outcome.numbers["triangles"] == len(scan.triangles)
-    assert outcome.numbers["components"] == 1
+    assert (outcome.face_region.dtype, outcome.numbers["regions"]) == (np.int32, 6)
+    assert (outcome.numbers["triangles"], outcome.numbers["components"]) == (len(scan.triangles), 1)
     assert outcome.numbers["closed"]
     assert outcome.numbers["error"] == pytest.approx(outcome.partition.error)
 
@@ -88,11 +86,9 @@ def test_add_and_delete_work_at_the_users_faces(quads):
     session = Session()
     first = session.replay(quads, SIDES)
     added = session.replay(quads, SIDES.then(AddProxy(face=200)))
-    assert added.face_region[200] == 6
-    assert added.numbers["regions"] == 7
+    assert (added.face_region[200], added.numbers["regions"]) == (6, 7)
     deleted = session.replay(quads, SIDES.then(AddProxy(face=200)).then(DeleteProxy(face=200)))
-    assert deleted.numbers["regions"] == 6
-    assert first.numbers["regions"] == 6
+    assert (deleted.numbers["regions"], first.numbers["regions"]) == (6, 6)
 
 
 def test_colours_stay_with_their_region_and_part_neighbours(scan):

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import isimp_engine as engine
-import meshfiles
 import shapes
 from commands import ENVIRONMENT, called, check_line, isimp
 
@@ -186,23 +185,3 @@ def test_options_refuse_half_characters_as_invalid_input():
     for field in ("method", "backend", "seeding"):
         with pytest.raises(engine.InvalidInput, match=f"PartitionOptions.{field} must be .*ud800"):
             engine.PartitionOptions(**{field: "\ud800"})
-
-
-def test_a_text_stl_on_one_line_is_read_and_a_cut_one_is_not(tmp_path):
-    path = tmp_path / "a.stl"
-    vertices, triangles = shapes.cube(1)
-    meshfiles.stl_ascii(path, vertices, triangles.tolist())
-    text = path.read_text()
-    path.write_text(text.replace("\n", " "))
-    assert "  12 faces, 8 vertices" in called("info", path).stdout
-    path.write_text(text[: text.rindex("endsolid")])
-    check_line(called("info", path), 3, path, 'no "endsolid"', "cut short")
-
-
-def test_a_ply_of_strips_is_read(tmp_path):
-    path = Path(tmp_path / "s.ply")
-    head = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-    head += "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
-    path.write_text(head + "0 0 0\n1 0 0\n0 1 0\n1 1 0\n5 0 1 2 3 -1\n")
-    assert engine.read(path)[1].tolist() == [[0, 1, 2], [2, 1, 3]]
-    assert engine.Mesh(*engine.read(path)).report["border_edges"] == 4

@@ -9,7 +9,7 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 from bench.generators import hollow_solids
-from commands import called, check_line
+from commands import called, check_line, ran
 
 
 @pytest.fixture(scope="module")
@@ -28,12 +28,10 @@ def names_of_obj(path):
     [("unreal", "UCX_desk_00"), ("unity", "desk_collider_00"), ("godot", "desk_00-convcol"), ("plain", "desk_00")],
 )
 def test_an_object_for_each_part_with_the_names_of_a_program(table, tmp_path, names, first):
-    done = called("colliders", table, tmp_path / "desk.obj", "--names", names)
-    assert done.returncode == 0, done.stderr
+    done = ran("colliders", table, tmp_path / "desk.obj", "--names", names)
     assert "5 convex parts, 60 triangles" in done.stdout
     found = names_of_obj(tmp_path / "desk.obj")
-    assert len(found) == 5
-    assert found[0] == first
+    assert (len(found), found[0]) == (5, first)
     vertices, faces = engine.read(tmp_path / "desk.obj")
     assert len(faces) == 60
     a, b, c = (vertices[faces[:, k]] for k in range(3))

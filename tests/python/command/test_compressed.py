@@ -10,7 +10,7 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 import tilesets
-from commands import called
+from commands import ran
 from isimp_engine import reading, tiles
 from isimp_engine.batch.scans import estimated_faces, find_scans
 
@@ -98,6 +98,5 @@ def test_tiles_and_single_scans_may_be_compressed(tmp_path):
     assert sorted(p.name for p in (tmp_path / "l").iterdir()) == ["tile_00.npy", "tile_01.npy"]
     meshfiles.ply_binary(tmp_path / "one.ply", *(lambda v, t: (v, t.tolist()))(*shapes.cube(8)))
     (tmp_path / "one.ply.gz").write_bytes(gzip.compress((tmp_path / "one.ply").read_bytes()))
-    done = called("tiles", tmp_path / "one.ply.gz", tmp_path / "b.obj", "--proxies", 6, "--tile-faces", 300)
-    assert done.returncode == 0, done.stderr
+    done = ran("tiles", tmp_path / "one.ply.gz", tmp_path / "b.obj", "--proxies", 6, "--tile-faces", 300)
     assert "768 faces in 3 tiles" in done.stdout

@@ -8,7 +8,7 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
-from commands import called
+from commands import ran
 from isimp import recipe as rcp
 from isimp.session import Session, StepFailed
 from isimp_engine import batch
@@ -21,8 +21,7 @@ REGIONS = 30
 
 def simplified(tmp_path, mesh, *options):
     meshfiles.ply_binary(tmp_path / "scan.ply", mesh[0], mesh[1].tolist())
-    done = called("simplify", tmp_path / "scan.ply", tmp_path / "o.ply", "--report=-", *options)
-    assert done.returncode == 0, done.stderr
+    done = ran("simplify", tmp_path / "scan.ply", tmp_path / "o.ply", "--report=-", *options)
     return json.loads(done.stdout), done.stderr
 
 
@@ -46,8 +45,7 @@ def test_all_openings_are_kept_on_request(tmp_path, options):
     asked = [] if options[0].startswith("--bound") else [f"--proxies={REGIONS}"]
     report, said = simplified(tmp_path, shapes.room(16), *asked, *options)
     assert report["closed_below"] is None
-    assert report["repair"]["cut_handles"] == 0
-    assert report["mesh"]["euler"] == -32
+    assert (report["repair"]["cut_handles"], report["mesh"]["euler"]) == (0, -32)
     assert "openings up to" not in said
 
 
@@ -87,8 +85,7 @@ def test_a_mesh_cut_on_a_grid_loses_handles_of_walls_thinner_than_a_cell():
 def test_more_regions_show_more_openings(tmp_path):
     few, _ = simplified(tmp_path, shapes.room(16), "--proxies=30")
     many, _ = simplified(tmp_path, shapes.room(16), "--proxies=2000")
-    assert few["repair"]["cut_handles"] == 16
-    assert many["repair"]["cut_handles"] == 0
+    assert (few["repair"]["cut_handles"], many["repair"]["cut_handles"]) == (16, 0)
 
 
 def test_with_a_detail_the_found_regions_decide_which_openings_are_closed(tmp_path):
@@ -165,8 +162,7 @@ def test_openings_that_are_closed_before_the_regions_are_counted_are_the_same(mo
     assert np.array_equal(guessed.face_region, counted.face_region)
     arguments = parser().parse_args(["simplify", str(tmp_path / "scan.ply"), str(tmp_path / "p.ply"), "--detail=0.1"])
     done = run(task_of(arguments))
-    assert len(asked) == 2
-    assert done.report["closed_below"] == report["closed_below"]
+    assert (len(asked), done.report["closed_below"]) == (2, report["closed_below"])
     assert (tmp_path / "p.ply").read_bytes() == (tmp_path / "o.ply").read_bytes()
 
 
@@ -182,8 +178,7 @@ def test_openings_of_a_repaired_mesh_are_closed_as_by_a_repair_of_the_arrays(shi
         closed = engine.regions.close_openings(plain, options, keep=keep)
         for name in ("vertices", "triangles", "source_face", "source_vertex"):
             assert np.array_equal(getattr(closed, name), getattr(whole, name))
-        assert closed.report == whole.report
-        assert closed.report["repairs"]["duplicate_faces"] == 1
+        assert (closed.report, closed.report["repairs"]["duplicate_faces"]) == (whole.report, 1)
         assert [o["kept"] for o in closed.openings] == [o["kept"] for o in whole.openings]
         assert any(o["kept"] for o in closed.openings) == (keep is not None)
     assert plain.report["euler"] == -32, "the mesh that was given stays"

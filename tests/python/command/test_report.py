@@ -11,7 +11,7 @@ import isimp_engine as engine
 import meshfiles
 import shapes
 from bench.generators import round_shapes
-from commands import called, check_line
+from commands import called, check_line, ran
 from isimp_engine import reports
 from isimp_engine.reports.page import histogram
 
@@ -78,8 +78,7 @@ def test_angles_between_chosen_planes(model):
 def test_geojson_has_a_closed_ring_for_each_polygon(model):
     _, _, poly, table = model
     found = json.loads(reports.write_geojson(table, 25832))
-    assert found["crs"]["properties"]["name"] == "urn:ogc:def:crs:EPSG::25832"
-    assert len(found["features"]) == 7
+    assert (found["crs"]["properties"]["name"], len(found["features"])) == ("urn:ogc:def:crs:EPSG::25832", 7)
     rings = [ring for each in found["features"] for part in each["geometry"]["coordinates"] for ring in part]
     assert len(rings) == len(poly.loop_start)
     assert all(ring[0] == ring[-1] and len(ring[0]) == 3 for ring in rings)
@@ -167,8 +166,7 @@ def test_the_command_writes_tables_and_a_page(tmp_path):
     source, out = tmp_path / "house.ply", tmp_path / "out"
     vertices, triangles = house()
     meshfiles.ply_binary(source, vertices, triangles.tolist())
-    done = called("report", source, out, "--proxies", "7", "--angles", "0,3", "--crs", "25832")
-    assert done.returncode == 0, done.stderr
+    ran("report", source, out, "--proxies", "7", "--angles", "0,3", "--crs", "25832")
     assert sorted(path.name for path in out.iterdir()) == [
         "angles.csv",
         "planes.csv",
@@ -192,8 +190,7 @@ def test_round_parts_have_a_table(tmp_path):
     source, out = tmp_path / "capped.ply", tmp_path / "out"
     vertices, triangles = round_shapes.made(round_shapes.shapes()["capped"])
     meshfiles.ply_binary(source, vertices, triangles.tolist())
-    done = called("report", source, out, "--curved")
-    assert done.returncode == 0, done.stderr
+    done = ran("report", source, out, "--curved")
     assert "1 round part in planes.csv, round_parts.csv, sizes.csv, planes.geojson, report.html" in done.stdout
     (row,) = read(out / "round_parts.csv")
     axis = np.array([float(row[f"axis_{k}"]) for k in "xyz"])
@@ -247,8 +244,7 @@ def test_a_folder_has_the_tables_of_one_report(tmp_path):
     out.mkdir()
     for name in ("angles.csv", "round_parts.csv", "other.csv"):
         (out / name).write_text("old")
-    done = called("report", source, out, "--proxies", "7")
-    assert done.returncode == 0, done.stderr
+    ran("report", source, out, "--proxies", "7")
     names = ["other.csv", "planes.csv", "planes.geojson", "report.html", "sizes.csv"]
     assert sorted(path.name for path in out.iterdir()) == names
     assert (out / "other.csv").read_text() == "old"

@@ -182,8 +182,7 @@ def test_a_part_without_a_valid_face_is_planes_and_the_report_has_the_reason(tmp
     told = engine.write(tmp_path / "a.step", poly, partition=part, mesh=mesh)
     assert told["true_surfaces"] == []
     ((number, reason),) = [row.values() for row in told["planes"]]
-    assert number == 0
-    assert reason == "its face is not valid"
+    assert (number, reason) == (0, "its face is not valid")
     found = read(tmp_path / "a.step")
     assert found.valid
     assert found.solid

@@ -35,8 +35,7 @@ def check_sound(mesh):
     """Mesh(...) accepts the result of `clean`."""
     again = engine.Mesh(mesh.vertices, mesh.triangles)
     assert again.report["components"] == mesh.report["components"]
-    assert len(mesh.source_face) == len(mesh.triangles)
-    assert len(mesh.source_vertex) == len(mesh.vertices)
+    assert (len(mesh.source_face), len(mesh.source_vertex)) == (len(mesh.triangles), len(mesh.vertices))
 
 
 def test_a_sound_mesh_does_not_change():
@@ -57,10 +56,8 @@ def test_broken_faces_are_dropped_and_located():
     check_sound(mesh)
     assert made(mesh) == {"non_finite_faces": 1, "repeated_index_faces": 1, "duplicate_faces": 1, "unused_vertices": 2}
     where = mesh.report["repaired_at"]
-    assert where["non_finite_faces"] == [50]
-    assert where["repeated_index_faces"] == [51]
-    assert where["duplicate_faces"] == [194]
-    assert where["unused_vertices"] == [98, 99]
+    assert (where["non_finite_faces"], where["repeated_index_faces"]) == ([50], [51])
+    assert (where["duplicate_faces"], where["unused_vertices"]) == ([194], [98, 99])
     np.testing.assert_array_equal(mesh.source_face, [*range(50), *range(52, 194)])
     assert mesh.report["closed"]
     for key, count in mesh.report["repairs"].items():

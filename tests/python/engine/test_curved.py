@@ -342,8 +342,7 @@ def test_the_command_reports_round_parts(tmp_path, capsys):
     options = ["--noise", "0", "--curved", "--report", str(report)]
     assert cli.main(["simplify", str(scan), str(tmp_path / "out.obj"), *options]) == 0
     (found,) = json.loads(report.read_text())["curved"]
-    assert found["kind"] == "cylinder"
-    assert len(found["regions"]) == found["segments"]
+    assert (found["kind"], len(found["regions"])) == ("cylinder", found["segments"])
     wide, many = 2 * found["radius"], found["segments"]
     assert f"round: 1 cylinder, diameter {wide:.4g}, {many} segments; 2 planes" in capsys.readouterr().out
 

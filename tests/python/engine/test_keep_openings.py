@@ -130,8 +130,7 @@ def test_the_add_on_keeps_clicked_openings():
     face = int(np.flatnonzero(outcome.face_region >= 0)[0])
     edited = rcp.Recipe((step.keeping(found[5]["center"], keep=True), rcp.AddProxy(face=face)))
     kept = session.replay(scan, edited)
-    assert kept.numbers["kept_open"] == 1
-    assert kept.numbers["repairs"]["cut_handles"] == 15
+    assert (kept.numbers["kept_open"], kept.numbers["repairs"]["cut_handles"]) == (1, 15)
     assert messages.kept_open(kept.numbers) == "1 opening kept open, 15 closed"
     assert sum(opening["kept"] for opening in session.openings(scan, kept)) == 1
     assert session.replay(scan, edited.then(rcp.Mesh())).polygons.report["euler"] == -2

@@ -48,9 +48,7 @@ def check(mesh, part, poly):
     assert set(uses.values()) == {1}, "an edge is used twice in one direction"
     border = [edge for edge in uses if edge[::-1] not in uses]
     report = poly.report
-    assert report["polygons"] == q
-    assert report["corners"] == len(poly.loops)
-    assert report["vertices"] == w
+    assert (report["polygons"], report["corners"], report["vertices"]) == (q, len(poly.loops), w)
     assert report["regions"] == part.region_count
     assert report["regions_split"] == sum(np.bincount(poly.polygon_region) > 1)
     assert report["closed"] is (not border)

@@ -149,8 +149,7 @@ def judged(arrays, proxies):
 
 def check_the_report(verdict, poly, curved):
     """The topology never breaks, the polygons never leave the scan, and every defect is in the report."""
-    assert verdict.defects == []
-    assert verdict.far == []
+    assert (verdict.defects, verdict.far) == ([], [])
     listed = {}
     for entry in poly.report["imperfect"]:
         listed.setdefault(entry["flaw"], set()).add((entry["polygon"], entry.get("other")))
