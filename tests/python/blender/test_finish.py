@@ -74,6 +74,9 @@ def test_all_levels_of_detail_are_made_at_once():
     assert sorted(obj.name for obj in bpy.data.objects if "LOD" in obj.name) == ["Scan_LOD0", "Scan_LOD1"]
     with pytest.raises(RuntimeError, match="at least one number"):
         OPS.make_lods(counts=(0, 0, 0))
+    bpy.data.objects.new("Scan_LOD2", None)
+    with pytest.raises(RuntimeError, match="Scan_LOD2 has the name of a level: rename it"):
+        OPS.make_lods(counts=(30, 20, 6))
 
 
 def levels_of(scan):

@@ -139,8 +139,11 @@ def test_keys_that_are_on_are_not_added_twice():
 
 def test_mesh_again_keeps_how_far_keys_of_the_result_are_on():
     scan = scans.cube()
-    key_of(scan, "wide", lambda p: [p[0], 0, 0])
+    key_of(scan, "wide", lambda p: [p[0], 0, 0], 1.0)
     result = simplify()
+    keys_of(scan)["wide"].value = 0
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    assert keys_of(result)["wide"].value == 0, "that of the scan, where it was not moved on the result"
     keys_of(result)["wide"].value = 0.75
     assert bpy.ops.isimp.mesh(chord_tolerance=0.1) == {"FINISHED"}
     assert bpy.context.object == result

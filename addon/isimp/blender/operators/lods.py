@@ -68,6 +68,10 @@ class ISIMP_OT_make_lods(Meshing, bpy.types.Operator):
         if not self._levels:
             raise mesh_io.Unusable(said("Each level has 0 polygons: write at least one number."))
         level, count = self._levels[-1]
+        names = [targets.named(target.scan.name, f"_LOD{number}") for number, _ in self._levels]
+        for taken in filter(None, map(bpy.data.objects.get, names)):
+            if targets.scan_of(taken) != target.scan:
+                raise mesh_io.Unusable(said("{name} has the name of a level: rename it.", name=taken.name))
         step = settings.to_step(rcp.Partition, settings.group(context, rcp.Partition))
         by = "triangles" if step.count_by == "triangles" else "proxies"
         step = dataclasses.replace(step, count_by=by, **{by: count})

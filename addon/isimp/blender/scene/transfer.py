@@ -46,9 +46,9 @@ def _take_armatures(result, scan) -> None:
 
 
 def values_of_keys(result) -> dict:
-    """Return {name: value} of the shape keys of a result."""
+    """Return {name: value} of the shape keys of a result that were moved since Mesh."""
     keys = result.data.shape_keys
-    return {} if keys is None else {key.name: key.value for key in keys.key_blocks}
+    return {} if keys is None else {key.name: key.value for key in keys.key_blocks if key.value != keys.get(key.name)}
 
 
 def layers(result, scan, arrays, outcome, turn, slid: dict) -> None:
@@ -171,4 +171,5 @@ def _put_keys(result, scan, keys: list, carrier, arrays, turn, slid: dict) -> No
         made.data.foreach_set("co", (first + move).astype(np.float32).ravel())
         made.slider_min, made.slider_max = key.slider_min, key.slider_max
         made.value, made.mute = slid.get(key.name, key.value), key.mute
+        result.data.shape_keys[key.name] = key.value
     result.data.update()
