@@ -59,6 +59,7 @@ class Shown:
     layers: dict = field(default_factory=dict)
     strength: float = 1.0  #: strength of the emission
     names: tuple = ()  #: names of the materials
+    uvs: dict = field(default_factory=dict)  #: (T, 3, 2) by layer, where they differ from those of the colours
 
 
 class Session:
@@ -139,7 +140,7 @@ class Session:
         watch = watch or Watch()
         mesh = self.prepare(scan, watch, repair=outcome.repair).mesh
         layers = {
-            name: engine.TextureLayer(images, strength=shown.strength if name == "emission" else 1.0)
+            name: engine.TextureLayer(images, shown.uvs.get(name), shown.strength if name == "emission" else 1.0)
             for name, images in shown.layers.items()
         }
         arrays = (scan.vertices, scan.triangles, shown.uv, shown.material, shown.images)

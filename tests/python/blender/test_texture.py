@@ -219,7 +219,7 @@ def test_what_it_cannot_read_is_said():
     noise = nodes.new("ShaderNodeTexNoise")
     material.node_tree.links.new(noise.outputs["Color"], shader(material).inputs["Base Color"])
     scan.data.materials.append(material)
-    with pytest.raises(RuntimeError, match=r"'procedural' comes from no image\. Bake it"):
+    with pytest.raises(RuntimeError, match=r"'procedural' comes from no image on a UV map\. Bake it"):
         bpy.ops.isimp.texture()
 
 
@@ -254,3 +254,54 @@ def test_colours_of_linear_images_are_stored_in_srgb(is_float, space):
         shader(slot.material).inputs["Base Color"].links[0].from_node.image = image
     made = materials.pixels(shown(simplify()))
     assert made[8, 8, :3].tolist() == [124] * 3, "0.2 is 0.485 in sRGB"
+
+
+def half_cube(turn):
+    """A cube whose map for renders shows the lower, red half of its image, and whose map B the upper, green one."""
+    scan = scans.cube()
+    for name, low in (("A", 0), ("B", 0.5)):
+        uv = np.random.default_rng(0).random((len(scan.data.loops), 2)) * (1, 0.4) + (0, low + 0.05)
+        scan.data.uv_layers.new(name=name).data.foreach_set("uv", uv.astype(np.float32).ravel())
+    image = bpy.data.images.new("Halves", 16, 16)
+    colours = np.append(np.repeat(COLOURS, 128, axis=0) / 255, np.ones((256, 1)), axis=1)
+    image.pixels.foreach_set(colours.astype(np.float32).ravel())
+    image.pack()
+    scan.data.materials.append(scans.material_of("Halves", image))
+    tree = scan.data.materials[0].node_tree
+    turn(tree, next(node for node in tree.nodes if node.type == "TEX_IMAGE").inputs["Vector"])
+    return scan
+
+
+def by_name(tree, socket):
+    node = tree.nodes.new("ShaderNodeUVMap")
+    node.uv_map = "B"
+    tree.links.new(node.outputs["UV"], socket)
+
+
+def by_mapping(tree, socket, kind="POINT", lift=0.5):
+    node, source = tree.nodes.new("ShaderNodeMapping"), tree.nodes.new("ShaderNodeTexCoord")
+    node.vector_type = kind
+    node.inputs["Location"].default_value[1] = lift
+    tree.links.new(source.outputs["UV"], node.inputs["Vector"])
+    tree.links.new(node.outputs["Vector"], socket)
+
+
+def by_inverse_mapping(tree, socket):
+    by_mapping(tree, socket, "TEXTURE", -0.5)
+
+
+@pytest.mark.parametrize("turn", [by_name, by_mapping, by_inverse_mapping])
+def test_images_lie_where_their_nodes_place_them(turn):
+    half_cube(turn)
+    image = materials.pixels(shown(simplify()))
+    assert np.abs(image[:, :, :3] - COLOURS[1].astype(int)).max() <= 2
+
+
+def test_an_image_that_other_nodes_place_is_refused():
+    def turn(tree, socket):
+        tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"], socket)
+
+    half_cube(turn)
+    simplify()
+    with pytest.raises(RuntimeError, match="'Halves' comes from no image on a UV map"):
+        bpy.ops.isimp.texture()

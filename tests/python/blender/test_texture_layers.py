@@ -132,7 +132,9 @@ def test_what_comes_from_no_image_is_left_out_and_said(capfd):
     noise = tree.nodes.new("ShaderNodeTexNoise")
     tree.links.new(noise.outputs["Color"], shader(scan.data.materials[0]).inputs["Roughness"])
     result = simplify()
-    assert "'Roughness' of the material 'm0' comes from no image, and is left out." in capfd.readouterr().out
+    assert (
+        "'Roughness' of the material 'm0' comes from no image on a UV map, and is left out." in capfd.readouterr().out
+    )
     assert shader(result.data.materials[0]).inputs["Base Color"].is_linked
     assert bpy.ops.isimp.texture(size=64) == {"FINISHED"}
     assert "'Roughness' of the material 'm0'" in capfd.readouterr().out
@@ -192,3 +194,25 @@ def test_a_height_map_of_an_earlier_version_goes_with_its_nodes():
     assert bpy.ops.isimp.texture(size=64) == {"FINISHED"}
     assert not any(node.type == "DISPLACEMENT" for node in material.node_tree.nodes)
     assert "height" not in bpy.data.images
+
+
+def test_a_layer_may_lie_on_another_map_than_the_colours():
+    scan = textured_cube()
+    scan.data.uv_layers.new(name="Zero", do_init=False).data.foreach_set("uv", np.zeros(2 * len(scan.data.loops)))
+    values = np.full((256, 4), 0.8, np.float32)
+    values[0] = 0.2
+    image = bpy.data.images.new("Corner", 16, 16)
+    image.colorspace_settings.name = "Non-Color"
+    image.pixels.foreach_set(values.ravel())
+    image.pack()
+    for slot in scan.material_slots:
+        node = plug(slot.material, image, shader(slot.material).inputs["Roughness"])
+        node.interpolation = "Closest"
+        names = slot.material.node_tree.nodes.new("ShaderNodeUVMap")
+        names.uv_map = "Zero"
+        slot.material.node_tree.links.new(names.outputs["UV"], node.inputs["Vector"])
+    scan.data.uv_layers["Scan UV"].active_render = True
+    (material,) = simplify().data.materials
+    made = shader(material).inputs["Roughness"]
+    value = values_of(linked(made)).mean() / 255 if made.is_linked else made.default_value
+    assert value < 0.7, "the corner of the image is dark"

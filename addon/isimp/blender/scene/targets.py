@@ -131,7 +131,7 @@ def seen(context):
 
 
 def install_problem() -> str:
-    """Return what is wrong with the installed add-on; empty if nothing is."""
+    """Return the problem of the installed add-on; empty if there is none."""
     if runtime.get() is not None and runtime.get().is_replaced:
         return said("Another version of iSimp was installed: start Blender again")
     return _no_engine()

@@ -2,12 +2,14 @@
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ...engine import engine
 from ...language import own, said
 from ..scene import mesh_io
 from . import tiles
 
+RENDERED = "", ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0))  #: place of an image by the UV map for renders
 _GREY = (0.8, 0.8, 0.8, 1.0)
 _NUMBERS = {"roughness": "Roughness", "metallic": "Metallic"}  # layers and inputs
 _CHANNELS = {"Red": 0, "Green": 1, "Blue": 2, "R": 0, "G": 1, "B": 2}
@@ -38,9 +40,14 @@ def emission_of(shader):
 
 def image_name(material) -> str:
     """Return the name of the image at a material's Base Color; empty if there is none."""
-    shader = shader_of(material)
-    image = None if shader is None else _linked_image(shader.inputs["Base Color"])
-    return "" if image is None else image.name
+    node = _color_node(material)
+    return "" if node is None else node.image.name
+
+
+def color_place(material) -> tuple:
+    """Return `_place_of` the image at a material's Base Color, which `color` has read."""
+    node = _color_node(material)
+    return RENDERED if node is None else _place_of(node)
 
 
 def color(material):
@@ -56,9 +63,11 @@ def color(material):
     place = shader.inputs["Base Color"]
     if not place.is_linked:
         return pixel(place.default_value)
-    image = _linked_image(place)
-    if image is None:
-        raise mesh_io.Unusable(_advice(own("The Base Color of the material '{name}' comes from no image."), material))
+    node = _image_node(place)
+    if node is None or _place_of(node) is None:
+        text = own("The Base Color of the material '{name}' comes from no image on a UV map.")
+        raise mesh_io.Unusable(_advice(text, material))
+    image = node.image
     return pixels(image) if _is_srgb(image) else pixels(image, engine.texturing.layers.to_srgb)
 
 
@@ -74,9 +83,10 @@ class Layers:
         self.images = {}  #: by layer a list by material: (H, W, channels) from 0 to 1, a number, or None
         self.strength = 1.0  #: strength of the brightest emission
         self.notes = []  #: messages about inputs that are left out, since they come from no image
-        shaders = [(shader, m.name) if (shader := shader_of(m)) is not None else None for m in materials]
+        self.places = {}  #: by layer and material: `_place_of` the image
+        shaders = [(shader, m) if (shader := shader_of(m)) is not None else None for m in materials]
         for layer, place in _NUMBERS.items():
-            self._put(layer, [None if pair is None else self._number(pair, place) for pair in shaders])
+            self._put(layer, [None if pair is None else self._number(pair, layer, place) for pair in shaders])
         emissions = [None if pair is None else self._emission(pair) for pair in shaders]
         to_srgb = engine.texturing.layers.to_srgb
         self.strength = max([1.0, *(e[1] for e in emissions if e is not None)])
@@ -91,22 +101,33 @@ class Layers:
         if any(image is not None for image in images):
             self.images[layer] = images
 
+    def _image(self, layer: str, material, socket):
+        """Return the image at an input and store its place; None if there is none on a UV map."""
+        node = _image_node(socket)
+        place = None if node is None else _place_of(node)
+        if place is None:
+            return None
+        self.places[layer, material] = place
+        return node.image
+
     def _left_out(self, pair, place: str) -> None:
         place = bpy.app.translations.pgettext_iface(place)  # Blender's translation
         text = said(
-            "'{input}' of the material '{name}' comes from no image, and is left out.", input=place, name=pair[1]
+            "'{input}' of the material '{name}' comes from no image on a UV map, and is left out.",
+            input=place,
+            name=pair[1].name,
         )
         self.notes.append(text)
 
-    def _number(self, pair, place: str):
+    def _number(self, pair, layer: str, place: str):
         socket = pair[0].inputs[place]
         if not socket.is_linked:
             return float(np.clip(socket.default_value, 0, 1))
         link = socket.links[0]
-        image, channel = _linked_image(socket), None
+        image, channel = self._image(layer, pair[1], socket), None
         if image is None and link.from_node.type in {"SEPARATE_COLOR", "SEPRGB"}:
-            image, channel = _linked_image(link.from_node.inputs[0]), _CHANNELS.get(link.from_socket.name)
-            image = image if channel is not None else None
+            channel = _CHANNELS.get(link.from_socket.name)
+            image = None if channel is None else self._image(layer, pair[1], link.from_node.inputs[0])
         if image is None:
             return self._left_out(pair, place)
         weights = np.array([0.2126, 0.7152, 0.0722])  # the luminance of a colour
@@ -125,7 +146,7 @@ class Layers:
                 return None
             most = max(1.0, values.max())
             return values / most, float(strength.default_value * most)
-        image = _linked_image(socket)
+        image = self._image("emission", pair[1], socket)
         if image is None:
             return self._left_out(pair, "Emission")
         return linear_pixels(image), float(strength.default_value)
@@ -135,8 +156,9 @@ class Layers:
         if not socket.is_linked:
             return None
         node = socket.links[0].from_node
-        image = _linked_image(node.inputs["Color"]) if node.type == "NORMAL_MAP" and node.space == "TANGENT" else None
-        if image is None or node.inputs["Strength"].is_linked:
+        is_usable = node.type == "NORMAL_MAP" and node.space == "TANGENT" and not node.inputs["Strength"].is_linked
+        image = self._image("normal", pair[1], node.inputs["Color"]) if is_usable else None
+        if image is None or _turns(self.places["normal", pair[1]][1]):
             return self._left_out(pair, "Normal")
         strength = node.inputs["Strength"].default_value
         return each(linear_pixels(image), lambda values: _strengthened(values * 2 - 1, strength) / 2 + 0.5)
@@ -156,10 +178,46 @@ def each(image, change):
     return engine.texturing.udim.each(image, change)
 
 
-def _linked_image(socket):
-    """Return the image linked to an input, or None."""
+def _color_node(material):
+    shader = shader_of(material)
+    return None if shader is None else _image_node(shader.inputs["Base Color"])
+
+
+def _image_node(socket):
+    """Return the node of the image linked to an input, or None."""
     node = socket.links[0].from_node if socket.is_linked else None
-    return node.image if node is not None and node.type == "TEX_IMAGE" else None
+    return node if node is not None and node.type == "TEX_IMAGE" and node.image is not None else None
+
+
+def _place_of(node) -> tuple | None:
+    """Return (UV map, two rows of the matrix of its coordinates) of an image node; None if other nodes place the image.
+
+    The name of the map for renders is empty, where no node names it.
+    """
+    socket, matrix = node.inputs["Vector"], Matrix()
+    if node.projection != "FLAT" or not socket.is_linked:
+        return RENDERED if node.projection == "FLAT" else None
+    while socket.is_linked:
+        link = socket.links[0]
+        source = link.from_node
+        if source.type == "UVMAP" or (source.type == "TEX_COORD" and link.from_socket.identifier == "UV"):
+            return getattr(source, "uv_map", ""), tuple(tuple(row) for row in matrix[:2])
+        if source.type == "MAPPING":
+            if source.vector_type not in {"POINT", "TEXTURE"} or any(other.is_linked for other in source.inputs[1:]):
+                return None
+            parts = (source.inputs[name].default_value for name in ("Location", "Rotation", "Scale"))
+            step = Matrix.LocRotScale(*parts)
+            matrix = matrix @ (step if source.vector_type == "POINT" else step.inverted_safe())
+        elif source.type != "REROUTE":
+            return None
+        socket = source.inputs[0]
+    return None
+
+
+def _turns(rows: tuple) -> bool:
+    """Return whether a matrix turns or mirrors UV coordinates, and so the axes of a normal map."""
+    (a, b), (c, d) = (row[:2] for row in rows)
+    return not (a > 0 and d > 0 and b == c == 0)
 
 
 def pixel(linear) -> np.ndarray:

@@ -105,8 +105,6 @@ def _read(obj, mesh) -> tuple[Shown, list[str]]:
     layer = next((layer for layer in mesh.uv_layers if layer.active_render), None)
     if layer is None:
         raise mesh_io.Unusable(said("'{name}' has no UV map, so it has no texture to keep.", name=obj.name))
-    uv = np.empty(2 * len(mesh.loops), np.float32)
-    layer.data.foreach_get("uv", uv)
     slots = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("material_index", slots)
     slotted = [slot.material for slot in obj.material_slots]
@@ -119,9 +117,34 @@ def _read(obj, mesh) -> tuple[Shown, list[str]]:
         corners, faces = mesh_io.loop_triangles(mesh, "loops")
     more = materials.Layers(slotted)
     shown = np.clip(slots, 0, len(images) - 1)[faces]
-    of_corners = uv.reshape(-1, 2)[corners.reshape(-1, 3)]
+    corners = corners.reshape(-1, 3)
+    places = [_named(materials.color_place(material), layer) for material in slotted]
+    uvs = {}
+    for name in more.images:
+        own = [_named(more.places.get((name, m), place), layer) for m, place in zip(slotted, places, strict=True)]
+        if own != places:
+            uvs[name] = _laid(mesh, corners, shown, own)
     names = tuple("" if material is None else material.name for material in slotted)
-    return Shown(of_corners, shown, images, more.images, more.strength, names), more.notes
+    uv = _laid(mesh, corners, shown, places)
+    return Shown(uv, shown, images, more.images, more.strength, names, uvs), more.notes
+
+
+def _named(place: tuple, rendered) -> tuple:
+    """Return the place of an image with the name of its UV map."""
+    return place[0] or rendered.name, place[1]
+
+
+def _laid(mesh, corners: np.ndarray, shown: np.ndarray, places: list) -> np.ndarray:
+    """Return (T, 3, 2) the coordinates of triangles in the images of their materials, which lie at these places."""
+    laid = np.zeros((len(corners), 3, 2), np.float32)  # as in Blender for a map that does not exist
+    for name, matrix in set(places):
+        rows = np.array(matrix)
+        here = np.isin(shown, [k for k, place in enumerate(places) if place == (name, matrix)])
+        layer, uv = mesh.uv_layers.get(name), np.empty(2 * len(mesh.loops), np.float32)
+        if layer is not None:
+            layer.data.foreach_get("uv", uv)
+            laid[here] = (uv.reshape(-1, 2) @ rows[:, :2].T + rows[:, 3])[corners[here]]
+    return laid
 
 
 def write(result, uv: np.ndarray, made, name: str) -> None:
