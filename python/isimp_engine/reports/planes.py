@@ -47,15 +47,17 @@ def plane_table(
     area: of its polygons. tilt: of the plane from level, in [0, 180] degrees; 90 is a wall, above it faces down.
     azimuth: the compass direction in which it faces, clockwise from +Y, in [0, 360) degrees; none if it is level.
     distance: of the region's vertices of the scan from the polygons. class: as in `exporting.surfaces_of`, of the
-    largest polygon. place: (4, 4), a rotation and a shift to the coordinates of the table; None: the mesh's own.
-    Raises InvalidInput (another shape) as scan_distances does.
+    largest polygon. place: (4, 4), a rotation and a shift to the coordinates of the table, which may mirror; None: the
+    mesh's own. Raises InvalidInput (another shape) as scan_distances does.
     """
     place = np.eye(4) if place is None else np.asarray(place)
     if place.shape != (4, 4) or place.dtype.kind not in "fiu" or not np.isfinite(place).all():
         raise InvalidInput(f"place must have the shape (4, 4) and finite numbers, got {place.shape} and {place.dtype}")
     away = scan_distances(mesh, part, poly, job=job)
     places = np.asarray(poly.vertices, np.float64) @ place[:3, :3].T + place[:3, 3]
-    kinds, corners = surfaces_of(poly, tuple(place[2, :3].tolist())).kind, [places[loop] for loop in rings(poly)]
+    step = -1 if np.linalg.det(place[:3, :3]) < 0 else 1  # a mirrored polygon has its corners in the other order
+    kinds = surfaces_of(poly, tuple(place[2, :3].tolist())).kind
+    corners = [places[loop[::step]] for loop in rings(poly)]
     origin = places.mean(axis=0) if len(places) else np.zeros(3)
     of = np.asarray(poly.polygon_region)
     polygons: dict[int, list[int]] = {}

@@ -266,3 +266,10 @@ def test_neither_the_scan_nor_a_read_only_table_is_overwritten(tmp_path):
     check_line(called("report", source, out), 2, "planes.csv: is read-only")
     assert [path.name for path in out.iterdir()] == ["planes.csv"]
     assert (out / "planes.csv").read_text() == "precious"
+
+
+def test_planes_of_a_mirrored_place_face_outwards(model):
+    table = reports.plane_table(*model[:3], place=np.diag([-1, 1, 1, 1]))
+    for plain, mirrored in zip(model[3].rows, table.rows, strict=True):
+        turned = {"normal_x": -mirrored["normal_x"], "centre_x": -mirrored["centre_x"], "azimuth": plain["azimuth"]}
+        assert mirrored | turned == pytest.approx(plain, abs=1e-9)
