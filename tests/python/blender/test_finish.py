@@ -247,9 +247,12 @@ def test_a_number_of_colliders_with_a_thickness_is_told_to_do_nothing(capfd):
     assert "At Most" not in capfd.readouterr().out
 
 
-def test_colliders_of_an_open_result_are_refused_with_the_reason():
+@pytest.mark.parametrize("height", [1, 10, -10])
+def test_colliders_of_an_open_result_need_a_thickness(height):
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8)
     scans.activate(bpy.context.object)
+    bpy.context.object.scale.z = height
+    bpy.context.view_layer.update()
     assert OPS.partition(proxies=1) == {"FINISHED"}
     assert OPS.mesh() == {"FINISHED"}
     before = len(bpy.data.objects), len(bpy.data.collections)
@@ -258,7 +261,7 @@ def test_colliders_of_an_open_result_are_refused_with_the_reason():
     assert (len(bpy.data.objects), len(bpy.data.collections)) == before
     assert OPS.colliders(thickness=0.2) == {"FINISHED"}
     (part,) = bpy.data.collections[-1].objects
-    assert np.ptp([v.co.z for v in part.data.vertices]) == pytest.approx(0.2, abs=1e-4)
+    assert np.ptp([v.co.z for v in part.data.vertices]) == pytest.approx(0.2 / abs(height), rel=1e-3)
 
 
 def test_merge_flat_keeps_materials_and_places():

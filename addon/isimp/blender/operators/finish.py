@@ -1,5 +1,6 @@
 """Operators that keep a result as a level of detail, open it for editing, make colliders, or merge coplanar faces."""
 
+from dataclasses import replace
 from functools import partial
 
 import bpy
@@ -149,8 +150,12 @@ class ISIMP_OT_colliders(RecipeOperator, bpy.types.Operator):
 
 
 def convex_parts(source, enclose=False, most=0, thickness=0.0):
-    """Return a function of a watch that cuts a result into convex parts, on any thread. It raises ValueError."""
-    points = mesh_io.points(source.data).reshape(-1, 3).astype(np.float64)
+    """Return a function of a watch that cuts a result into convex parts, on any thread. It raises ValueError.
+
+    Lengths have the result's scale. The parts are in the space of its mesh.
+    """
+    shape = mesh_io.shape_matrix(source)
+    points = mesh_io.points(source.data).reshape(-1, 3).astype(np.float64) @ shape
     loops, start = mesh_io.polygons(source.data)
     limit = None if thickness else most or None
     solid = points, np.split(loops, start[1:])
@@ -158,7 +163,8 @@ def convex_parts(source, enclose=False, most=0, thickness=0.0):
 
     def found(watch) -> list:
         try:
-            return engine_call(watch, 0.0, 1.0, "cutting", cut)
+            parts = engine_call(watch, 0.0, 1.0, "cutting", cut)
+            return [replace(part, vertices=part.vertices @ np.linalg.inv(shape)) for part in parts]
         except ValueError as problem:
             raise ValueError(said("No colliders: {reason}", reason=problem)) from None
 
