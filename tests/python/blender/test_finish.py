@@ -216,7 +216,11 @@ def test_colliders_are_objects_that_follow_the_result(names, first):
     assert corners[0] == corners[1]
     assert bpy.context.view_layer.objects.active == result
     assert OPS.colliders(names=names, enclose=True, parts=1) == {"FINISHED"}
-    assert len(place.objects) == 1, "a second press keeps the first collection"
+    assert [part.name for part in result.children] == [first.format(result.name)], "a second press replaces them"
+    assert [place.name for place in bpy.data.collections if "colliders" in place.name] == [f"{result.name} colliders"]
+    result.children[0].name = "Kept"
+    assert OPS.colliders(names=names) == {"FINISHED"}
+    assert sorted(part.name for part in result.children) == sorted(["Kept", first.format(result.name)])
 
 
 def test_colliders_can_be_stopped():

@@ -172,11 +172,18 @@ def convex_parts(source, enclose=False, most=0, thickness=0.0):
 
 
 def add_colliders(context, parts: list, target, names: str) -> str:
-    """Adds convex parts as children of a level, in a new collection, whose name is returned."""
+    """Adds convex parts as children of a level, in a new collection, whose name is returned.
+
+    They replace former ones of the same names.
+    """
+    name = engine.convex.NAMES[names]
+    taken = {name(target.name, number) for number in range(len(target.children))}
+    for part in target.children:
+        if part.get(COLLIDER) and part.name in taken:
+            remove_collider(part)
     place = bpy.data.collections.new(said("{name} colliders", name=target.name))
     place[COLLIDER] = True
     (target.users_collection or (context.scene.collection,))[0].children.link(place)
-    name = engine.convex.NAMES[names]
     for number, part in enumerate(parts):
         place.objects.link(_collider(name(target.name, number), part, target))
     return place.name
@@ -190,6 +197,21 @@ def _collider(name: str, part, result):
     made.parent, made[COLLIDER] = result, True
     made.display_type, made.hide_render = "WIRE", True
     return made
+
+
+def remove_collider(part) -> None:
+    places = [place for place in part.users_collection if place.get(COLLIDER)]
+    remove(part)
+    for place in places:
+        if not (place.objects or place.children):
+            bpy.data.collections.remove(place)
+
+
+def remove(obj) -> None:
+    mesh = obj.data
+    bpy.data.objects.remove(obj)
+    if not mesh.users:
+        bpy.data.meshes.remove(mesh)
 
 
 class ISIMP_OT_merge_flat(RecipeOperator, bpy.types.Operator):

@@ -14,7 +14,7 @@ from ..texturing import materials, texture
 from ..work import scene_outcome
 from ..work.modal import Aside
 from ..work.target import Target
-from .finish import COLLIDER, add_colliders, convex_parts
+from .finish import COLLIDER, add_colliders, convex_parts, remove, remove_collider
 from .mesh import Meshing
 
 _DIGEST = "isimp_level"  # on a level: its digest after Mesh
@@ -173,28 +173,13 @@ def _removed(context, scan, number: int, level) -> bool:
     context.view_layer.update()  # for the places of its children
     for part in level.children:
         if part.get(COLLIDER):
-            _remove_collider(part)
+            remove_collider(part)
         else:  # an object of the user
             place = part.matrix_world.copy()
             part.parent = None
             part.matrix_world = place
-    _remove(level)
+    remove(level)
     return True
-
-
-def _remove_collider(part) -> None:
-    places = [place for place in part.users_collection if place.get(COLLIDER)]
-    _remove(part)
-    for place in places:
-        if not (place.objects or place.children):
-            bpy.data.collections.remove(place)
-
-
-def _remove(obj) -> None:
-    mesh = obj.data
-    bpy.data.objects.remove(obj)
-    if not mesh.users:
-        bpy.data.meshes.remove(mesh)
 
 
 CLASSES = (ISIMP_OT_make_lods,)
