@@ -27,7 +27,7 @@ class Known:
         """Replaces the arrays by the former ones if they are equal, so that cached results stay valid."""
         names = ("vertices", "triangles", "triangle_face")
         pairs = ((getattr(former, name), getattr(self.scan, name)) for name in names)
-        if former.face_count == self.scan.face_count and all(np.array_equal(*pair) for pair in pairs):
+        if former.face_count == self.scan.face_count and all(_equal(*pair) for pair in pairs):
             self.scan = former
 
     def fits(self, obj) -> bool:
@@ -35,7 +35,7 @@ class Known:
             self.mesh == obj.data.name
             and self.counts == _counts(obj.data)
             and np.array_equal(self.shape, mesh_io.shape_matrix(obj))
-            and np.array_equal(self.points, mesh_io.points(obj.data))
+            and _equal(self.points, mesh_io.points(obj.data))
         )
 
     def stands(self, obj) -> bool:
@@ -46,6 +46,11 @@ class Known:
             and (*self.counts[:2], self.counts[3]) == (len(edit.verts), len(edit.edges), len(edit.faces))
             and np.array_equal(self.shape, mesh_io.shape_matrix(obj))
         )
+
+
+def _equal(a: np.ndarray, b: np.ndarray) -> bool:
+    """Return whether arrays have the same bits, as NaN differs from itself."""
+    return a.dtype == b.dtype and np.array_equal(a.view(np.int32), b.view(np.int32))
 
 
 def _counts(mesh):

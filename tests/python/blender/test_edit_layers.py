@@ -95,3 +95,15 @@ def test_what_was_read_stands_in_edit_mode_until_faces_come(scan):
     bpy.ops.mesh.select_all(action="SELECT")
     bpy.ops.mesh.subdivide()
     assert not known.stands(scan)
+
+
+@pytest.mark.parametrize("place", [0.0, float("nan")])
+def test_what_was_read_fits_until_a_vertex_moves(scan, place):
+    scans.mode("OBJECT")
+    scan.data.vertices[0].co.x += place
+    known, again = (reading.Known(scan, mesh_io.read(bpy.context, scan)) for _ in range(2))
+    again.take_over(known.scan)
+    assert known.fits(scan)
+    assert again.scan is known.scan
+    scan.data.vertices[1].co.x += 1
+    assert not known.fits(scan)

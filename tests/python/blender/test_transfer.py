@@ -68,8 +68,9 @@ def test_a_rigged_figure_bends_as_its_scan_does():
     assert np.abs(points(result) - points(scan)[same]).max() < 1e-5
 
 
-def test_mesh_again_keeps_one_armature():
-    figure()
+@pytest.mark.parametrize("place", [0.0, float("nan")])
+def test_mesh_again_keeps_one_armature(place):
+    figure()[0].data.vertices[0].co.x += place
     result = simplify()
     assert bpy.ops.isimp.mesh(chord_tolerance=0.1) == {"FINISHED"}
     assert bpy.context.object == result

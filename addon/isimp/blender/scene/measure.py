@@ -33,8 +33,12 @@ def _measured(obj) -> float:
 
 
 def spread(corners: np.ndarray) -> float:
-    """Return 3 standard deviations of the points of triangles, (T, 3, 3); 0 if they have no area."""
-    if not len(corners) or not np.isfinite(corners).all():
+    """Return 3 standard deviations of the points of triangles, (T, 3, 3); 0 if they have no area.
+
+    Triangles with coordinates that are not finite do not count, as in the engine.
+    """
+    corners = corners[np.isfinite(corners).all(axis=(1, 2))]
+    if not len(corners):
         return 0.0
     corners = corners - corners[0, 0]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2

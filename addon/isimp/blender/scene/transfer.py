@@ -31,7 +31,8 @@ def _is_at_rest(scan, arrays, keys: list) -> bool:
     """Return whether modifiers do not move vertices away from the mesh with its shape keys. keys: from `_keys`."""
     own = mesh_io.points(scan.data).reshape(-1, 3).astype(np.float64)
     own = (own + sum(value * offsets for _, value, offsets in keys)) @ mesh_io.shape_matrix(scan)
-    return bool(np.abs(own - arrays.vertices).max() <= 1e-5 * np.ptp(own, axis=0).max())
+    own, seen = (points[np.isfinite(own).all(axis=1)] for points in (own, arrays.vertices))
+    return bool(np.abs(own - seen).max(initial=0) <= 1e-5 * np.ptp(own, axis=0).max())
 
 
 def _take_armatures(result, scan) -> None:
