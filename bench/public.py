@@ -25,6 +25,7 @@ import numpy as np
 import isimp_engine as engine
 from bench.files import data_folder
 from bench.generators import hollow_solids, houses, round_shapes
+from tests.shared import shapes
 
 ROOT = Path(__file__).resolve().parents[1]
 QUALITY, OPERATIONS = 1.05, 1.15  # the factors by which figures may be worse
@@ -65,9 +66,7 @@ def torus():
     u, v = 2 * np.pi * i / 100, 2 * np.pi * j / 100
     tube = 0.4 + 0.05 * np.cos(5 * u) * np.cos(3 * v)
     points = np.stack([(1 + tube * np.cos(v)) * np.cos(u), (1 + tube * np.cos(v)) * np.sin(u), tube * np.sin(v)], 1)
-    a, b = i * 100 + j, (i + 1) % 100 * 100 + j
-    c, d = (i + 1) % 100 * 100 + (j + 1) % 100, i * 100 + (j + 1) % 100
-    return points, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]).astype(np.int32)
+    return points, shapes.torus(100, 100)[1]
 
 
 def waves():

@@ -161,9 +161,14 @@ def wedge(thickness=0.02, n=20):
     return welded(np.concatenate(points), np.concatenate(faces), 5)
 
 
+def rotation(rng):
+    """A turn by chance, as a matrix."""
+    q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    return q * np.sign(np.linalg.det(q))
+
+
 def rotated(shape):
-    q, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
-    return shape.moved(shape.vertices @ (q * np.sign(np.linalg.det(q))).T)
+    return shape.moved(shape.vertices @ rotation(np.random.default_rng(3)).T)
 
 
 def jittered_in_planes(shape, rng, share=0.3, n=20):

@@ -153,11 +153,6 @@ def _not_finite(v, t, rng):
     return v, t
 
 
-def _rotated(v, t, rng):
-    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    return v @ (turn * np.sign(np.linalg.det(turn))).T, t
-
-
 def _rounded(v, t, rng):
     cell = size_of(v) / rng.choice([10, 40]) or 1.0
     return np.round(v / cell) * cell, t
@@ -175,7 +170,7 @@ DAMAGE = {
     "noisy": lambda v, t, rng: (v + rng.normal(size=v.shape) * size_of(v) * rng.choice([1e-5, 1e-3, 1e-2]), t),
     "scaled": lambda v, t, rng: (v * 10.0 ** rng.integers(-6, 7), t),
     "far": lambda v, t, rng: (v + rng.normal(size=3) * size_of(v) * 10.0 ** rng.uniform(0, 6), t),
-    "rotated": _rotated,
+    "rotated": lambda v, t, rng: (v @ known_shapes.rotation(rng).T, t),
     "flattened": lambda v, t, rng: (v * FLAT[rng.integers(6)], t),
     "rounded": _rounded,
     "doubled": lambda v, t, rng: shapes.joined(

@@ -13,8 +13,6 @@ import tempfile
 import time
 from pathlib import Path
 
-import numpy as np
-
 import isimp_engine as engine
 from bench.files import ROOT, compiled, scan_command, scans, write_off
 from bench.peers import peers
@@ -23,20 +21,6 @@ from bench.quality.intersections import EVERY
 COSINE = 0.8  # the largest angle between a face and the plane of its region, chosen by hand
 TRIES = 10
 SOURCE = ROOT / "bench" / "peers" / "peer_patches.cpp"
-
-
-def read_off(path):
-    """Vertices, loops and loop_start of a file of polygons."""
-    words = path.read_text().split()
-    points, count = int(words[1]), int(words[2])
-    vertices = np.array(words[4 : 4 + 3 * points], float).reshape(-1, 3)
-    at, loops, start = 4 + 3 * points, [], []
-    for _ in range(count):
-        size = int(words[at])
-        start.append(len(loops))
-        loops += map(int, words[at + 1 : at + 1 + size])
-        at += 1 + size
-    return vertices, np.array(loops), np.array(start)
 
 
 def by_patches(program, mesh, part, wanted, folder):
@@ -49,7 +33,7 @@ def by_patches(program, mesh, part, wanted, folder):
         command = [program, folder / "scan.off", folder / "out.off", str(distance), str(COSINE)]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=600)
         seconds = os.times().children_user - before
-        made = read_off(folder / "out.off")
+        made = engine.reading.read_polygons(folder / "out.off")
         miss = abs(len(made[2]) - wanted)
         if len(made[2]) and (best is None or miss < best[0]):  # it makes nothing where a patch can't be cut
             best = miss, made, seconds

@@ -134,22 +134,12 @@ def near(points, camera, box):
 
 def judge(soup, poly, made, befores, cameras, boxes):
     """PSNR and SSIM of the views and of the close-ups, and the seams."""
-    corners, each = poly.vertices[poly.loops], np.arange(len(poly.loops), dtype=np.int32)
-    triangles, _ = engine.regions.triangulate(corners, each, poly.loop_start)
-    zeros = np.zeros(len(triangles), dtype=int)
-    found = []
-    for camera, box, before in zip(cameras, boxes, befores, strict=True):
-        after = bench.view(corners[triangles], made.uv[triangles], zeros, [made.image], camera, box)
-        found.append(bench.likeness(before, after))
+    results, _ = bench.views_of_result(poly, made, cameras, boxes)
+    found = [bench.likeness(before, after) for before, after in zip(befores, results, strict=True)]
     half = len(found) // 2
     (psnr, ssim), (near_psnr, near_ssim) = np.mean(found[:half], axis=0), np.mean(found[half:], axis=0)
-    return {
-        "psnr": psnr,
-        "ssim": ssim,
-        "near_psnr": near_psnr,
-        "near_ssim": near_ssim,
-        "seam": bench.seam(poly, made),
-    }
+    row = {"psnr": psnr, "ssim": ssim, "near_psnr": near_psnr, "near_ssim": near_ssim}
+    return row | {"seam": bench.seam(poly, made)}
 
 
 def tell(name, row):
@@ -169,10 +159,7 @@ def main():
     cameras = list(bench.cameras(ASKED.views, "xyz".index(ASKED.up)))
     boxes = [box] * len(cameras) + [near(used, camera, box) for camera in cameras]
     cameras *= 2
-    befores = [
-        bench.view(soup.vertices[soup.triangles], soup.uv % (1 + 1e-9), soup.material, soup.images, camera, part_of)
-        for camera, part_of in zip(cameras, boxes, strict=True)
-    ]
+    befores = bench.views_of_scan(soup, cameras, boxes)
     print(f"{ASKED.scan.name}: {len(soup.triangles):,} faces, {len(poly.loop_start):,} polygons, {ASKED.size} pixels")
     tell("isimp", judge(soup, poly, made, befores, cameras, boxes) | {"seconds": seconds})
     target = set_scene(soup, poly, made.uv, ASKED.size)

@@ -29,6 +29,7 @@ import isimp_engine as engine
 from bench.files import data_folder
 from bench.generators.collapse import decimated
 from bench.generators.known_shapes import split_in_four
+from bench.generators.real_scans import noisy
 from isimp_engine.within import scan_distances
 from tests.shared import shapes
 
@@ -93,13 +94,6 @@ def foreseen(data):
     print(f"\nerror: median {np.median(errors):.1%}, {within} of {len(errors)} within 10 %, at most {max(errors):.0%}")
 
 
-def noisy(arrays, share):
-    vertices, triangles = arrays
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    sigma = share * np.linalg.norm(high - low)
-    return vertices + sigma * np.random.default_rng(3).standard_normal(vertices.shape), triangles
-
-
 def mug():
     """A solid of voxels with a handle."""
     solid = np.zeros((24, 44, 30), bool)
@@ -125,7 +119,7 @@ def openings():
     counts = (12, 30, 100, 300)
     print(f"\n| mesh | handles | {' | '.join(f'left for {n}' for n in counts)} |\n|{'---|' * (2 + len(counts))}")
     for name, smooth in meshes.items():
-        arrays = noisy(smooth, 0.001)
+        arrays = noisy(3, *smooth, 0.001)
         left = [handles(engine.openings.closed_for(engine.clean(*arrays), n)) for n in counts]
         print(f"| {name} | {handles(engine.clean(*arrays))} | {' | '.join(map(str, left))} |", flush=True)
 

@@ -19,7 +19,7 @@ import numpy as np
 import isimp_engine as engine
 from bench.files import data_folder
 from bench.generators.collapse import decimated
-from bench.generators.known_shapes import Shape, all_meshes, smoothed, upsampled
+from bench.generators.known_shapes import Shape, all_meshes, rotation, smoothed, upsampled
 
 DETAILS = (0.02, 0.01, 0.005, 0.0025, 0.00125)
 WANTED = {"all": 114, "clean": 18}
@@ -70,9 +70,7 @@ def scan_variants(shape):
         )
     yield "smoothed", smoothed(shape, 2)
     order = rng.permutation(len(shape.faces))
-    turned, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    turned *= np.sign(np.linalg.det(turned))
-    yield "turned, faces shuffled", Shape(shape.vertices @ turned.T, shape.faces[order], 0)
+    yield "turned, faces shuffled", Shape(shape.vertices @ rotation(rng).T, shape.faces[order], 0)
 
 
 def scans(folder, slider):

@@ -39,6 +39,7 @@ from OCP.TopoDS import TopoDS
 
 import isimp_engine as engine
 from bench.files import data_folder
+from bench.generators.known_shapes import rotation
 from bench.generators.real_scans import marching_cubes
 from bench.generators.solid_grids import distances, dual_contouring, smoothed, with_defects
 from bench.quality.step import read, solid_of
@@ -105,11 +106,6 @@ def grid_of(corners, face, asked, cells, seed):
 
 def size_of(corners):
     return float(np.linalg.norm(np.ptp(corners.reshape(-1, 3), axis=0)))
-
-
-def turn_of(seed):
-    turn, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
-    return turn * np.linalg.det(turn)
 
 
 def sides(corners, group):
@@ -203,7 +199,7 @@ def rows(archive, names, asked):
             path.write_bytes(file.extractfile(member).read())
             corners, face = triangles_of(read(path))
             if asked.turned:
-                corners = corners @ turn_of(seed + 1000).T
+                corners = corners @ rotation(np.random.default_rng(seed + 1000)).T
             for cut in cells or [None]:
                 length = asked.noise * size_of(corners)
                 if cut:

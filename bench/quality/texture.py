@@ -184,6 +184,18 @@ def seam(poly, made):
     return total / max(length, 1e-300)
 
 
+def views_of_scan(soup, cameras, boxes):
+    seen = soup.vertices[soup.triangles], soup.uv % (1 + 1e-9), soup.material, soup.images
+    return [view(*seen, *each) for each in zip(cameras, boxes, strict=True)]
+
+
+def views_of_result(poly, made, cameras, boxes):
+    corners, each = poly.vertices[poly.loops], np.arange(len(poly.loops), dtype=np.int32)
+    triangles, _ = engine.regions.triangulate(corners, each, poly.loop_start)
+    seen = corners[triangles], made.uv[triangles], np.zeros(len(triangles), dtype=int), [made.image]
+    return [view(*seen, *each) for each in zip(cameras, boxes, strict=True)], triangles
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scan", type=Path)
@@ -202,21 +214,16 @@ def main():
     options = engine.TextureOptions(size=asked.size, band=asked.band, threads=1)
     made = engine.texture(mesh, part, poly, soup, options)
     figures = {"scan": asked.scan.name, "polygons": len(poly.loop_start), "seconds": time.process_time() - start}
-    corners, each = poly.vertices[poly.loops], np.arange(len(poly.loops), dtype=np.int32)
-    triangles, _ = engine.regions.triangulate(corners, each, poly.loop_start)
     box = np.stack([soup.vertices[np.unique(soup.triangles)].min(0), soup.vertices[np.unique(soup.triangles)].max(0)])
-    found = []
-    for k, camera in enumerate(cameras(asked.views, "xyz".index(asked.up))):
-        before = view(soup.vertices[soup.triangles], soup.uv % (1 + 1e-9), soup.material, soup.images, camera, box)
-        zeros = np.zeros(len(triangles), dtype=int)
-        after = view(corners[triangles], made.uv[triangles], zeros, [made.image], camera, box)
+    views, found = list(cameras(asked.views, "xyz".index(asked.up))), []
+    results, triangles = views_of_result(poly, made, views, [box] * len(views))
+    for k, (before, after) in enumerate(zip(views_of_scan(soup, views, [box] * len(views)), results, strict=True)):
         found.append(likeness(before, after))
         if asked.pictures:
             pair = np.hstack([c + (1 - m[:, :, None]) * 255 for c, m in (before, after)])
             Image.fromarray(np.clip(pair, 0, 255).astype(np.uint8)).save(asked.pictures / f"{asked.scan.stem}_{k}.png")
     psnr, ssim = np.mean(found, axis=0)
     figures |= {"psnr": psnr, "ssim": ssim, "seam": seam(poly, made)}
-    views = list(cameras(asked.views, "xyz".index(asked.up)))
     figures["tilt_flat"], figures["tilt_map"] = tilts(soup, mesh, part, poly, made, options, triangles, views, box)
     figures |= made.report
     print(json.dumps({key: round(v, 4) if isinstance(v, float) else v for key, v in figures.items()}))
