@@ -37,6 +37,8 @@ def test_linked_library_data(tmp_path):
     bpy.context.scene.collection.objects.link(own)
     scans.activate(own)
     assert "make it local" in why_not()
+    own.data = target.meshes[0].override_create()
+    assert (own.data.library, "make it local" in why_not()) == (None, True)
 
 
 def labelled(scan, proxies):

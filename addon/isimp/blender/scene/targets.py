@@ -161,7 +161,8 @@ def _unusable(obj) -> str:
         else:
             text = own("'{name}' is {kind}, not a mesh: click the scan first")
         return said(text, name=obj.name, kind=kind)
-    for block in (obj, obj.data):
+    override = obj.data.override_library  # no steps can be stored on such a mesh
+    for block in (obj, obj.data if override is None else override.reference):
         if block.library is not None:
             return said(
                 "'{name}' is linked from {file} and can't be changed: "
