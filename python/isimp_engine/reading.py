@@ -56,6 +56,12 @@ def check_kind(path: str | PathLike[str], kinds: Sequence[str] = KINDS) -> str:
     return kind
 
 
+def check_faces(path: Path, points: int, faces: int) -> None:
+    """Raises FileError for a file of points without faces."""
+    if points and not faces:
+        raise FileError(f"{path}: has {points:,} points and no faces; {TO_A_MESH}")
+
+
 def _zstd() -> ModuleType | None:
     """A module that reads .zst: Python 3.14 has one."""
     for name in ("compression.zstd", "zstandard"):

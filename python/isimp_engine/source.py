@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core import FileError, InvalidInput, Job, Mesh
+from ._core import InvalidInput, Job, Mesh
 from .file_faces import cut, largest_shares
 from .guides import shared_edges
-from .reading import GLTF, TO_A_MESH, check_kind, read_polygons, unit_of
+from .reading import GLTF, check_faces, check_kind, read_polygons, unit_of
 from .replay import Surface, face_edges
 from .replay.faces import Edges
 from .surfaces import areas
@@ -122,8 +122,7 @@ def load(path: Path, job: Job | None, threads: int = 0, textured: bool = False) 
     if check_kind(path) in GLTF:
         return _of_soup(read_textured(path, job=job) if textured else read_shape(path, job), path)
     vertices, loops, loop_start = read_polygons(path, job, threads=threads)
-    if not len(loop_start) and len(vertices):
-        raise FileError(f"{path}: has {len(vertices):,} points and no faces; {TO_A_MESH}")
+    check_faces(path, len(vertices), len(loop_start))
     triangles, polygon = cut(vertices, loops, loop_start)
     shown = read_textured(path, job=job, threads=threads) if textured else None
     return Source(vertices, triangles, polygon, len(loop_start), path, shown, unit=unit_of(path, job))

@@ -228,3 +228,16 @@ def test_textured_scans_have_the_materials_of_blenders_own_importer(name, tmp_pa
     assert sum(len(obj.data.polygons) for obj in theirs) == len(ours.data.polygons)
     assert {image_of(m) for m in ours.data.materials} == {image_of(m) for obj in theirs for m in obj.data.materials}
     assert texture.is_textured(ours)
+
+
+def test_faces_that_blender_removes_are_counted(tmp_path, capfd):
+    (tmp_path / "twice.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 1 2\nf 1 1 2\n")
+    assert len(imported(tmp_path / "twice.obj").data.polygons) == 1
+    assert "twice.obj: 2 faces removed, as Blender keeps no face with a vertex twice" in capfd.readouterr().out
+
+
+def test_points_without_faces_are_refused(tmp_path):
+    (tmp_path / "points.obj").write_text("v 0 0 0\nv 1 0 0\n")
+    with pytest.raises(RuntimeError, match="has 2 points and no faces; make a mesh of them first"):
+        imported(tmp_path / "points.obj")
+    assert not bpy.data.objects

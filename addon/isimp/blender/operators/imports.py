@@ -10,7 +10,7 @@ from bpy_extras.io_utils import ImportHelper
 
 from ... import handover, messages
 from ...engine import engine
-from ...language import said
+from ...language import own, said
 from ..scene import mesh_io, places
 from ..texturing import looks
 from ..view import clipping
@@ -68,12 +68,14 @@ class ISIMP_OT_import_scan(ImportHelper, bpy.types.Operator):
 
     def _import(self, context, path: Path, warnings: list):
         look = engine.texturing.reading.read_look(path)
+        engine.reading.check_faces(path, len(look.vertices), len(look.loop_start))
         origin, kind = handover.far_origin(look.vertices), engine.reading.kind_of(path)
         mesh = bpy.data.meshes.new(path.stem)
         mesh_io.fill_polygons(
             mesh, look.vertices - origin, look.loops, look.loop_start, {}, lambda: looks.write(mesh, look, kind)
         )
-        faults = [*look.faults, *looks.give_materials(mesh, look)]
+        faults = [*look.faults, *_dropped(path, len(look.loop_start) - len(mesh.polygons))]
+        faults += looks.give_materials(mesh, look)
         obj = bpy.data.objects.new(path.stem, mesh)
         context.collection.objects.link(obj)
         if self.up == "Y" or (self.up == "FORMAT" and kind == ".obj" and np.abs(origin).max() < _MAP):
@@ -81,6 +83,12 @@ class ISIMP_OT_import_scan(ImportHelper, bpy.types.Operator):
         places.keep(obj, origin, self.epsg)
         warnings += _told(path, faults, looks.skipped(look))
         return obj
+
+
+def _dropped(path: Path, number: int) -> list[str]:
+    """Return a warning about the faces of a file that Blender has removed, if there are some."""
+    text = own("{file}: {faces} removed, as Blender keeps no face with a vertex twice and no copy of a face")
+    return [said(text, file=path.name, faces=messages.count(number, "face"))] if number else []
 
 
 def _told(path: Path, faults: list, skipped: list) -> list:
