@@ -3,13 +3,27 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
+#include <map>
+#include <random>
 #include <regex>
 #include <sstream>
+#include <string>
+#include <vector>
 
+#include "isimp/core/errors.h"
+#include "isimp/interact/heuristics.h"
 #include "isimp/interact/interact.h"
+#include "isimp/interact/lock.h"
+#include "isimp/interact/merge.h"
+#include "isimp/interact/paint.h"
+#include "isimp/interact/statistics.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/io.h"
 #include "isimp/meshing/polygonize.h"
+#include "isimp/partition/soundness.h"
+#include "isimp/regular/regularise.h"
+#include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
 #include "polygon_judge.h"
 #include "tests.h"
@@ -265,6 +279,99 @@ TEST(Fuzz, DamagedShapes) {
 
 TEST(Fuzz, Plates) {
   for_each_case([](Dice& dice) { all_the_way(plate(dice), dice, 2); });
+}
+
+/// An edit at a face: of its region and another one's, and of some faces around it.
+struct Act {
+  const Mesh& mesh;
+  const Partition& before;
+  std::int32_t face, other;
+  std::vector<std::int32_t> faces;
+  Vec3 by;
+  std::int32_t few;
+  Job& job;
+};
+
+const std::map<std::string, Partition (*)(const Act&)> kEdits{
+    {"add", [](const Act& a) { return add_proxy(a.mesh, a.before, a.face, a.job); }},
+    {"delete", [](const Act& a) { return delete_proxy(a.mesh, a.before, a.face, a.job); }},
+    {"split", [](const Act& a) { return split_region(a.mesh, a.before, a.face, a.job); }},
+    {"cut",
+     [](const Act& a) {
+       const Vec3 at = a.mesh.vertices()[a.mesh.triangles()[a.face][0]] + a.mesh.origin();
+       return split_along(a.mesh, a.before, a.face, std::vector<Vec3>{at - a.by, at + a.by}, Vec3::Zero(), a.job);
+     }},
+    {"merge", [](const Act& a) { return merge_regions(a.mesh, a.before, a.face, a.other, a.job); }},
+    {"paint", [](const Act& a) { return paint_faces(a.mesh, a.before, a.faces, kNone, a.job); }},
+    {"paint onto", [](const Act& a) { return paint_faces(a.mesh, a.before, a.faces, a.other, a.job); }},
+    {"erase", [](const Act& a) { return erase_faces(a.mesh, a.before, a.faces, a.job); }},
+    {"grow", [](const Act& a) { return grow_region(a.mesh, a.before, a.face, a.few, a.job); }},
+    {"shrink", [](const Act& a) { return shrink_region(a.mesh, a.before, a.face, a.few, a.job); }},
+    {"lock", [](const Act& a) { return set_locked(a.mesh, a.before, std::vector{a.face}, kLocked); }},
+    {"leave out", [](const Act& a) { return set_locked(a.mesh, a.before, std::vector{a.face}, kLeftOut); }},
+    {"unlock", [](const Act& a) { return set_locked(a.mesh, a.before, a.faces, 0); }},
+    {"worst", [](const Act& a) { return add_worst(a.mesh, a.before, a.few, a.job); }},
+    {"least", [](const Act& a) { return delete_least(a.mesh, a.before, a.few, a.job); }},
+    {"cheapest", [](const Act& a) { return merge_cheapest(a.mesh, a.before, a.few, a.job); }},
+    {"improve", [](const Act& a) { return improve(a.mesh, a.before, a.job); }},
+    {"even", [](const Act& a) { return even_borders(a.mesh, a.before, 0.5, a.job); }},
+    {"regularise", [](const Act& a) { return regularise(a.mesh, a.before, {}, a.job); }},
+};
+
+/// Edits, each on the result of the one before or on the first partition, which may have guides.
+void edit_at_random(const Mesh& mesh, Dice& dice, std::map<std::string, int>& done) {
+  const auto face = [&] { return dice.number(0, mesh.face_count() - 1); };
+  Constraints constraints;
+  std::vector<VertexPair> edges;
+  for (std::int32_t h = 0; h < 3 * mesh.face_count(); h += 7) edges.push_back({mesh.from(h), mesh.to(h)});
+  std::vector<double> weights(static_cast<std::size_t>(mesh.face_count()), 1);
+  for (std::size_t f = 0; f < weights.size(); f += 3) weights[f] = f % 2 == 0 ? 0 : 50;
+  if (dice.chance(6)) constraints.guides.barriers = edges;
+  if (dice.chance(6)) constraints.cuts = edges;
+  if (dice.chance(6)) constraints.guides.weights = weights;
+  PartitionOptions options = partition_options(dice, mesh.face_count());
+  if (dice.chance(6)) options = {.bound = 0.02 * mesh.diagonal()};
+  Job job;
+  const Partition first = Partitioner(mesh).run(options, constraints, job);
+  Partition now = first;
+  for (int k = 0; k < 30; ++k) {
+    if (dice.chance(8)) now = first;
+    const auto& [name, edit] = *std::next(kEdits.begin(), dice.number(0, static_cast<std::int32_t>(kEdits.size()) - 1));
+    std::vector<std::int32_t> faces{face()};
+    for (int more = dice.number(0, 8); more > 0; --more)
+      if (const std::int32_t o = mesh.opposite(3 * faces.back() + dice.number(0, 2)); o != kNone)
+        faces.push_back(o / 3);
+    const Vec3 by = 0.1 * mesh.diagonal() * dice.place();
+    try {
+      Partition after = edit({mesh, now, faces[0], face(), faces, by, dice.number(1, 3), job});
+      (void)all_statistics(mesh, after, job);
+      ASSERT_EQ(broken_promise(Surface(mesh, after.guided), after), "") << name << " at " << faces[0];
+      ++done[name];
+      now = std::move(after);
+    } catch (const InvalidInput&) {
+      continue;
+    }
+  }
+  const PolygonMesh polygons = polygonize(mesh, now, {}, job);
+  if (polygons.report.without_area == 0 && !polygons.report.repair_capped) {
+    EXPECT_EQ(judge::defects_against(polygons, mesh, now), "");
+  }
+}
+
+/// bench/monkeys/monkey.py judges the changes of each edit; this test sees the sums of regions, and runs with sanitizers
+/// and assertions too.
+TEST(Fuzz, ChainsOfEdits) {
+  std::map<std::string, int> done;
+  for_each_case([&](Dice& dice) {
+    const Arrays a = shapes::noisy(shape(dice), 0.1 * dice.share(), dice.seed());
+    Job job;
+    try {
+      edit_at_random(clean(a.vertices, a.triangles, {}, job), dice, done);
+    } catch (const InvalidInput& e) {
+      EXPECT_GT(std::string(e.what()).size(), 10U);
+    }
+  });
+  EXPECT_TRUE(testing::Test::HasFailure() || done.size() == kEdits.size()) << "an edit was never done";
 }
 
 /// A file of one of the formats, as text or bytes.
