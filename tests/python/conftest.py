@@ -1,6 +1,9 @@
+import base64
+import hashlib
 import importlib.util
 import os
 import signal
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -24,6 +27,25 @@ def script(name):
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+def contents(archive):
+    """The files of a zip or a wheel by name."""
+    with zipfile.ZipFile(archive) as file:
+        return {name: file.read(name) for name in file.namelist()}
+
+
+def assert_record_is_right(wheel):
+    files = contents(wheel)
+    record = next(name for name in files if name.endswith("/RECORD"))
+    rows = dict(line.split(",", 1) for line in files[record].decode().splitlines())
+    assert rows.keys() == files.keys()
+    for name, row in rows.items():
+        if name == record:
+            assert row == ","
+        else:
+            digest = base64.urlsafe_b64encode(hashlib.sha256(files[name]).digest()).rstrip(b"=").decode()
+            assert row == f"sha256={digest},{len(files[name])}"
 
 
 @pytest.fixture

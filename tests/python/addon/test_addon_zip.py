@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 import tomllib
 
-from conftest import script
+from conftest import assert_record_is_right, contents, script
 
 ROOT = Path(__file__).parents[3]
 build_addon = script("build_addon")
@@ -32,12 +32,10 @@ def test_blender_can_read_bl_info_without_running_anything():
 def test_both_zips_state_the_version_of_the_project(tmp_path):
     project = re.search(r"project\(isimp VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
     build_addon.main(["--wheel", str(fake_wheel(tmp_path)), "--out", str(tmp_path)])
-    with zipfile.ZipFile(tmp_path / f"isimp-{project}-legacy-linux-x64.zip") as archive:
-        legacy = bl_info(archive.read("isimp/__init__.py"))["version"]
-    with zipfile.ZipFile(tmp_path / f"isimp-{project}-extension-linux-x64.zip") as archive:
-        extension = bl_info(archive.read("isimp/__init__.py"))["version"]
-        manifest = tomllib.loads(archive.read("isimp/blender_manifest.toml").decode())["version"]
-    assert [".".join(map(str, legacy)), ".".join(map(str, extension)), manifest] == [project] * 3
+    made = {kind: contents(tmp_path / f"isimp-{project}-{kind}-linux-x64.zip") for kind in ("legacy", "extension")}
+    for files in made.values():
+        assert ".".join(map(str, bl_info(files["isimp/__init__.py"])["version"])) == project
+    assert extension_manifest(made["extension"])["version"] == project
     sources = {path: path.read_text() for path in (ROOT / "addon" / "isimp").iterdir() if path.is_file()}
     assert [path for path, text in sources.items() if project in text] == []  # it is written once
 
@@ -80,11 +78,11 @@ def test_two_builds_of_the_zips_are_the_same_bytes(tmp_path, monkeypatch):
 def test_the_zip_for_older_blenders_holds_the_engine(tmp_path, monkeypatch):
     build_addon.main(["--wheel", str(fake_wheel(tmp_path)), "--out", str(tmp_path / "dist")])
     with zipfile.ZipFile(tmp_path / "dist" / f"isimp-{build_addon.version()}-legacy-linux-x64.zip") as archive:
-        names = archive.namelist()
         archive.extractall(tmp_path / "addons")
+        names = set(archive.namelist())
     assert all(name.startswith("isimp/") for name in names)
     some = {"isimp/__init__.py", "isimp/blender/panel/main.py", "isimp/isimp_engine/_core.py", "isimp/LICENSE"}
-    assert some | {f"isimp/{build_addon.LEGACY_ONLY}"} <= set(names)
+    assert some | {f"isimp/{build_addon.LEGACY_ONLY}"} <= names
     assert not any("pycache" in name for name in names)
     inside = importlib.util.spec_from_file_location(
         "unpacked", tmp_path / "addons" / "isimp" / "isimp_engine" / "__init__.py"
@@ -95,9 +93,8 @@ def test_the_zip_for_older_blenders_holds_the_engine(tmp_path, monkeypatch):
     assert module.answer == 42
 
 
-def extension_manifest(path):
-    with zipfile.ZipFile(path) as archive:
-        return tomllib.loads(archive.read("isimp/blender_manifest.toml").decode()), set(archive.namelist())
+def extension_manifest(files):
+    return tomllib.loads(files["isimp/blender_manifest.toml"].decode())
 
 
 def test_each_platform_has_an_extension_with_its_wheel(tmp_path):
@@ -105,19 +102,16 @@ def test_each_platform_has_an_extension_with_its_wheel(tmp_path):
     wheels = [fake_wheel(tmp_path, platform) for platform in platforms]
     build_addon.main(["--wheel", *map(str, wheels), "--out", str(tmp_path), "--website", "https://example.org"])
     for wheel, platform in zip(wheels, platforms.values(), strict=True):
-        name = f"isimp-{build_addon.version()}-extension-{platform}.zip"
-        manifest, names = extension_manifest(tmp_path / name)
+        files = contents(tmp_path / f"isimp-{build_addon.version()}-extension-{platform}.zip")
+        manifest = extension_manifest(files)
         assert manifest["wheels"] == [f"./wheels/{wheel.name}"]
-        assert {entry for entry in names if "wheels/" in entry} == {f"isimp/wheels/{wheel.name}"}
-        assert f"isimp/{build_addon.LEGACY_ONLY}" not in names
-        assert all(entry.startswith("isimp/") for entry in names), "an older Blender unpacks it into one folder"
+        assert {entry for entry in files if "wheels/" in entry} == {f"isimp/wheels/{wheel.name}"}
+        assert f"isimp/{build_addon.LEGACY_ONLY}" not in files
         assert manifest["platforms"] == [platform]
         assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
         assert manifest["website"] == "https://example.org"
         assert manifest["copyright"]
         assert set(manifest["permissions"]) == {"files", "clipboard"}
-        assert all(len(why) <= 64 and not why.endswith(".") for why in manifest["permissions"].values())
-        assert not manifest["tagline"].endswith(".")
 
 
 def test_two_wheels_of_a_platform_are_refused_since_blender_takes_one_blindly(tmp_path):
@@ -138,10 +132,10 @@ def test_a_trial_has_a_version_of_its_own_in_the_words_of_each(tmp_path, monkeyp
     monkeypatch.setattr(build_addon, "ROOT", tmp_path)
     monkeypatch.setattr(build_addon, "ADDON", tmp_path / "addon" / "isimp")
     build_addon.main(["--wheel", str(fake_wheel(tmp_path)), "--out", str(tmp_path)])
-    manifest, _ = extension_manifest(tmp_path / f"isimp-{project}.dev7-extension-linux-x64.zip")
-    assert manifest["version"] == f"{project}-dev.7"
-    with zipfile.ZipFile(tmp_path / f"isimp-{project}.dev7-legacy-linux-x64.zip") as archive:
-        assert bl_info(archive.read("isimp/__init__.py"))["version"] == tuple(map(int, project.split(".")))
+    extension, legacy = (f"isimp-{project}.dev7-{kind}-linux-x64.zip" for kind in ("extension", "legacy"))
+    assert extension_manifest(contents(tmp_path / extension))["version"] == f"{project}-dev.7"
+    stated = bl_info(contents(tmp_path / legacy)["isimp/__init__.py"])["version"]
+    assert stated == tuple(map(int, project.split(".")))
 
 
 def test_the_installed_package_is_packed_into_a_wheel_that_is_complete(tmp_path):
@@ -151,11 +145,8 @@ def test_the_installed_package_is_packed_into_a_wheel_that_is_complete(tmp_path)
         wheel = build_addon.installed_wheel(tmp_path)
     except SystemExit as reason:
         pytest.skip(str(reason))
-    with zipfile.ZipFile(wheel) as archive:
-        names = set(archive.namelist())
-        record = archive.read(next(name for name in names if name.endswith("/RECORD"))).decode()
-    assert {line.split(",")[0] for line in record.splitlines()} == names
-    assert any(re.fullmatch(r"isimp_engine/_core\..*(so|pyd)", name) for name in names)
+    assert_record_is_right(wheel)
+    assert any(re.fullmatch(r"isimp_engine/_core\..*(so|pyd)", name) for name in contents(wheel))
     assert wheel.name.startswith(f"isimp-{isimp_engine.__version__}-cp3")
 
 

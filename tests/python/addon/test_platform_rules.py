@@ -5,7 +5,7 @@ import zipfile
 import pytest
 from test_addon_zip import build_addon, fake_wheel
 
-from conftest import script
+from conftest import contents, script
 
 rules = script("platform_rules")
 
@@ -21,12 +21,10 @@ def extension(tmp_path_factory):
 def changed(path, name, change):
     """The same zip with one file changed, or added."""
     out = path.with_name("changed.zip")
-    with zipfile.ZipFile(path) as archive, zipfile.ZipFile(out, "w") as made:
-        for info in archive.infolist():
-            text = archive.read(info)
-            made.writestr(info.filename, change(text.decode()).encode() if info.filename == name else text)
-        if name not in archive.namelist():
-            made.writestr(name, change(""))
+    files = contents(path)
+    with zipfile.ZipFile(out, "w") as made:
+        for each, data in (files | {name: change(files.get(name, b"").decode()).encode()}).items():
+            made.writestr(each, data)
     return out
 
 

@@ -1,6 +1,5 @@
 """The files that people download: wheels for all Pythons and for one, checksums, headers."""
 
-import base64
 import hashlib
 import importlib.util
 import json
@@ -15,7 +14,7 @@ import pytest
 import tomllib
 
 import isimp_engine as engine
-from conftest import script
+from conftest import assert_record_is_right, contents, script
 from isimp_engine import _carried
 
 ROOT = Path(__file__).parents[3]
@@ -46,24 +45,6 @@ def made_wheel(folder, python, platform=LINUX, version="0.1.0", readme="the same
         archive.writestr(f"{info}/METADATA", f"Name: isimp\nVersion: {version}\n")
         archive.writestr(f"{info}/RECORD", "wrong")
     return wheel
-
-
-def contents(wheel):
-    with zipfile.ZipFile(wheel) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
-
-
-def assert_record_is_right(wheel):
-    files = contents(wheel)
-    record = next(name for name in files if name.endswith("/RECORD"))
-    rows = dict(line.split(",", 1) for line in files[record].decode().splitlines())
-    assert rows.keys() == files.keys()
-    for name, row in rows.items():
-        if name == record:
-            assert row == ","
-        else:
-            digest = base64.urlsafe_b64encode(hashlib.sha256(files[name]).digest()).rstrip(b"=").decode()
-            assert row == f"sha256={digest},{len(files[name])}"
 
 
 @pytest.mark.parametrize("platform", [LINUX, "win_amd64"])
