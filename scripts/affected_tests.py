@@ -11,11 +11,12 @@ a test                                              itself
 """
 
 import re
+import subprocess
 import sys
 from pathlib import Path
 
-from affected_sources import ROOT, affected, changed_since
-
+ROOT = Path(__file__).resolve().parents[1]
+EMPTY = "4b825dc642cb6eb9a060e54bf8d69288fbee4904"  # git's name of a tree without files
 PYTHON = ROOT / "tests" / "python"
 ROOMS = {
     "batch": ["batch"],
@@ -28,6 +29,38 @@ ROOMS = {
     "recipes": ["command"],
     "reports": ["command"],
 }
+
+
+def output(*command: str) -> str:
+    return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+
+
+def changed_since(commit: str = "") -> set[Path]:
+    """The files that differ from a commit, untracked ones too."""
+    names = output("git", "diff", "--name-only", commit or EMPTY).splitlines()
+    names += output("git", "ls-files", "--others", "--exclude-standard").splitlines()
+    return {(ROOT / name).resolve() for name in names}
+
+
+def read_by_source(build: Path) -> dict[Path, set[Path]]:
+    """The inputs of each object in ninja's record: its source, and all files that this includes."""
+    found: dict[Path, set[Path]] = {}
+    source = None
+    for line in output("ninja", "-C", str(build), "-t", "deps").splitlines():
+        if not line.startswith(" "):
+            source = None
+            continue
+        path = (build / line.strip()).resolve()
+        if source is None:  # the first one listed is the source itself
+            source = path
+            found[source] = set()
+        found[source].add(path)
+    return found
+
+
+def affected(build: Path, changed: set[Path]) -> list[Path]:
+    """The compiled sources that read a changed file."""
+    return sorted(source for source, files in read_by_source(build).items() if files & changed)
 
 
 def labels(sources: list[Path]) -> str:

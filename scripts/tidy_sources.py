@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from affected_sources import ROOT, output
+from affected_tests import ROOT, output
 from plain_words import OF_CPP
 
 SUFFIXES = (".cpp", ".h", ".cu")

@@ -24,7 +24,6 @@ import json
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -84,9 +83,9 @@ def row(vertices: np.ndarray, triangles: np.ndarray, true: int | None, wanted: i
         write_ply(scan, vertices, triangles)
         how = ["--proxies", str(wanted)] if wanted and "--triangles" not in options else []
         command = [sys.executable, "-m", "isimp_engine", "simplify", str(scan), str(out), "--report", str(report)]
-        start = time.process_time(), _children()
+        before = _children()
         subprocess.run([*command, "--quiet", "--threads", "1", *how, *options], check=True)
-        cpu = _children() - start[1]
+        cpu = _children() - before
         told = json.loads(report.read_text())
         points, loops, starts = engine.reading.read_polygons(str(out))
         flat, _ = engine.regions.triangulate(points, loops, starts)

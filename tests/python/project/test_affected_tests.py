@@ -13,8 +13,7 @@ ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture
-def affected(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "scripts")
+def affected():
     return script("affected_tests")
 
 
@@ -60,12 +59,10 @@ def test_every_module_has_a_folder_of_tests():
 
 @pytest.mark.skipif(not (ROOT / ".git").exists(), reason="needs a checkout")
 def test_untracked_files_count_as_changed(affected, monkeypatch, tmp_path):
-    import affected_sources
-
-    monkeypatch.setattr(affected_sources, "ROOT", tmp_path)
+    monkeypatch.setattr(affected, "ROOT", tmp_path)
     subprocess.run(["git", "init", "-q", tmp_path], check=True)
     (tmp_path / "new.py").touch()
-    assert affected_sources.changed_since(affected_sources.EMPTY) == {tmp_path / "new.py"}
+    assert affected.changed_since(affected.EMPTY) == {tmp_path / "new.py"}
 
 
 @pytest.mark.parametrize("kind", ["data", "fuzz", "slow"])
