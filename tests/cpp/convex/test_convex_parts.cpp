@@ -156,9 +156,7 @@ INSTANTIATE_TEST_SUITE_P(
         Known{room(), 11, {{1.5, -0.125, 1}, {5.125, 2, 1.5}, {2.5, 2, 1}}}));
 
 TEST(ConvexParts, OfACarriedFarAwayCubeAreACube) {
-  shapes::Arrays cube = shapes::cube(3);
-  for (Vec3& p : cube.vertices) p += Vec3(4600000, 5400000, 300);
-  const std::vector<ConvexPart> parts = parts_of(soup_of(cube));
+  const std::vector<ConvexPart> parts = parts_of(soup_of(shapes::moved(shapes::cube(3), {4600000, 5400000, 300})));
   expect_convex(parts);
   ASSERT_EQ(parts.size(), 1);
   EXPECT_EQ(parts[0].vertices.size(), 8);

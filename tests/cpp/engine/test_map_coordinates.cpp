@@ -8,6 +8,8 @@
 namespace isimp {
 namespace {
 
+using shapes::moved;
+
 const Vec3 kUtm(500000, 4600000, 128), kEcef(4000000, 600000, 4900000), kFar(50000000, 50000000, 50000000);
 
 /// A rough sphere of diameter 2 whose coordinates stay exact when it is moved by whole numbers.
@@ -15,11 +17,6 @@ shapes::Arrays rough_sphere() {
   shapes::Arrays a = shapes::noisy(shapes::sphere(4), 0.01, 3);
   for (Vec3& v : a.vertices)
     for (int k = 0; k < 3; ++k) v[k] = std::round(v[k] * 0x1p20) * 0x1p-20;
-  return a;
-}
-
-shapes::Arrays moved(shapes::Arrays a, const Vec3& by) {
-  for (Vec3& v : a.vertices) v += by;
   return a;
 }
 

@@ -1,5 +1,4 @@
 // The delay until long calls see a cancel, and the steps of progress, counted in polls: no clock is used.
-#include <atomic>
 #include <optional>
 
 #include "hierarchy/hierarchy.h"
@@ -96,11 +95,9 @@ class Polls : public testing::TestWithParam<Stage> {
     return input;
   }
   static std::int64_t count(const Input& input) {
-    std::atomic<std::int64_t> polls{0};
-    Job job;
-    job.at_poll = [&] { ++polls; };
-    GetParam().run(input, job);
-    return polls;
+    Counting counting;
+    GetParam().run(input, counting.job);
+    return counting.polls;
   }
 };
 
@@ -148,12 +145,8 @@ TEST(Progress, MovesWithEveryPassThatSearchesForDetails) {
 TEST_P(Polls, EachOneCancels) {
   const std::int64_t all = count(small());
   for (std::int64_t stop = 1; stop <= all; stop += 1 + all / 20) {
-    std::atomic<std::int64_t> polls{0};
-    Job job;
-    job.at_poll = [&] {
-      if (++polls == stop) job.cancel();
-    };
-    EXPECT_THROW(GetParam().run(small(), job), Cancelled) << "at poll " << stop << " of " << all;
+    Counting counting(stop);
+    EXPECT_THROW(GetParam().run(small(), counting.job), Cancelled) << "at poll " << stop << " of " << all;
   }
 }
 

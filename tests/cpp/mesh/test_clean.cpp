@@ -385,11 +385,9 @@ TEST(Clean, PollsWhileItSearchesForBordersNearEachOther) {
     soup.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   const auto polls = [&](double length) {
-    std::int64_t count = 0;
-    Job job;
-    job.at_poll = [&] { ++count; };
-    (void)clean(soup.vertices, soup.triangles, {.stitch = length, .threads = 1}, job);
-    return count;
+    Counting counting;
+    (void)clean(soup.vertices, soup.triangles, {.stitch = length, .threads = 1}, counting.job);
+    return counting.polls.load();
   };
   // Each border edge is compared to each other one: 50 ms are some 2 million pairs.
   const double pairs = std::pow(3.0 * kTriangles, 2);

@@ -174,8 +174,7 @@ TEST(FaceGraph, AFaceWithoutAreaTakesItsNeighboursNormal) {
 }
 
 TEST(FaceGraph, TinyFacesNextToALongOneWithoutAreaHaveTheirShares) {
-  Arrays a = shapes::plane(1);
-  for (Vec3& p : a.vertices) p *= 1e-25;
+  Arrays a = shapes::scaled(shapes::plane(1), 1e-25);
   for (const double x : {1.0, 2.0, 3.0}) a.vertices.emplace_back(x, 0, 0);
   a.triangles.push_back({4, 5, 6});
   const Mesh mesh = shapes::mesh(a);

@@ -1,4 +1,3 @@
-#include <atomic>
 #include <bit>
 #include <filesystem>
 #include <fstream>
@@ -247,12 +246,8 @@ TEST_F(PlyThreads, StripsAreReadBackAfterSharedVertices) {
 TEST_F(PlyThreads, ACancelEndsTheReading) {
   const fs::path path = save(written(triangles()));
   for (const int last : {1, 3, 8}) {
-    Job job;
-    std::atomic<int> polls{0};
-    job.at_poll = [&] {
-      if (++polls == last) job.cancel();
-    };
-    EXPECT_THROW(read_polygons(path, job, 3), Cancelled) << last;
+    Counting counting(last);
+    EXPECT_THROW(read_polygons(path, counting.job, 3), Cancelled) << last;
   }
 }
 

@@ -81,12 +81,8 @@ TEST(Triangulate, BadPolygonsGetSomeTriangles) {
 
 /// As triangles_of(), but gives up after so many polls: a measure of the work that is the same on every machine.
 Triangulation with_few_polls(const PolygonSoup& soup) {
-  Job job;
-  int polls = 0;
-  job.at_poll = [&] {
-    if (++polls > 1000) job.cancel();
-  };
-  return triangulate(soup, job);
+  Counting counting(1001);
+  return triangulate(soup, counting.job);
 }
 
 PolygonSoup outline(std::vector<Vec3> places) {

@@ -176,12 +176,10 @@ TEST(ManyHoles, AWallOfTwoRegionsIsOnePolygonUnlessOneIsLocked) {
 TEST(ManyHoles, WorkAHoleStaysTheSame) {
   const auto work_a_hole = [](int n) {
     const Mesh mesh = shapes::mesh(plate(n, 0.2));
-    std::int64_t polls = 0;
-    Job job;
-    job.at_poll = [&] { ++polls; };
-    const Partition six = partition(mesh, {.proxies = 6, .threads = 1}, job);
-    const std::int64_t partitioning = polls;
-    const MeshingWork work = polygonize(mesh, six, {}, job).report.work;
+    Counting counting;
+    const Partition six = partition(mesh, {.proxies = 6, .threads = 1}, counting.job);
+    const std::int64_t partitioning = counting.polls;
+    const MeshingWork work = polygonize(mesh, six, {}, job()).report.work;
     const double all = static_cast<double>(work.faces + work.corners + work.polygons);
     return std::array{static_cast<double>(partitioning) / (n * n), all / (n * n)};
   };

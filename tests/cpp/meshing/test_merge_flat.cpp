@@ -106,8 +106,7 @@ TEST(MergeFlat, GroupsStayApart) {
 }
 
 TEST(MergeFlat, FarFromZeroNothingMoves) {
-  shapes::Arrays cube = shapes::cube(5);
-  for (Vec3& v : cube.vertices) v += Vec3(4.6e6, 5.3e5, 120);
+  const shapes::Arrays cube = shapes::moved(shapes::cube(5), {4.6e6, 5.3e5, 120});
   const Mesh mesh = shapes::mesh(cube);
   const PolygonMesh made = merged(mesh).polygons;
   EXPECT_EQ(made.polygon_count(), 6);

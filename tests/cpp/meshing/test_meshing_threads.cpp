@@ -1,5 +1,4 @@
 // The polygons, and their report, are the same bit for bit on any number of threads.
-#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -74,13 +73,11 @@ TEST_P(MeshingOnThreads, GivesTheSameBits) {
   std::int64_t polls_of_one = 0;
   PolygonMesh one;
   for (const std::int32_t threads : {1, 3, 8}) {
-    std::atomic<std::int64_t> polls{0};
-    Job job;
-    job.at_poll = [&] { ++polls; };
-    PolygonMesh p = polygonize(mesh, regions, {.threads = threads}, job);
+    Counting counting;
+    PolygonMesh p = polygonize(mesh, regions, {.threads = threads}, counting.job);
     if (threads == 1) {
       one = std::move(p);
-      polls_of_one = polls;
+      polls_of_one = counting.polls;
       EXPECT_GT(GetParam().hard(one.report), 0);
       continue;
     }
@@ -91,7 +88,7 @@ TEST_P(MeshingOnThreads, GivesTheSameBits) {
     EXPECT_EQ(p.planarity, one.planarity) << threads << " threads";
     EXPECT_EQ(p.source_vertex, one.source_vertex) << threads << " threads";
     EXPECT_EQ(p.report, one.report) << threads << " threads";
-    EXPECT_EQ(polls, polls_of_one) << threads << " threads";
+    EXPECT_EQ(counting.polls, polls_of_one) << threads << " threads";
   }
 }
 

@@ -50,9 +50,7 @@ struct Box {
   explicit Box(double noise, const Vec3& at = Vec3::Zero()) : mesh(made(noise, at)), part(labels()) {}
 
   static Mesh made(double noise, const Vec3& at) {
-    shapes::Arrays a = shapes::noisy(shapes::cube(12), noise, 3);
-    for (Vec3& v : a.vertices) v += at;
-    return shapes::mesh(a);
+    return shapes::mesh(shapes::moved(shapes::noisy(shapes::cube(12), noise, 3), at));
   }
   static Partition labels() { return labelled::planes(shapes::mesh(shapes::cube(12))); }
 };

@@ -18,8 +18,7 @@ TEST(Raggedness, AnUnevenBorderHasSome) {
 }
 
 TEST(Raggedness, SmallCleanHolesDoNotOutvoteALongBorder) {
-  shapes::Arrays arrays = shapes::noisy(shapes::plane(16), 0.02, 1), small = shapes::plane(8);
-  for (Vec3& v : small.vertices) v *= 0.15;
+  shapes::Arrays arrays = shapes::noisy(shapes::plane(16), 0.02, 1), small = shapes::scaled(shapes::plane(8), 0.15);
   for (int k = 0; k < 6; ++k) arrays = shapes::both(arrays, small, {3, 1.0 * k, 0});
   EXPECT_GT(raggedness_of(arrays, 4.0 / 16), 1e-3);
 }

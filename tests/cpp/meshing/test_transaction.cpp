@@ -2,6 +2,7 @@
 #include <bit>
 #include <cstring>
 
+#include "complex/state.h"
 #include "complex/transaction.h"
 #include "labelled.h"
 #include "tests.h"

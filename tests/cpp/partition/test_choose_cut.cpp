@@ -120,9 +120,7 @@ TEST(Detail, LeavesAClosedPartFourRegions) {
 }
 
 TEST(Detail, LeavesSpecksOut) {
-  Arrays speck = shapes::cube(1);
-  for (Vec3& v : speck.vertices) v *= 0.01;
-  const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(6), speck, Vec3(3, 0, 0)));
+  const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(6), shapes::scaled(shapes::cube(1), 0.01), Vec3(3, 0, 0)));
   const DetailTree tree(mesh, {.noise = 0}, job());
   const Regions regions = tree.regions(mesh, tree.choose(0.01, true), Threads(1), job());
   EXPECT_EQ(regions.count(), 6);

@@ -124,11 +124,9 @@ TEST_P(Hubs, MergeAsInASearchOfAllPairs) {
 
 TEST(Greedy, PollsWhileItMerges) {
   const Case c = houses(1, 5000, 0.0, 0.0, 1);
-  std::int64_t polls = 0;
-  Job job;
-  job.at_poll = [&] { ++polls; };
-  (void)merge_greedily(rows_of(c), c.sum, std::vector<std::int32_t>{1}, 2, job);
-  EXPECT_GE(polls, 4);
+  Counting counting;
+  (void)merge_greedily(rows_of(c), c.sum, std::vector<std::int32_t>{1}, 2, counting.job);
+  EXPECT_GE(counting.polls, 4);
 }
 
 INSTANTIATE_TEST_SUITE_P(Greedy, Hubs,

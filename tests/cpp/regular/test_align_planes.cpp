@@ -217,11 +217,9 @@ TEST(AlignPlanes, ItAndRegularisePollForEachRegion) {
   for (std::size_t f = 0; f < label.size(); ++f) label[f] = static_cast<std::int32_t>(f);
   const Partition part = partition_from(mesh, label, job());
   const auto polls = [&](const auto& call) {
-    Job counted;
-    int count = 0;
-    counted.at_poll = [&] { ++count; };
-    call(counted);
-    return count;
+    Counting counting;
+    call(counting.job);
+    return counting.polls.load();
   };
   EXPECT_GE(polls([&](Job& j) { (void)align_planes(mesh, part, std::vector{0}, Align::level, kUp, 1.0, j); }),
             part.region_count());

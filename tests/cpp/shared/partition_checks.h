@@ -20,13 +20,18 @@ inline const Mesh& ring() {
 
 /// A cube, and a separate cube so small that it is left out.
 inline Mesh cube_and_speck() {
-  shapes::Arrays speck = shapes::cube(2);
-  for (Vec3& v : speck.vertices) v *= 0.02;
-  return shapes::mesh(shapes::both(shapes::cube(6), speck, {3, 3, 3}));
+  return shapes::mesh(shapes::both(shapes::cube(6), shapes::scaled(shapes::cube(2), 0.02), {3, 3, 3}));
 }
 
 inline Partition run(const Mesh& mesh, const PartitionOptions& options) { return partition(mesh, options, job()); }
 inline Partition run(const Mesh& mesh, std::int32_t proxies) { return run(mesh, {.proxies = proxies}); }
+
+inline std::vector<std::int32_t> faces_of(const Partition& part, std::int32_t region) {
+  std::vector<std::int32_t> faces;
+  for (std::size_t f = 0; f < part.face_region.size(); ++f)
+    if (part.face_region[f] == region) faces.push_back(static_cast<std::int32_t>(f));
+  return faces;
+}
 
 /// The inner edges both ends of which satisfy a condition.
 template <class Condition>
@@ -56,8 +61,10 @@ inline double error_of(const Mesh& mesh, const Partition& p) {
 }
 
 /// All promises of a partition for every mesh, except its history.
-inline void expect_sound_regions(const Mesh& mesh, const Partition& p) {
+/// \param wanted  the number of regions; kNone: any
+inline void expect_sound_regions(const Mesh& mesh, const Partition& p, std::int32_t wanted = kNone) {
   const std::int32_t regions = p.region_count();
+  EXPECT_TRUE(wanted == kNone || regions == wanted) << regions << " regions, not " << wanted;
   ASSERT_EQ(p.face_region.size(), static_cast<std::size_t>(mesh.face_count()));
   ASSERT_EQ(p.region_normal.size(), p.region_seed.size());
   ASSERT_EQ(p.region_sum.size(), p.region_seed.size());
@@ -98,8 +105,8 @@ inline void expect_sound_regions(const Mesh& mesh, const Partition& p) {
 }
 
 /// All promises of a partition for every mesh, where no round may end above the one before.
-inline void expect_sound(const Mesh& mesh, const Partition& p) {
-  expect_sound_regions(mesh, p);
+inline void expect_sound(const Mesh& mesh, const Partition& p, std::int32_t wanted = kNone) {
+  expect_sound_regions(mesh, p, wanted);
   if (testing::Test::HasFatalFailure()) return;
   EXPECT_LE(p.error, *std::min_element(p.history.begin(), p.history.end()) + 1e-12 * mesh.report().area);
 }

@@ -126,6 +126,16 @@ Arrays perforated(int w, int h, double thickness, const std::function<bool(int x
   return a;
 }
 
+Arrays scaled(Arrays a, double by) {
+  for (Vec3& v : a.vertices) v *= by;
+  return a;
+}
+
+Arrays moved(Arrays a, const Vec3& by) {
+  for (Vec3& v : a.vertices) v += by;
+  return a;
+}
+
 Arrays both(const Arrays& a, const Arrays& b, const Vec3& offset) {
   Arrays sum = a;
   const auto shift = static_cast<std::int32_t>(a.vertices.size());

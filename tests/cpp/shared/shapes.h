@@ -24,6 +24,8 @@ Arrays sphere(int levels);
 Arrays torus(int nu, int nv, double r = 0.4);
 /// A closed box of w by h unit cells with holes through the open ones. Corners that no cell has are there too.
 Arrays perforated(int w, int h, double thickness, const std::function<bool(int x, int y)>& is_open);
+Arrays scaled(Arrays a, double by);
+Arrays moved(Arrays a, const Vec3& by);
 /// Two meshes as one, `b` moved by `offset`.
 Arrays both(const Arrays& a, const Arrays& b, const Vec3& offset);
 /// The same surface with its faces in another order, drawn by `seed`.

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -31,6 +32,17 @@ inline Job& job() {
   static Job shared;
   return shared;
 }
+
+/// A job that counts its polls, and is cancelled at the poll `stop` if that is above 0.
+struct Counting {
+  explicit Counting(std::int64_t stop = 0) {
+    job.at_poll = [this, stop] {
+      if (++polls == stop) job.cancel();
+    };
+  }
+  Job job;
+  std::atomic<std::int64_t> polls{0};
+};
 
 /// The message of the error that `call` throws.
 template <class Error = InvalidInput, class Call>

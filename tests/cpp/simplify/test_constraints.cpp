@@ -1,7 +1,5 @@
 // Partitions under constraints: barriers, cuts that end inside a region, locked regions, parts of a mesh.
 
-#include <atomic>
-
 #include "isimp/interact/lock.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/part_of.h"
@@ -14,6 +12,7 @@ namespace {
 
 using checks::bumpy;
 using checks::edges_where;
+using checks::faces_of;
 
 Partition run(const Mesh& mesh, const PartitionOptions& options, const Constraints& constraints) {
   return Partitioner(mesh).run(options, constraints, job());
@@ -32,13 +31,6 @@ std::int64_t inside(const Mesh& mesh, const Partition& part, const std::vector<V
 Partition with_locked(const Mesh& mesh, const PartitionOptions& options, int count) {
   const Partition part = partition(mesh, options, job());
   return set_locked(mesh, part, std::span(part.region_seed).first(count), kLocked);
-}
-
-std::vector<std::int32_t> faces_of(const Partition& part, std::int32_t region) {
-  std::vector<std::int32_t> faces;
-  for (std::size_t f = 0; f < part.face_region.size(); ++f)
-    if (part.face_region[f] == region) faces.push_back(static_cast<std::int32_t>(f));
-  return faces;
 }
 
 std::vector<std::int32_t> upper_faces(const Mesh& mesh) {
@@ -268,14 +260,12 @@ TEST(Constraints, APartIsCutOffOnce) {
   const Mesh& mesh = bumpy();
   const Partitioner kept(mesh);
   const auto polls = [&](const std::vector<std::int32_t>& faces) {
-    std::atomic<int> count{0};
-    Job job;
-    job.at_poll = [&] { ++count; };
-    (void)kept.run({.proxies = 30, .threads = 1}, {.faces = faces}, job);
-    return count.load();
+    Counting counting;
+    (void)kept.run({.proxies = 30, .threads = 1}, {.faces = faces}, counting.job);
+    return counting.polls.load();
   };
   const std::vector<std::int32_t> faces = upper_faces(mesh);
-  const int first = polls(faces), again = polls(faces);
+  const std::int64_t first = polls(faces), again = polls(faces);
   EXPECT_LT(again, first);
   (void)polls({faces.begin(), faces.begin() + 300});
   EXPECT_EQ(polls(faces), first) << "the last one is kept";

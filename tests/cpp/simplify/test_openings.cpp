@@ -67,8 +67,7 @@ TEST(Openings, ThatAreNotThereNeedNoLength) {
 
 TEST(Openings, AreMeasuredWithoutTheSmallestComponents) {
   const shapes::Arrays specks = shapes::both(shapes::cube(1), shapes::plane(1), {5, 0, 0});
-  shapes::Arrays scan = shapes::cube(4);
-  for (Vec3& v : scan.vertices) v *= 2;
+  const shapes::Arrays scan = shapes::scaled(shapes::cube(4), 2);
   const Mesh mesh = shapes::mesh(shapes::both(scan, specks, {0, 0, 5}));
   const std::int32_t large = 12 * 16, all = large + 12 + 2;
   ASSERT_EQ(mesh.face_count(), all);

@@ -101,18 +101,12 @@ TEST(Distances, CanBeCancelledAtEveryPoll) {
   const auto run = [](Job& job) {
     (void)scan_distances(ring().mesh, ring().part, ring().polygons, {.threads = 1}, job);
   };
-  int all = 0;
-  Job counted;
-  counted.at_poll = [&] { ++all; };
-  run(counted);
-  EXPECT_GT(all, ring().mesh.vertex_count() / 64);
-  for (int stop = 1; stop <= all; ++stop) {
-    int polls = 0;
-    Job job;
-    job.at_poll = [&] {
-      if (++polls == stop) job.cancel();
-    };
-    EXPECT_THROW(run(job), Cancelled) << "at poll " << stop;
+  Counting all;
+  run(all.job);
+  EXPECT_GT(all.polls, ring().mesh.vertex_count() / 64);
+  for (int stop = 1; stop <= all.polls; ++stop) {
+    Counting counting(stop);
+    EXPECT_THROW(run(counting.job), Cancelled) << "at poll " << stop;
   }
 }
 
