@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kImproveSweeps = 200;  // limit: sweeps of the borders before the first teleport
 // tuned edits
-constexpr int kTries = 50;  // teleports in a row without gain that end a round
+constexpr int kTries = 50;  // limit: teleports in a row without gain that end a round
 
 /// The regions that may change, by graph index; all other faces count as left out.
 Regions free_regions(const Edit& edit, std::vector<std::int32_t>& region_of) {

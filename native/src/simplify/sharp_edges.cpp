@@ -6,7 +6,6 @@
 #include <map>
 #include <numbers>
 #include <queue>
-#include <set>
 #include <span>
 #include <tuple>
 
@@ -28,8 +27,6 @@ constexpr double kMostAngle = 150.0;  // from here on they are the two faces of 
 // tuned real
 constexpr double kSpareAngle = 20.0;      // degrees that the angles to both may be more than that
 constexpr double kOfNormal = 0.25;        // weight of the squared difference of normals; the distance in widths has 1
-constexpr double kOff = 0.5;              // share of the width: largest distance of a strip's faces from their planes
-constexpr double kMostOff = 0.9;          // share of the faces that are
 constexpr int kRounds = 3;                // limit
 constexpr std::size_t kBesideLooked = 3;  // limit
 // tuned houses
@@ -62,20 +59,15 @@ class Sharpener {
   /// \return whether any strip was removed
   bool run() {
     bool any = false;
-    std::set<std::int32_t> stay;
     for (int round = 0; round < kRounds; ++round) {
       measure();
       std::vector<std::int32_t> strips = find_strips();
-      std::erase_if(strips, [&](std::int32_t r) { return stay.contains(r); });
       strips.resize(std::min(strips.size(), spare_));
       if (strips.empty()) break;
-      const std::vector<std::int32_t> before = label_;
       flood(strips);
-      const std::size_t back = take_back(strips, before, stay);
       join_pieces();
-      spare_ -= strips.size() - back;
-      any = any || back < strips.size();
-      if (back == strips.size()) break;
+      spare_ -= strips.size();
+      any = true;
     }
     return any;
   }
@@ -154,7 +146,7 @@ class Sharpener {
     return kOfNormal * turned + off * off;
   }
 
-  /// Adds the faces of strips to the adjacent regions, the cheapest first.
+  /// Adds the faces of strips to the adjacent regions, the cheapest first. Faces that none can reach stay.
   void flood(std::span<const std::int32_t> strips) {
     std::vector<bool> free(regions_.size(), false);
     for (const std::int32_t r : strips) free[r] = true;
@@ -162,6 +154,7 @@ class Sharpener {
     for (const std::int32_t r : strips)
       for (const auto& [other, length] : regions_[r].beside)
         if (!free[other]) round[other];
+    const std::vector<std::int32_t> before = label_;
     for (std::size_t f = 0; f < label_.size(); ++f) {
       const std::int32_t r = label_[f];
       if (r == kNone) continue;
@@ -193,31 +186,8 @@ class Sharpener {
       label_[f] = r;
       offer(f, r);
     }
-  }
-
-  /// Restores strips whose faces are too far from the planes of their new regions.
-  /// \return the number of restored strips
-  std::size_t take_back(std::span<const std::int32_t> strips, const std::vector<std::int32_t>& before,
-                        std::set<std::int32_t>& stay) {
-    std::map<std::int32_t, std::vector<double>> off;
-    for (const std::int32_t r : strips) off[r];
-    for (std::size_t f = 0; f < label_.size(); ++f) {
-      if (label_[f] == before[f]) continue;
-      const bool found = label_[f] != kFree;
-      off[before[f]].push_back(found ? off_plane(static_cast<std::int32_t>(f), label_[f]) : 2 * width_);
-    }
-    std::set<std::int32_t> back;
-    for (auto& [r, distances] : off) {
-      if (distances.empty()) continue;
-      const auto at =
-          distances.begin() + static_cast<std::ptrdiff_t>(kMostOff * static_cast<double>(distances.size() - 1));
-      std::nth_element(distances.begin(), at, distances.end());
-      if (*at > kOff * width_) back.insert(r);
-    }
     for (std::size_t f = 0; f < label_.size(); ++f)
-      if (back.contains(before[f])) label_[f] = before[f];
-    stay.insert(back.begin(), back.end());
-    return back.size();
+      if (label_[f] == kFree) label_[f] = before[f];
   }
 
   /// Keeps only the largest piece of a region in several pieces. Each other piece joins the region it touches most.

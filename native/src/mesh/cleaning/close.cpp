@@ -13,9 +13,8 @@ namespace {
 
 constexpr int kClosePasses = 8;  // limit
 // tuned real
-constexpr double kOffPlane = 0.1;    // deviation of a flat hole's border from its plane, share of sqrt(its area)
-constexpr double kFlatCosine = 0.9;  // the same for the angle between that plane and the faces around the hole
-constexpr double kAlike = 0.7;       // length of the mean of their normals
+constexpr double kOffPlane = 0.1;  // deviation of a flat hole's border from its plane, share of sqrt(its area)
+constexpr double kAlike = 0.7;     // mean cosine between that plane and the faces around the hole
 
 double area(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).cross(c - a).norm(); }
 
@@ -54,7 +53,7 @@ bool is_flat(const MeshArrays& arrays, const std::vector<std::int32_t>& border) 
   }
   const auto count = static_cast<double>(border.size());
   const Vec3 normal = doubled.normalized(), centre = middle / count;
-  if (normals.norm() < kAlike * count || normals.normalized().dot(normal) < kFlatCosine) return false;
+  if (normals.dot(normal) < kAlike * count) return false;
   double squares = 0;
   for (const std::int32_t h : border) {
     const double d = (point(h, 0) - origin - centre).dot(normal);

@@ -121,10 +121,10 @@ class HandleLoops {
   static constexpr double kFar = std::numeric_limits<double>::infinity();  // mark
   // tuned repairs
   static constexpr std::size_t kAhead = 8;    // work: vertices ahead of the current one whose neighbours are prefetched
-  static constexpr std::size_t kSample = 16;  // faces from one edge that is measured to the next
-  static constexpr std::size_t kMostReached = 4;         // starts are halved in one group while their trees together
-                                                         // have fewer than this many times (edges + starts) edges
-  static constexpr std::size_t kMostBuckets = 1U << 16;  // the last one has all that is farther
+  static constexpr std::size_t kSample = 16;  // work: faces from one edge that is measured to the next
+  static constexpr std::size_t kMostReached = 4;  // work: starts are halved in one group while their trees together
+                                                  // have fewer than this many times (edges + starts) edges
+  static constexpr std::size_t kMostBuckets = 1U << 16;  // work: the last one has all that is farther
 
   [[nodiscard]] std::int32_t from(std::int32_t h) const { return arrays_.triangles[h / 3][h % 3]; }
   [[nodiscard]] std::int32_t to(std::int32_t h) const { return from(Mesh::next(h)); }

@@ -81,7 +81,6 @@ class State {
   // Changes of polygons, as in Complex. Charts with changed diagonals are an argument of `update`.
   void add_corner(std::int32_t vertex) { complex_.add_corner(vertex); }
   bool drop_corner(std::int32_t vertex) { return complex_.drop_corner(vertex); }
-  bool bend(std::int32_t chord) { return complex_.bend(chord); }
   /// The corner at a vertex, a new one if there is none.
   std::int32_t corner_at(std::int32_t vertex) { return corners_.at(vertex); }
   void set_diagonals(std::int32_t chart, std::vector<std::array<std::int32_t, 2>> all) {

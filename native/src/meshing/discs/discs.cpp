@@ -17,7 +17,7 @@ constexpr std::size_t kManyOpenings = 24;
 /// would not fit its neighbours.
 constexpr double kOpeningsARegion = 4;
 constexpr double kOfFlat = 2;  ///< openings per region if all sides are planes, so that walls are known
-/// Most handles that are cut one by one, each in time for all faces of the chart. A chart with more is halved first.
+/// limit: handles that are cut one by one, each in time for all faces of the chart. A chart with more is halved first.
 constexpr std::int32_t kFewHandles = 64;
 
 /// Two faces of the chart in different sectors of a vertex where it touches itself.

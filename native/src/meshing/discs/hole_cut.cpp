@@ -14,7 +14,7 @@ namespace {
 // tuned holes
 constexpr double kTurn = 0.1;        ///< a sharp turn costs as much as a straight link of 1 / kTurn times the length
 constexpr double kAgain = 4;         ///< factor on the cost of a link to a loop that has been reached
-constexpr double kAgainOfFew = 1e6;  ///< such a factor where loops are few: one chain is to reach all of them
+constexpr double kAgainOfFew = 1e6;  ///< mark: such a factor where loops are few: one chain is to reach all of them
 constexpr std::size_t kFew = 8;      ///< most loops that are few
 constexpr std::size_t kRow = 12;     ///< holes of a row that one polygon may lie at
 constexpr std::int32_t kMostBetweenLoops = 8;  ///< limit: links that are kept between the same two loops

@@ -34,7 +34,7 @@ bool fits(std::span<const Vec3> line, std::size_t first, std::size_t last, doubl
 /// Moves each kept point to where the two chords that meet there fit best, while both stay within reach.
 void slide(std::span<const Vec3> line, double reach, std::vector<std::size_t>& kept) {
   // tuned unrecorded
-  constexpr std::size_t kFar = 8;  // points that are tried on each side
+  constexpr std::size_t kFar = 8;  // limit: points that are tried on each side
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const std::size_t before = i > 0 ? kept[i - 1] : 0, after = i + 1 < kept.size() ? kept[i + 1] : line.size() - 1;
     const std::size_t low = std::max(before + 1, kept[i] > kFar ? kept[i] - kFar : 0),

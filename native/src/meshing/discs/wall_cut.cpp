@@ -22,8 +22,6 @@ constexpr double kCostLeftOut = 0.3;  ///< cost of a hole that the chain leaves 
 constexpr double kApart =
     0.5;  ///< least distance of two cuts of one hole to the outline, as a share of its smaller side
 constexpr double kOverlap = 0.5;  ///< least overlap of two holes of a row, as a share of the smaller one
-constexpr double kWide = 0.2;     ///< distance of a path from its straight cut at most, as a share of its length ...
-constexpr double kEdges = 3;      ///< ... but at least this number of edges of the mesh
 constexpr double kOffCut = 3;     ///< extra cost of each step of a path, times its distance from the straight cut
 constexpr int kChainTries = 4;    ///< limit: chains that are tried, each without the cuts that the mesh has no path for
 
@@ -226,9 +224,8 @@ class Paths {
         const std::int32_t w = mesh_.to(h);
         if (cutter_.labels.label[h / 3] != chart_ || !cutter_.labels.inner(h) || cutter_.blocked.has(w)) return;
         if (w != to && cutter_.vertex_marks.has(w)) return;
-        const double edge = (mesh_.vertices()[w] - mesh_.vertices()[v]).norm(), away = off(w);
-        if (away > std::max(kWide * length, kEdges * edge)) return;
-        search.reach(w, search.distance[v] + edge + kOffCut * away, h);
+        const double edge = (mesh_.vertices()[w] - mesh_.vertices()[v]).norm();
+        search.reach(w, search.distance[v] + edge + kOffCut * off(w), h);
       });
     }
     if (!search.reached.has(to)) return false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -18,7 +19,6 @@ namespace {
 constexpr int kSlideRounds = 2;             // passes over all corners
 constexpr int kSlideDirections = 8;         // directions in which each is tried
 constexpr std::array kSteps = {0.2, 0.08};  // largest move of a corner in a round, in sqrt(area / charts)
-constexpr double kSlideReach = 0.3;         // largest move in all, in the same unit
 constexpr double kOffPlanes = 0.4;          // distance from its planes, in deviations of the scan from them
 // tuned needles
 constexpr double kOfNeedle = 4;  // degrees above kReflex that one below kNeedle counts as
@@ -136,9 +136,9 @@ class CornerSlider {
     const auto [values, vectors] = direct_spectrum_of(a);
     Freedom free;
     for (int k = 0; k < 2; ++k) {  // the third direction is normal to the planes
-      const double away = std::sqrt(std::max(0.0, values[k])), reach = kSlideReach * size_;
+      const double away = std::sqrt(std::max(0.0, values[k]));
       free.along[k] = vectors.col(k);
-      free.most[k] = away * reach > off_ ? off_ / away : reach;
+      free.most[k] = away > 0 ? off_ / away : std::numeric_limits<double>::infinity();
     }
     return free;
   }

@@ -20,7 +20,7 @@ constexpr double kMostTurn = 0.2;   ///< largest turn of a plane in a round, rad
 constexpr double kDamping = 1e-9;   ///< rounding: share of the square diagonal, for a system that is singular
 constexpr double kQuiet = 0.15;     ///< noise, as a share of the reach, below which a plane costs more
 constexpr double kPower = 3;        ///< power of the ratio of that noise to the plane's: factor on the cost
-constexpr double kMostTrust = 1e4;  ///< largest such factor
+constexpr double kMostTrust = 1e4;  ///< limit: largest such factor
 constexpr double kTooFar = 4;       ///< times the usual noise: planes that were moved by more cost more
 constexpr double kDearer = 4;       ///< largest increase of that cost in one round, as a factor
 

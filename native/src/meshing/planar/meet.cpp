@@ -18,9 +18,8 @@ constexpr std::size_t kMostPlanes = 7;  ///< limit: planes at a corner that are 
 constexpr int kRefinements = 3;         ///< work: of a least squares point
 constexpr double kRank = 1e-7;          ///< rounding: singular values below this share of the largest fix nothing
 // tuned planar
-constexpr double kOfTriangle = 0.25;  ///< weight of the given plane of a triangle, which is planar without it
-constexpr double kOfMissed = 0.5;     ///< weight of the plane of a polygon that is cut already
-constexpr double kOfArea = 0.5;       ///< weight of a unit's share of the area at a corner, added to 1
+constexpr double kOfMissed = 0.5;  ///< weight of the plane of a polygon that is cut already
+constexpr double kOfArea = 0.5;    ///< weight of a unit's share of the area at a corner, added to 1
 
 struct Candidate {
   std::int32_t unit, place;
@@ -66,7 +65,7 @@ class Corner {
     for (const auto& [u, place] : uses) area += units[u].scan.area;
     for (const auto& [u, place] : uses) {
       if (!units[u].binds()) continue;
-      const double one = units[u].loop.size() == 3 ? kOfTriangle : units[u].missed ? kOfMissed : 1;
+      const double one = units[u].missed ? kOfMissed : 1;
       all_.push_back({u, place, one * (1 + kOfArea * units[u].scan.area / std::max(area, kTiny))});
     }
     std::stable_sort(all_.begin(), all_.end(), [](const auto& a, const auto& b) { return a.weight > b.weight; });

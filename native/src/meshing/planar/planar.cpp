@@ -16,7 +16,7 @@ namespace isimp::meshing::planar {
 namespace {
 
 // tuned planar
-constexpr int kGentle = 12;       ///< rounds in which corners that are held back keep half their way
+constexpr int kGentle = 12;       ///< limit: rounds in which corners that are held back keep half their way
 constexpr std::size_t kFew = 12;  ///< most corners of a unit that is triangulated before its corners are held back
 constexpr std::array kShares{0.95, 0.5, 0.25, 0.0};  ///< shares of its way kept by a corner that mends a defect
 constexpr double kWhole = 1.5;   ///< cost of the first corner that a polygon loses; each further one costs 1

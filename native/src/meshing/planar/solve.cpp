@@ -9,7 +9,7 @@ namespace {
 
 // tuned planar
 constexpr int kPasses = 4;     ///< fits, all but the first without the corners that did not fit
-constexpr int kReleases = 12;  ///< most rounds in which snapped planes are released
+constexpr int kReleases = 12;  ///< limit: rounds in which snapped planes are released
 /// Share of a polygon's corners on too few planes, above which its plane is released. Source: own trials.
 constexpr double kTooMany = 0.3;
 constexpr Schedule kFirst{20, 1, 1e6}, kReleased{10, 1, 1e6}, kAgain{8, 10, 1e6};

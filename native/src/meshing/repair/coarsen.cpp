@@ -21,12 +21,9 @@ constexpr std::int32_t kChartsAThread = 256;  ///< work: charts in which one thr
 // tuned unions
 constexpr double kError = 1, kSquare = 3;
 
-// Times the bound: new places flatten 1 in 60 of the unions that are bent less, and 1 in 500 of the others. Source: own
-// trials, eight scans.
-constexpr double kFarTooBent = 3;
-
 // tuned holes
-constexpr std::size_t kLongRow = 128;  ///< chords of two parts of a row of holes that stay apart if they have more
+constexpr std::size_t kLongRow =
+    128;  ///< limit: chords of two parts of a row of holes that stay apart if they have more
 
 /// Whether a union may hold with its corners where they are, at other places only, or not at all.
 enum class Forecast { possible, bent, hopeless };
@@ -189,7 +186,7 @@ class Coarsener {
   }
 
   /// Predicts the union of two charts with the given loop from its corners where they are. A union is hopeless
-  /// if it crosses itself there and on the mesh, or if it is bent far beyond the bound.
+  /// if it crosses itself there and on the mesh.
   [[nodiscard]] Forecast foresee(std::span<const std::int32_t> loop, const Candidate& c) const {
     std::vector<std::int32_t> polygon;
     std::vector<Vec3> placed, home;
@@ -207,8 +204,7 @@ class Coarsener {
     const Bounds bounds{.thickness = defects_.bounds().thickness};
     const PolygonDefects here = judge_polygon(polygon, placed, normal, bounds);
     if (here.kinds != 0 && judge_polygon(polygon, home, normal, bounds).kinds != 0) return Forecast::hopeless;
-    if (most <= 0 || here.bend <= most) return Forecast::possible;
-    return here.bend <= kFarTooBent * most ? Forecast::bent : Forecast::hopeless;
+    return most <= 0 || here.bend <= most ? Forecast::possible : Forecast::bent;
   }
 
   State& s_;

@@ -18,7 +18,7 @@ namespace {
 // tuned unrecorded
 constexpr double kSurplus = 1.5;        // regions before the last merging, as a multiple of the wanted number
 constexpr double kSmoothSurplus = 2.2;  // such a multiple if borders count too
-constexpr int kTries = 4;               // teleports without gain
+constexpr int kTries = 4;               // limit: teleports without gain
 // tuned nodes
 constexpr std::int64_t kNodesOfRegion = 30;  // nodes for each region of a level that is relaxed before the patches are
 // tuned unrecorded

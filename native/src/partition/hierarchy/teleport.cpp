@@ -21,14 +21,14 @@ constexpr std::int64_t kRenewals =
          // region with hundreds around it would try for long
 constexpr double kLeastFall = 1e-3;  // share of the error: the least fall in a round that is worth another
 constexpr double kLeastGain = 1e-7;  // rounding: share of the whole area: less is rounding
-/// Faces of all regions that were split, as a multiple of the surface's faces: the last round begins below it.
-/// Otherwise few regions that share the walls of thousands of holes would exchange these one by one.
+/// limit: faces of all regions that were split, as a multiple of the surface's: the last round begins below it. Else few
+/// regions that share the walls of thousands of holes would exchange these one by one.
 constexpr std::int64_t kMoves = 24;
 
-/// From so many regions on both limits shrink with their number: the error can fall but little by each of many.
+/// limit: from so many regions on both limits shrink with their number: the error can fall but little by each of many.
 constexpr double kFewRegions = 30;
-constexpr double kLeastWork = 0.5;  // least limit for many regions, as a multiple of the surface's faces
-constexpr int kVain = 3;            // neighbours in a row without gain that end the tries for a region
+constexpr double kLeastWork = 0.5;  // limit: the least of these, as a multiple of the surface's faces
+constexpr int kVain = 3;            // limit: neighbours in a row without gain that end the tries for a region
 
 }  // namespace
 
