@@ -1,6 +1,5 @@
 #include "cell.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -50,6 +49,12 @@ Vec3 mean_of(std::span<const Vec3> loop) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3& p : loop) sum += p;
   return sum / static_cast<double>(loop.size());
+}
+
+Eigen::AlignedBox3d box_of(std::span<const Vec3> points) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : points) box.extend(p);
+  return box;
 }
 
 std::array<Loop, 2> divide(const Loop& loop, const Plane& plane, double snap) {
@@ -110,13 +115,8 @@ void Cell::measure() {
   for (const CellFace& face : faces)
     for (const Vec3& p : face.loop)
       if (std::ranges::find(corners, p) == corners.end()) corners.push_back(p);
-  center = low = high = corners.empty() ? Vec3::Zero() : corners[0];
-  for (std::size_t i = 1; i < corners.size(); ++i) {
-    center += corners[i];
-    low = low.cwiseMin(corners[i]);
-    high = high.cwiseMax(corners[i]);
-  }
-  center /= static_cast<double>(std::max<std::size_t>(corners.size(), 1));
+  box = box_of(corners);
+  center = corners.empty() ? Vec3(Vec3::Zero()) : mean_of(corners);
   volume = 0;
   for (const CellFace& face : faces)
     volume += area_vector(face.loop).dot(face.loop[0] - center) * (face.up ? 1 : -1) / 3;

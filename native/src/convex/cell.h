@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -21,6 +22,7 @@ using Loop = std::vector<Vec3>;  ///< a convex polygon
 
 Vec3 area_vector(std::span<const Vec3> loop);
 Vec3 mean_of(std::span<const Vec3> loop);
+Eigen::AlignedBox3d box_of(std::span<const Vec3> points);
 
 /// The parts of a convex polygon above and below a plane; one without area has no corners. Corners within `snap` of the
 /// plane are on it.
@@ -43,7 +45,7 @@ struct Cell {
   std::vector<Vec3> corners;  ///< each at least once
   double volume = 0;
   Vec3 center = Vec3::Zero();  ///< mean of its corners
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+  Eigen::AlignedBox3d box;
 
   /// The lowest and highest of its corners over a plane.
   [[nodiscard]] std::array<double, 2> heights(const Plane& plane) const;

@@ -12,7 +12,6 @@ namespace isimp::convex {
 namespace {
 
 // tuned colliders
-constexpr double kPad = 0.01;          // share of the diagonal, around the solid
 constexpr double kDoubtful = 0.25;     // turns off a whole number
 constexpr double kMostDoubtful = 0.1;  // share of the volume
 
@@ -91,7 +90,7 @@ Cells sorted_out(std::vector<Cell>&& cells, const Solid& solid, const Vec3& orig
     throw InvalidInput("the surface is open: it does not say whether " + place(worst->center + origin) +
                        " is inside. Close its holes first, or set a thickness");
   if (inside == 0)
-    throw InvalidInput("the surface encloses no volume around " + place((solid.low + solid.high) / 2 + origin) +
+    throw InvalidInput("the surface encloses no volume around " + place(solid.box.center() + origin) +
                        ". Set a thickness");
   for (std::size_t c = 0; c < cells.size(); ++c)
     (winding[c] >= 0.5 ? made.inside : made.outside).push_back(std::move(cells[c]));
@@ -101,9 +100,9 @@ Cells sorted_out(std::vector<Cell>&& cells, const Solid& solid, const Vec3& orig
 }  // namespace
 
 Cells cells_of(Solid& solid, const Vec3& origin, Job& job) {
-  const Vec3 pad = Vec3::Constant(kPad * (solid.high - solid.low).norm());
+  const Vec3 pad = Vec3::Constant(2 * kTolerance * solid.box.diagonal().norm());
   std::vector<Node> open(1);
-  open[0].cell = box_cell(solid.low - pad, solid.high + pad, solid.planes);
+  open[0].cell = box_cell(solid.box.min() - pad, solid.box.max() + pad, solid.planes);
   const double whole = open[0].cell.volume;
   double done = 0;
   for (std::size_t f = 0; f < solid.facets.size(); ++f)

@@ -20,10 +20,9 @@ using convex::Piece;
 using convex::Pieces;
 
 // tuned colliders
-constexpr std::size_t kSmall = 100;  // cells of a piece for which cuts are tried to their end
-constexpr std::int32_t kFew = 16;    // parts that such a piece may become
-constexpr std::size_t kTried = 8;    // such cuts
+constexpr std::int32_t kFew = 16;    // cuts of a piece that are tried to their end, and parts that it may become then
 constexpr std::int32_t kMore = 3;    // times the wanted parts are cut before they are merged
+constexpr std::size_t kSmall = 100;  // limit: cells of such a piece
 
 /// Removes the piece with the largest missing volume and returns it.
 Piece take_worst(std::vector<Piece>& open) {
@@ -57,7 +56,7 @@ std::int32_t best_plane(const Pieces& pieces, const Piece& piece, Job& job) {
   if (piece.cells.size() > kSmall || planes.size() == 1) return planes[0];
   const auto [some, same] = pieces.alone(piece);
   std::int32_t best = planes[0], least = parts_after(some, same, best, kFew, job);
-  for (std::size_t i = 1; i < std::min(planes.size(), kTried) && least > 2 && least < kFew; ++i) {
+  for (std::size_t i = 1; i < std::min<std::size_t>(planes.size(), kFew) && least > 2 && least < kFew; ++i) {
     const std::int32_t parts = parts_after(some, same, planes[i], least, job);
     if (parts >= least) continue;
     least = parts;
@@ -207,13 +206,9 @@ std::vector<ConvexPart> convex_parts(const PolygonSoup& polygons, std::span<cons
     throw InvalidInput("parts can't be limited with a thickness: each polygon has a slab of its own");
   for (std::size_t i = 0; i < enclosed.size(); ++i)
     if (!enclosed[i].allFinite()) throw InvalidInput("point " + std::to_string(i) + " to enclose is not finite");
-  Vec3 low = Vec3::Zero(), high = low;
-  for (std::size_t i = 0; i < polygons.vertices.size(); ++i) {
-    low = i == 0 ? polygons.vertices[i] : low.cwiseMin(polygons.vertices[i]);
-    high = i == 0 ? polygons.vertices[i] : high.cwiseMax(polygons.vertices[i]);
-  }
-  const Vec3 origin = (low + high) / 2;
-  const double tolerance = options.tolerance > 0 ? options.tolerance : convex::kTolerance * (high - low).norm();
+  const Eigen::AlignedBox3d box = convex::box_of(polygons.vertices);
+  const Vec3 origin = box.center();  // not finite without vertices, which is refused below
+  const double tolerance = options.tolerance > 0 ? options.tolerance : convex::kTolerance * box.diagonal().norm();
   convex::Solid solid = convex::solid_of(polygons, region, origin, tolerance, job);
   std::vector<ConvexPart> made;
   if (options.thickness > 0) {

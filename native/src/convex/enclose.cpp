@@ -95,14 +95,14 @@ void enclose(std::vector<ConvexPart>& parts, std::span<const Vec3> points, doubl
   }
   for (std::size_t k = 0; k < parts.size(); ++k) {
     job.poll();
-    Vec3 low = parts[k].vertices[0], high = low;
+    Eigen::AlignedBox3d box;
     const auto cover = [&](const Vec3& p) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
+      box.extend(p);
       for (Plane& plane : planes[k]) plane.offset = std::max(plane.offset, plane.normal.dot(p));
     };
     for (const Vec3& p : parts[k].vertices) cover(p);
     for (const std::int32_t i : taken[k]) cover(points[i]);
+    const Vec3 low = box.min(), high = box.max();
     const double size = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
     for (double slack = kRounding * size;; slack *= 4) {
       job.poll();

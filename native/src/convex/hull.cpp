@@ -10,8 +10,7 @@
 namespace isimp::convex {
 namespace {
 
-// tuned colliders
-constexpr double kOutwards = 1e-3;  // weight of the distance from the middle among points that are as far out
+constexpr double kOutwards = 1e-6;  // rounding: weight of the distance from the middle among points that are as far out
 
 struct HullFacet {
   Triangle corners;
@@ -32,12 +31,9 @@ class Growing {
   /// Makes a tetrahedron of extreme points; false if all points lie in a plane.
   bool begin() {
     if (points_.size() < 4) return false;
-    Vec3 low = points_[0], high = low;
-    for (const Vec3& p : points_) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-    middle_ = (low + high) / 2;
+    Eigen::AlignedBox3d box;
+    for (const Vec3& p : points_) box.extend(p);
+    middle_ = box.center();
     // Each is a corner of the hull, since the maximum of a convex function is at a corner.
     std::array<std::int32_t, 4> corner{};
     corner[0] = farthest([&](const Vec3& p) { return (p - middle_).norm(); });

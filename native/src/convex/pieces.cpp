@@ -13,12 +13,15 @@
 namespace isimp::convex {
 namespace {
 
-constexpr int kGridBits = 20;  // rounding: steps in the diagonal: the range of the integers in hull_of
+constexpr int kGridBits = 20;             // rounding: steps in the diagonal: the range of the integers in hull_of
+constexpr std::size_t kMostChances = 24;  // limit: planes that are tried in full for one cut
+constexpr double kNothing = 1e-9;         // rounding: share of its volume that a convex piece lacks
 // tuned colliders
-constexpr std::size_t kMostChances = 24;  // planes that are tried in full for one cut
-constexpr double kConvex = 0.01;          // share of its volume that a convex piece may lack
-constexpr double kNothing = 1e-9;         // rounding: share of its volume: by rounding alone
-constexpr double kFinished = 0.1;         // weight of the volume that needs no more cuts
+constexpr double kFinished = 0.1;  // weight of the volume that needs no more cuts
+
+Eigen::AlignedBox3d grown(const Eigen::AlignedBox3d& box, double by) {
+  return {Vec3(box.min().array() - by), Vec3(box.max().array() + by)};
+}
 
 Plane plane_of(const ConvexPart& part, const Triangle& t) {
   const Vec3 &a = part.vertices[t[0]], &b = part.vertices[t[1]], &c = part.vertices[t[2]];
@@ -39,7 +42,7 @@ Pieces::Pieces(const Solid& solid, Cells&& cells, Job& job) : solid_(&solid), ce
   std::ranges::stable_sort(cells.outside, std::ranges::greater{}, &Cell::volume);
   outside_ = std::make_shared<const std::vector<Cell>>(std::move(cells.outside));
   int exponent = 0;
-  (void)std::frexp((solid.high - solid.low).norm(), &exponent);
+  (void)std::frexp(solid.box.diagonal().norm(), &exponent);
   grid_ = std::ldexp(1.0, exponent - kGridBits);
   contacts_of_.resize(cells_.size());
   place_.assign(cells_.size(), kNone);
@@ -67,7 +70,7 @@ void Pieces::find_contacts(Job& job) {
     for (const Side& below : sides[p][0])
       for (const Side& above : sides[p][1]) {
         const Cell &a = cells_[below.cell], &b = cells_[above.cell];
-        if ((a.low - b.high).maxCoeff() > snap || (b.low - a.high).maxCoeff() > snap) continue;
+        if (!grown(a.box, snap).intersects(b.box)) continue;
         Loop loop = overlap(a.faces[below.face].loop, b.faces[above.face].loop, solid_->planes[p].normal, snap);
         if (!loop.empty()) add_contact({below.cell, above.cell, p, std::move(loop)});
       }
@@ -274,7 +277,7 @@ std::vector<std::int32_t> Pieces::choices(const Piece& piece, Job& job) const {
     for (const Piece& part : parts) {
       const double missing = std::max(part.missing(), 0.0);
       cost += missing;
-      if (missing <= kConvex * part.volume) cost -= kFinished * part.volume;
+      if (missing <= kNothing * part.volume) cost -= kFinished * part.volume;
     }
     costs.emplace_back(cost, plane);
   }
@@ -334,15 +337,11 @@ void Pieces::divide_cells(const Piece& piece, std::int32_t plane) {
 bool Pieces::fills_space(const Piece& piece, Job& job) const {
   if (piece.missing() <= kNothing * piece.volume) return false;
   const std::vector<Plane> lids = planes_of(piece.hull);
-  Vec3 low = piece.hull.vertices[0], high = low;
-  for (const Vec3& p : piece.hull.vertices) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
   const double snap = solid_->lengths.snap, deep = solid_->lengths.deep;
+  const Eigen::AlignedBox3d around = grown(box_of(piece.hull.vertices), -snap);
   std::vector<Plane> lid(1);
   for (const Cell& cell : *outside_) {
-    if ((cell.low - high).maxCoeff() > -snap || (low - cell.high).maxCoeff() > -snap) continue;
+    if (!around.intersects(cell.box)) continue;
     job.poll();
     Cell rest = cell;
     for (std::size_t i = 0; i < lids.size() && !rest.faces.empty(); ++i) {

@@ -21,7 +21,7 @@ constexpr double kSlight = 0.1;  // share of the tolerance
 struct Group {
   std::vector<std::int32_t> facets;
   Vec3 area = Vec3::Zero();
-  Vec3 low, high;
+  Eigen::AlignedBox3d box;
 };
 
 void check(const PolygonSoup& polygons, std::span<const std::int32_t> region) {
@@ -35,9 +35,7 @@ void check(const PolygonSoup& polygons, std::span<const std::int32_t> region) {
 
 /// Whether the boxes of two polygons of nearly one plane share more than a border.
 bool opposite(const Group& g, const Group& h, double length) {
-  int shared = 0;
-  for (int k = 0; k < 3; ++k) shared += std::min(g.high[k], h.high[k]) - std::max(g.low[k], h.low[k]) > length;
-  return shared >= 2;
+  return (g.box.intersection(h.box).sizes().array() > length).count() >= 2;
 }
 
 /// Finds the plane of each group: the plane of a larger group if all its corners are near to it, else its own.
@@ -125,13 +123,9 @@ Solid solid_of(const PolygonSoup& polygons, std::span<const std::int32_t> region
   check(polygons, region);
   PolygonSoup near = polygons;
   Solid solid;
-  for (std::size_t i = 0; i < near.vertices.size(); ++i) {
-    Vec3& p = near.vertices[i];
-    p -= origin;
-    solid.low = i == 0 ? p : solid.low.cwiseMin(p);
-    solid.high = i == 0 ? p : solid.high.cwiseMax(p);
-  }
-  const double diagonal = near.vertices.empty() ? 0 : (solid.high - solid.low).norm();
+  for (Vec3& p : near.vertices) p -= origin;
+  solid.box = box_of(near.vertices);
+  const double diagonal = solid.box.diagonal().norm();
   solid.lengths = {.snap = kSnap * diagonal,
                    .same = kSame * std::min(tolerance, kTolerance * diagonal),
                    .slight = kSlight * tolerance,
@@ -152,11 +146,7 @@ Solid solid_of(const PolygonSoup& polygons, std::span<const std::int32_t> region
     facet.normal = area.normalized();
     const std::int32_t q = cut.source_polygon[t];
     Group& group = groups[region.empty() ? q : region[q]];
-    for (const Vec3& p : facet.corners) {
-      const bool first = group.facets.empty() && &p == &facet.corners[0];
-      group.low = first ? p : group.low.cwiseMin(p);
-      group.high = first ? p : group.high.cwiseMax(p);
-    }
+    group.box.extend(box_of(facet.corners));
     group.facets.push_back(static_cast<std::int32_t>(solid.facets.size()));
     group.area += area;
     solid.facets.push_back(facet);

@@ -35,7 +35,7 @@ struct Solid {
   std::vector<Facet> facets;
   std::vector<Plane> planes;
   std::vector<char> both_ways;  ///< whether a plane has polygons that face along its normal, and others
-  Vec3 low, high;
+  Eigen::AlignedBox3d box;
   Lengths lengths;
 
   /// Whether a point is farther than a distance from all facets.

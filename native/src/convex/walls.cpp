@@ -13,9 +13,6 @@
 namespace isimp::convex {
 namespace {
 
-// tuned colliders
-constexpr double kSpread = 1.0;  ///< the most by which the back of a slab is wider at an edge, in thicknesses
-
 constexpr double kAlong = 1e-6;  ///< rounding: cosine: a facet this upright on a polygon is not in front of it
 
 using Edge = std::array<std::int32_t, 2>;
@@ -194,8 +191,8 @@ Plane side_of_slab(const Vec3& from, const Vec3& to, const Vec3& normal, const V
   const Vec3 out = (to - from).cross(normal).normalized();
   const Vec3 halfway = normal + next;
   const double deep = normal.dot(halfway), wide = -out.dot(halfway);  // measures a side's direction
-  // A side leans outwards where faces meet as in the corner of a room, inwards as at a pillar.
-  const double spread = wide < kSpread * deep ? wide / std::max(deep, 1e-12) : kSpread;
+  // A side leans outwards where faces meet as in the corner of a room, at most by the thickness, inwards as at a pillar.
+  const double spread = wide < deep ? wide / std::max(deep, 1e-12) : 1;
   const Vec3 along = -normal + spread * out;
   const Vec3 side = along.cross(from - to).normalized();
   const Vec3 outwards = side.dot(out) < 0 ? Vec3(-side) : side;
@@ -208,17 +205,13 @@ double room_behind(const Loop& loop, const Vec3& normal, const std::vector<Plane
                    const Solid& solid) {
   const Lengths& l = solid.lengths;
   const Plane front{normal, normal.dot(mean_of(loop))};
-  Vec3 low = loop[0], high = loop[0];
+  Eigen::AlignedBox3d around = box_of(loop);
   for (const Vec3& p : loop)
-    for (const double depth : {0.0, thickness}) {
-      const double wide = kSpread * depth;
-      low = low.cwiseMin(p - depth * normal - Vec3::Constant(wide));
-      high = high.cwiseMax(p - depth * normal + Vec3::Constant(wide));
-    }
+    for (const int side : {-1, 1}) around.extend(p - thickness * normal + Vec3::Constant(side * thickness));
   double room = thickness;
   for (const Facet& facet : solid.facets) {
     const auto& [a, b, c] = facet.corners;
-    if ((a.cwiseMin(b).cwiseMin(c) - high).maxCoeff() > 0 || (low - a.cwiseMax(b).cwiseMax(c)).maxCoeff() > 0) continue;
+    if (!around.intersects(box_of(facet.corners))) continue;
     const double share = normal.dot(facet.normal) > 0 ? 0.5 : 1.0;
     Loop rest{a, b, c};
     const auto keep_below = [&](const Plane& plane) {
@@ -266,13 +259,9 @@ std::vector<ConvexPart> walls_of(const PolygonSoup& polygons, std::span<const st
     const double room = room_behind(loop, normal, planes, thickness, solid), offset = normal.dot(mean_of(loop));
     planes.push_back({normal, offset});
     planes.push_back({-normal, room - offset});
-    Vec3 low = loop[0], high = loop[0];
-    for (const Vec3& p : loop) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-    const Vec3 around = Vec3::Constant((1 + kSpread) * thickness);
-    ConvexPart part = space_below(planes, low - around, high + around, solid.lengths.snap, most_vertices);
+    const Eigen::AlignedBox3d box = box_of(loop);
+    const Vec3 around = Vec3::Constant(2 * thickness);
+    ConvexPart part = space_below(planes, box.min() - around, box.max() + around, solid.lengths.snap, most_vertices);
     if (!part.vertices.empty()) made.push_back(std::move(part));
   }
   return made;

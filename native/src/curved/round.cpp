@@ -19,8 +19,7 @@ Partition round_parts(const Surface& surface, Partition part, std::span<const st
   if (scene.patches.empty()) return part;
   const Job::Stage stage(job, "cutting round parts", 0.8, 1.0);
   choose_grids(faces, scene, job);
-  auto o = with_cells(surface, part, std::move(scene), job);
-  return o;
+  return with_cells(surface, part, std::move(scene), job);
 }
 
 }  // namespace isimp

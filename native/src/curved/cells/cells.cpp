@@ -6,14 +6,12 @@
 #include <limits>
 #include <utility>
 
+#include "fit/numbers.h"
 #include "isimp/core/tiny.h"
 #include "isimp/core/to_integer.h"
 
 namespace isimp::curved {
 namespace {
-
-// tuned round
-constexpr double kNear = 0.35;  ///< share of a segment's width: a vertex further from a corner does not become one
 
 class Cutter {
  public:
@@ -105,7 +103,7 @@ class Cutter {
     const double angle = curved::angle(p_, x), at = grid_.place(angle) / width_;
     auto side = to_integer(at + 0.5, 0, p_.segments);
     if (!p_.full && (side <= 0 || side >= p_.segments)) return;
-    if (std::abs(at - side) > kNear) return;
+    if (std::abs(at - side) > kQuarter) return;
     if (p_.full) side %= p_.segments;
     const Polar polar = curved::polar(p_, x);
     const double to = turned(angle - p_.phase - side * width_) * polar.rho;
@@ -115,7 +113,7 @@ class Cutter {
       if ((here - corner_[k]).squaredNorm() < (here - corner_[best]).squaredNorm()) best = k;
     const double d = to * to + (here - corner_[best]).squaredNorm();
     Nearest& n = nearest_[corner_of(static_cast<std::int32_t>(best), side)];
-    if (d >= n.distance || d > std::pow(kNear * width_ * polar.rho, 2)) return;
+    if (d >= n.distance || d > std::pow(kQuarter * width_ * polar.rho, 2)) return;
     if (const Nearest now{v, d, angle, on_.along(polar)}; is_crossing(now)) n = now;
   }
 
@@ -193,7 +191,7 @@ class Cutter {
     const bool is_high =
         is_bend() ? grid_.place(angle) > p_.span / 2 : on.along > (p_.knots.front() + p_.knots.back()) / 2;
     Nearest& n = nearest_[static_cast<std::size_t>(side % sides) + static_cast<std::size_t>(is_high ? sides : 0)];
-    if (off < n.distance && off < kNear) n = {v, off, angle, on.along};
+    if (off < n.distance && off < kQuarter) n = {v, off, angle, on.along};
   }
 
   /// The place of a face in the patch; its size if the face is not in it.

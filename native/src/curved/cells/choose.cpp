@@ -16,15 +16,14 @@ namespace isimp::curved {
 namespace {
 
 // tuned round
-constexpr double kSameAxis = 0.9995;  ///< cosine
-constexpr int kTries = 3;             ///< tries to find cells whose number is not larger than before
+constexpr int kTries = 3;  ///< tries to find cells whose number is not larger than before
 
 /// Patches that have the same axis and touch each other.
 bool is_coaxial(const CurvedProxy& a, const CurvedProxy& b, double distance) {
   if (!a.full || !b.full || a.kind == CurvedKind::extrusion || b.kind == CurvedKind::extrusion) return false;
   // A sphere has any axis through its centre, so it takes that of the other.
   const bool is_free = a.kind == CurvedKind::sphere || b.kind == CurvedKind::sphere;
-  if (!is_free && std::abs(a.axis.dot(b.axis)) < kSameAxis) return false;
+  if (!is_free && a.axis.cross(b.axis).norm() > kSquare) return false;
   const CurvedProxy &line = a.kind == CurvedKind::sphere ? b : a, &point = a.kind == CurvedKind::sphere ? a : b;
   return polar(line, point.point).rho < kAlike * distance;
 }
@@ -49,7 +48,7 @@ class Chooser {
       }
       double before = 0;
       for (const std::size_t k : some) before += s_.patches[k].before;
-      if (choose_within(some) <= kWorse * before) continue;
+      if (choose_within(some) <= kNearlyAsWell * kNearlyAsWell * before) continue;
       for (const std::size_t k : some) {
         choose_within({k});
         s_.patches[k].together = static_cast<std::int32_t>(k);
@@ -140,9 +139,8 @@ class Chooser {
     if (p.proxy.segments == 0) return 0;
     const Some cell = cells_of_faces(f_, p.proxy, p.faces);
     for (std::size_t k = 0; k < cell.size(); ++k) cell_[p.faces.face[k]] = cell[k];
-    double all = 0, count = 0;
-    for (const double a : p.faces.area) all += a;
-    const double speck = kPiece * all / (p.proxy.segments * p.proxy.rings);
+    double count = 0;
+    const double speck = kQuarter * p.faces.whole / (p.proxy.segments * p.proxy.rings);
     Some stack;
     for (const std::int32_t first : p.faces.face) {
       const std::int32_t mine = cell_[first];

@@ -129,9 +129,8 @@ class Profile {
   const Table& table_of(std::int32_t segments, bool low_cap, std::int32_t rings) {
     Table& t = table_[low_cap ? 1 : 0];
     if (t.segments != segments) {
-      const double d = proxy_.kind == CurvedKind::extrusion ? kStraightTurn : proxy_.span / segments,
-                   sinc = std::sin(d / 2) / (d / 2);
-      t = {segments, low_cap, std::max(0.0, 0.5 + std::sin(d) / (2 * d) - sinc * sinc), {}, {}};
+      const double d = proxy_.kind == CurvedKind::extrusion ? kStraightTurn : proxy_.span / segments;
+      t = {segments, low_cap, std::max(0.0, of_chord(d)), {}, {}};
       t.least.emplace_back().fill(kNever);
       t.least[0][0] = 0;
       t.from.emplace_back();
@@ -197,7 +196,7 @@ void begin_at(CurvedProxy& proxy, double at) {
 
 PatchFaces::PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some) : face(std::move(some)) {
   const Locator surface(proxy);
-  double square = 0, all = 0;
+  double square = 0;
   for (std::vector<double>* v : {&area, &angle, &rho, &z, &along, &out, &up}) v->reserve(face.size());
   for (const std::int32_t i : face) {
     const Vec3 x = faces.centre(i);
@@ -212,9 +211,9 @@ PatchFaces::PatchFaces(const Faces& faces, const CurvedProxy& proxy, Some some) 
     out.push_back(n.dot(p.out));
     up.push_back(n.dot(p.up));
     square += area.back() * on.residual.distance * on.residual.distance;
-    all += area.back();
+    whole += area.back();
   }
-  rough = all > 0 ? std::sqrt(square / all) : 0;
+  rough = whole > 0 ? std::sqrt(square / whole) : 0;
   double length = 0;
   for (const std::int32_t i : face) {
     const Triangle& t = faces.mesh().triangles()[faces.graph().mesh_face[i]];
@@ -240,7 +239,7 @@ void set_span(CurvedProxy& proxy, const PatchFaces& f) {
     }
   }
   // A coarse mesh has steps without a face all over.
-  proxy.full = longest < (1 - kFullTurn) * kTurnSteps;
+  proxy.full = longest < (1 - kMost) * kTurnSteps;
   proxy.phase = 0;
   proxy.span = kTurn;
   if (proxy.full) return;
@@ -260,9 +259,8 @@ Cuts::Cuts(const CurvedProxy& proxy, const PatchFaces& patch)
     : proxy_(&proxy),
       largest_(quantile(patch.rho, 0.9)),
       edge_(patch.edge),
-      profile_(std::make_unique<Profile>(proxy, patch)) {
-  for (const double a : patch.area) area_ += a;
-}
+      area_(patch.whole),
+      profile_(std::make_unique<Profile>(proxy, patch)) {}
 Cuts::Cuts(Cuts&&) noexcept = default;
 Cuts::~Cuts() = default;
 

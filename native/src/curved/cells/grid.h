@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -20,6 +21,7 @@ struct PatchFaces {
   Some face;  ///< by graph index
   std::vector<double> area, angle, rho, z, along;
   std::vector<double> out, up;  ///< parts of the surface's normal: away from the axis, and along it
+  double whole = 0;             ///< sum of `area`
   double rough = 0;             ///< root mean square distance of the faces from the surface
   double edge = 0;              ///< mean length of their edges
 
@@ -40,6 +42,12 @@ struct Tube {
   double radius = 0;
 };
 Tube tube_of(const CurvedProxy& bend);  // (pipes.cpp)
+
+/// The mean square distance of an arc of radius 1 from its chord through the mean.
+inline double of_chord(double angle) {
+  const double sinc = std::sin(angle / 2) / (angle / 2);
+  return 0.5 + std::sin(angle) / (2 * angle) - sinc * sinc;
+}
 
 /// Sets whether the faces cover a full turn; if not, sets their first angle and the covered angle.
 void set_span(CurvedProxy& proxy, const PatchFaces& patch);
@@ -73,7 +81,7 @@ class Cuts {
   [[nodiscard]] std::vector<Grid> strips_within(double cells, double rough);
 
   const CurvedProxy* proxy_;
-  double largest_, edge_, area_ = 0;
+  double largest_, edge_, area_;
   std::unique_ptr<Profile> profile_;
 };
 

@@ -19,9 +19,6 @@ constexpr double kOfTolerance = 0.3;  ///< times the tolerance: how near data is
 constexpr double kOfNoise = 2.5;      ///< times the noise: how near data is to its surface at the least
 constexpr double kNearTurn = 14 * std::numbers::pi / 180;  ///< between the normals of data and of its surface
 constexpr int kFitSteps = 3;                               ///< steps of the last fit
-constexpr double kSides = 0.6;      ///< share of the square distance of faces from a surface: of a prism with noise
-constexpr double kOnlyNoise = 0.5;  ///< share of the square noise that it leaves at most there
-constexpr double kScanned = 0.2;  ///< share of the square noise that a scan leaves at least at the middles of its faces
 
 /// The regions of a partition, as patches are compared with them.
 class Before {
@@ -51,6 +48,7 @@ class Before {
     double sum = 0;
     for (const std::int32_t i : some) {
       const std::int32_t r = region(i);
+      if (r == kNone) continue;
       sum += f_.area(i) * std::pow(part_.region_normal[r].dot(f_.centre(i) - middle_[r]), 2);
     }
     return sum;
@@ -112,48 +110,42 @@ void set_tangents(const Scene& scene, const std::map<std::int32_t, int>& beside,
   }
 }
 
-/// The surface fitted once more, to the faces themselves: the centres of small regions lie a little inside a circle.
-CurvedSurface fitted(const Faces& faces, const CurvedSurface& surface, const Some& some) {
-  if (!is_straight(surface) && surface.kind != CurvedKind::sphere) return surface;
-  const Samples s = samples_of(faces, some);
-  CurvedSurface again = refined(surface, s, kFitSteps);
-  return again.radius > 0 && rms(again, s) < rms(surface, s) ? again : surface;
-}
-
-/// By surface: its faces, if is_in(face, surface).
-template <class IsIn>
-std::vector<Some> members_of(const Faces& faces, const Scene& scene, IsIn is_in) {
+/// By surface: its faces.
+std::vector<Some> members_of(const Faces& faces, const Scene& scene) {
   std::vector<Some> members(scene.found.size());
   for (std::int32_t i = 0; i < faces.size(); ++i)
-    if (const std::int32_t k = scene.label[i]; k != kNone && is_in(i, k)) members[k].push_back(i);
+    if (scene.label[i] != kNone) members[scene.label[i]].push_back(i);
   return members;
 }
 
-/// The planes fitted once more, to the faces themselves: one small region gives no exact normal.
-void fit_planes(const Faces& faces, Scene& scene) {
-  const std::vector<Some> members =
-      members_of(faces, scene, [&](std::int32_t, std::int32_t k) { return scene.found[k].is_plane(); });
+/// The surfaces fitted once more, to the faces themselves: one small region gives no exact normal, and the centres of small
+/// regions lie a little inside a circle.
+void fit_again(const Faces& faces, Scene& scene) {
+  const std::vector<Some> members = members_of(faces, scene);
   for (std::size_t k = 0; k < members.size(); ++k) {
     if (members[k].empty()) continue;
+    Found& f = scene.found[k];
     const Samples s = samples_of(faces, members[k]);
-    scene.found[k].surface = *fit(CurvedKind::plane, s);
-    scene.found[k].rms = rms(scene.found[k].surface, s);
+    f.rms = rms(f.surface, s);
+    if (has_profile(f.surface)) continue;
+    CurvedSurface again = f.is_plane() ? *fit(CurvedKind::plane, s) : refined(f.surface, s, kFitSteps);
+    const double then = rms(again, s);
+    if (!f.is_plane() && !(again.radius > 0 && then < f.rms)) continue;
+    f.surface = std::move(again);
+    f.rms = then;
   }
 }
 
 /// Drops surfaces where the regions leave only the noise of a scan, and the surface leaves much more: sides of a prism.
 void drop_prisms(const Faces& faces, const Before& before, Scene& scene, std::vector<bool>& kept) {
-  const std::vector<Some> members = members_of(faces, scene, [&](std::int32_t i, std::int32_t k) {
-    return !scene.found[k].is_plane() && before.region(i) != kNone;
-  });
+  const std::vector<Some> members = members_of(faces, scene);
   for (std::size_t k = 0; k < members.size(); ++k) {
-    if (members[k].empty()) continue;
-    const Samples s = samples_of(faces, members[k]);
-    const double rough = std::pow(rms(fitted(faces, scene.found[k].surface, members[k]), s), 2);
+    if (members[k].empty() || scene.found[k].is_plane()) continue;
     double area = 0;
     for (const std::int32_t i : members[k]) area += faces.area(i);
-    const double left = before.cost(members[k]) / area, noise = scene.near.noise * scene.near.noise;
-    if (left <= kScanned * noise || left >= kOnlyNoise * noise || left >= kSides * rough) continue;
+    const double left = before.cost(members[k]) / area, rough = std::pow(scene.found[k].rms, 2);
+    const double noise = std::pow(scene.near.noise, 2);
+    if (left <= kQuarter * noise || left >= kHalf * std::min(rough, noise)) continue;
     kept[k] = false;
     scene.found[k].points.clear();
   }
@@ -165,7 +157,7 @@ void add_extrusions(const Faces& faces, Scene& scene, std::vector<bool>& kept, J
   if (!found) return;
   Scene next{scene.points, scene.near, std::move(*found), {}, {}};
   next.label = face_labels(faces, next.points, next.found, next.near, job);
-  fit_planes(faces, next);
+  fit_again(faces, next);
   std::vector<bool> is_kept = kept_surfaces(faces, next.points, next.found, next.label, next.near);
   const auto is_good = [&](std::size_t k) { return is_kept[k] && next.found[k].surface.kind == CurvedKind::extrusion; };
   for (std::size_t k = 0; k < is_kept.size(); ++k) {
@@ -195,12 +187,9 @@ Scene find_patches(const Faces& faces, const Partition& part, std::span<const st
   // Bends first: a pipe and a part of its bend may pass for one surface of revolution.
   scene.found = with_bends(find_surfaces(scene.points, near, job), scene.points, near);
   scene.found = joined(std::move(scene.found), scene.points, near, job);
-  if (const std::vector<bool> perhaps = perhaps_kept(scene.points, scene.found);
-      std::find(perhaps.begin(), perhaps.end(), true) == perhaps.end() &&
-      !with_extrusions(faces, scene.points, scene.found, perhaps, {}, near))
-    return scene;
+  if (std::all_of(scene.found.begin(), scene.found.end(), [](const Found& f) { return f.is_plane(); })) return scene;
   scene.label = face_labels(faces, scene.points, scene.found, near, job);
-  fit_planes(faces, scene);
+  fit_again(faces, scene);
   std::vector<bool> kept = kept_surfaces(faces, scene.points, scene.found, scene.label, near);
   const Before before(faces, part);
   drop_prisms(faces, before, scene, kept);
@@ -209,12 +198,11 @@ Scene find_patches(const Faces& faces, const Partition& part, std::span<const st
     if (std::int32_t& k = scene.label[i];
         k != kNone && ((!kept[k] && !scene.found[k].is_plane()) || before.region(i) == kNone))
       k = kNone;
-  std::vector<Some> members =
-      members_of(faces, scene, [&](std::int32_t, std::int32_t k) { return !scene.found[k].is_plane(); });
+  std::vector<Some> members = members_of(faces, scene);
   for (std::size_t k = 0; k < members.size(); ++k) {
-    if (members[k].empty()) continue;
+    if (members[k].empty() || scene.found[k].is_plane()) continue;
     CurvedProxy proxy;
-    static_cast<CurvedSurface&>(proxy) = fitted(faces, scene.found[k].surface, members[k]);
+    static_cast<CurvedSurface&>(proxy) = scene.found[k].surface;
     const auto beside = planes_beside(faces, scene, members[k]);
     if (proxy.kind == CurvedKind::sphere) proxy.axis = sphere_axis(scene, beside);
     if (proxy.kind != CurvedKind::extrusion) proxy.across = across(scene, proxy.axis);

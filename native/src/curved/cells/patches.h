@@ -9,10 +9,6 @@
 
 namespace isimp::curved {
 
-// tuned round
-/// Cells may be that much worse by squared distance than the regions before, whose borders go by distances too.
-inline constexpr double kWorse = 1.7;
-
 /// A curved patch before it is cut.
 struct RoundPatch {
   CurvedProxy proxy;

@@ -12,12 +12,6 @@ namespace {
 
 constexpr std::int32_t kMostOfPipe = 128;  // limit
 
-/// The mean square distance of an arc of radius 1 from its chord through the mean.
-double of_chord(double angle) {
-  const double sinc = std::sin(angle / 2) / (angle / 2);
-  return 0.5 + std::sin(angle) / (2 * angle) - sinc * sinc;
-}
-
 /// Makes the profile of a bend a circle with corners at its knots, which are at equal angles, the first half a width from
 /// the axis: a pipe of the same radius has its edges there.
 void set_knots(CurvedProxy& bend, const Tube& tube, std::int32_t rings) {
@@ -97,12 +91,6 @@ class Pipes {
     return all;
   }
 
-  [[nodiscard]] double area(std::size_t patch) const {
-    double sum = 0;
-    for (const double a : s_.patches[patch].faces.area) sum += a;
-    return sum;
-  }
-
   /// Makes the axis of a bend square to the axes of its pipes, which are longer.
   void square_to_pipes(const PipeRun& run) {
     if (run.pipes.size() < 2) return;
@@ -117,10 +105,10 @@ class Pipes {
   bool choose(const PipeRun& run) {
     RoundPatch& bend = s_.patches[run.bend];
     const Tube tube = tube_of(bend.proxy);
-    double cells = bend.cells, all = area(run.bend);
+    double cells = bend.cells, all = bend.faces.whole;
     for (const std::size_t k : run.pipes) {
       cells += s_.patches[k].cells;
-      all += area(k);
+      all += s_.patches[k].faces.whole;
     }
     std::int32_t rings = 0, segments = 0;
     double least = 0;
@@ -129,7 +117,7 @@ class Pipes {
         if (n * (m + static_cast<double>(run.pipes.size())) > kMoreCells * cells + kHalfCell) break;
         if (rings > 0 && tube.radius * (1 - std::cos(std::numbers::pi / n)) < bend.faces.rough) break;
         const double cost = all * tube.radius * tube.radius * of_chord(kTurn / n) +
-                            area(run.bend) * tube.middle.squaredNorm() / 2 * of_chord(bend.proxy.span / m);
+                            bend.faces.whole * tube.middle.squaredNorm() / 2 * of_chord(bend.proxy.span / m);
         if (rings > 0 && cost >= least) continue;
         least = cost;
         rings = n;

@@ -17,10 +17,8 @@ namespace isimp::curved {
 namespace {
 
 // tuned round
-constexpr double kOfRegion = 0.3;  ///< share of a region's area: if patches leave less of it, the rest joins neighbours
-constexpr double kNarrow = 1;      ///< radians, the least span of one that is no full turn
-constexpr double kPrism = 0.01;    ///< share of the square distance of the faces from the surface: of a prism's sides
-constexpr double kFar = 1e300;     ///< mark: misfit of a face to a cell without a plane
+constexpr double kNarrow = 1;   ///< radians, the least span of one that is no full turn
+constexpr double kFar = 1e300;  ///< mark: misfit of a face to a cell without a plane
 
 /// Puts cells in the place of regions.
 class Rounding {
@@ -83,16 +81,14 @@ class Rounding {
   void add(const PatchCut& c) {
     const PatchFaces& faces = c.patch->faces;
     for (const auto& [face, plane] : c.given) label_[face] = region_of(plane);
-    double area = 0;
     for (std::size_t k = 0; k < faces.face.size(); ++k) {
       label_[faces.face[k]] = count_ + static_cast<std::int32_t>(proxies_.size());
       cell_of_[faces.face[k]] = first_ + c.cells.of_face[k];
-      area += faces.area[k];
     }
     first_of_.push_back(first_);
     const auto count = static_cast<std::int32_t>(c.cells.cell.size());
     first_ += count;
-    ideal_.insert(ideal_.end(), c.cells.cell.size(), area / count);
+    ideal_.insert(ideal_.end(), c.cells.cell.size(), faces.whole / count);
     cell_.insert(cell_.end(), c.cells.cell.begin(), c.cells.cell.end());
     for (auto cell = cell_.end() - count; cell != cell_.end(); ++cell)
       cell->proxy = static_cast<std::int32_t>(proxies_.size());
@@ -116,8 +112,7 @@ class Rounding {
     };
     for (const PatchCut& c : cuts) {
       before += c.patch->before;
-      double area = 0;
-      for (const double a : c.patch->faces.area) area += a;
+      const double area = c.patch->faces.whole;
       rough += area * c.patch->faces.rough * c.patch->faces.rough;
       const double regions = area * scene_.near.distance * scene_.near.distance;
       price += regions;
@@ -130,7 +125,7 @@ class Rounding {
         add(i, s.axis, s.axis.dot(s.point));
       }
     }
-    return now <= kWorse * (price + (before < kPrism * rough ? before : before + rough));
+    return now <= kNearlyAsWell * kNearlyAsWell * (price + (before < kSpeck * rough ? before : before + rough));
   }
 
   /// Removes the first and the last half segment from a patch if planes touch it there.
@@ -177,8 +172,8 @@ class Rounding {
   void clean(Job& job) {
     give_rests_away(job);
     absorb_fragments(
-        f_, label_, [&](std::int32_t label) { return label < count_ ? 0.0 : kPiece * ideal_[label - count_]; }, nullptr,
-        [&](std::int32_t label) { return takes(label); }, job);
+        f_, label_, [&](std::int32_t label) { return label < count_ ? 0.0 : kQuarter * ideal_[label - count_]; },
+        nullptr, [&](std::int32_t label) { return takes(label); }, job);
   }
 
   /// Whether a label may get faces of others: locked regions stay as they are, and no face leaves the regions.
@@ -207,7 +202,7 @@ class Rounding {
           if (label == kNone || label >= count_) return 0.0;
           const bool is_same = now[label] >= before_[label] * (1 - 1e-9);
           if (is_same) return 0.0;
-          return now[label] < kOfRegion * before_[label] ? std::numeric_limits<double>::infinity() : least;
+          return now[label] < kQuarter * before_[label] ? std::numeric_limits<double>::infinity() : least;
         },
         [&](std::int32_t i, std::int32_t label) {
           const std::int32_t cell = label >= count_ ? cell_at(label - count_, i) : kNone;

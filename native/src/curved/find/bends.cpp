@@ -14,10 +14,8 @@ namespace isimp::curved {
 namespace {
 
 // tuned round
-constexpr double kNoBend = 0.97;  ///< cosine between the axes
 constexpr double kWidest = 8;     ///< radius of a bend, over that of the pipe
 constexpr int kRadiusSteps = 80;  ///< work: number of tries of the radius
-constexpr double kLeft = 0.5;     ///< least share of its area that a surface keeps, and least share outside the bend
 
 /// Two pipes whose axes meet, and the bend of one radius between them.
 struct Bend {
@@ -62,7 +60,7 @@ class Bends {
  private:
   [[nodiscard]] bool is_pipe(std::size_t k) const {
     return found_[k].surface.kind == CurvedKind::cylinder &&
-           turn_share(found_[k].surface, samples_of(p_, found_[k].points)) > kFullTurn;
+           turn_share(found_[k].surface, samples_of(p_, found_[k].points)) > kMost;
   }
   /// The largest pipes with a bend between them that was not tried yet. Small cylinders in a bend lose their points to it
   /// before they count as pipes.
@@ -92,7 +90,7 @@ class Bends {
 
   [[nodiscard]] std::optional<Bend> between(std::size_t i, std::size_t j) const {
     const CurvedSurface &a = found_[i].surface, &b = found_[j].surface;
-    if (a.side != b.side || std::abs(a.axis.dot(b.axis)) > kNoBend ||
+    if (a.side != b.side || a.axis.cross(b.axis).norm() < kSquare ||
         std::abs(a.radius - b.radius) > kAlike * near_.distance)
       return std::nullopt;
     const Vec3 across = a.axis.cross(b.axis).normalized(), to = b.point - a.point;
@@ -133,9 +131,11 @@ class Bends {
       if (p_.area[p] <= 0) continue;
       if (bend.is_between(p_.centre[p])) add(p, of_bend(p_.centre[p]));
     }
-    for (const std::size_t k : {i, j})
+    for (const std::size_t k : {i, j}) {
+      const Locator on(found_[k].surface);
       for (const std::int32_t p : found_[k].points)
-        if (!bend.is_between(p_.centre[p])) add(p, residual(found_[k].surface, p_.centre[p]).distance);
+        if (!bend.is_between(p_.centre[p])) add(p, on.residual(p_.centre[p]).distance);
+    }
     return sum;
   }
 
@@ -160,18 +160,17 @@ class Bends {
     const Locator on(now.surface);
     for (std::int32_t i = 0; i < p_.count(); ++i) {
       if (p_.area[i] <= 0 || !bend.is_between(p_.centre[i])) continue;
-      const Residual r = on.residual(p_.centre[i]);
-      if (r.distance > kReach * near_.distance || r.normal.dot(p_.normal[i]) < std::cos(kReach * near_.turn)) continue;
+      if (!near_.has(on.residual(p_.centre[i]), p_.normal[i], kReach, kReach)) continue;
       is_mine[i] = true;
       now.points.push_back(i);
     }
     now.area = p_.area_of(now.points);
-    if (now.area < kLeastArea) return;
+    if (now.area < kSpeck) return;
     now.rms = rms(now.surface, samples_of(p_, now.points));
     for (Found& f : found_) {
       std::erase_if(f.points, [&](std::int32_t i) { return is_mine[i]; });
       const double left = p_.area_of(f.points), between = area_between(f, bend);
-      if (left < kLeft * f.area || (!f.is_plane() && between > kLeft * left)) f.points.clear();
+      if (left < kHalf * f.area || (!f.is_plane() && between > kHalf * left)) f.points.clear();
       f.area = left;
     }
     std::erase_if(found_, [](const Found& f) { return f.points.empty(); });

@@ -15,10 +15,7 @@ class Extrusions {
  public:
   Extrusions(const Faces& faces, const Points& points, const std::vector<Found>& found, const std::vector<bool>& kept,
              const Some& label, const Nearness& near)
-      : f_(faces), p_(points), found_(found), kept_(kept), label_(label), near_(near), own_(points.area.size(), kNone) {
-    for (std::size_t k = 0; k < found.size(); ++k)
-      for (const std::int32_t i : found[k].points) own_[i] = static_cast<std::int32_t>(k);
-  }
+      : f_(faces), p_(points), found_(found), kept_(kept), label_(label), near_(near), own_(owners(points, found)) {}
 
   std::optional<std::vector<Found>> run() {
     std::vector<bool> is_used(found_.size(), false), is_tried = is_used;
@@ -73,7 +70,7 @@ class Extrusions {
     if (kept_[k] && f.surface.kind != CurvedKind::cylinder) return false;
     double square = 0;
     for (const std::int32_t i : f.points) square += std::abs(p_.normal[i].dot(axis)) < kSquare ? p_.area[i] : 0;
-    return square > kMostOfSurface * f.area;
+    return square > kMost * f.area;
   }
 
   /// Some faces, at equal steps.
@@ -129,10 +126,7 @@ class Extrusions {
     for (std::size_t k = 0; k < f.points.size(); ++k)
       for (const std::int32_t j : p_.near[f.points[k]]) {
         if (is_in[j] || own_[j] != kNone || p_.area[j] <= 0) continue;
-        const Residual r = on.residual(p_.centre[j]);
-        if (std::abs(r.distance) >= kReach * near_.distance ||
-            r.normal.dot(p_.normal[j]) <= std::cos(kReach * near_.turn))
-          continue;
+        if (!near_.has(on.residual(p_.centre[j]), p_.normal[j], kReach, kReach)) continue;
         is_in[j] = true;
         f.points.push_back(j);
       }

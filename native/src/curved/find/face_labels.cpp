@@ -17,10 +17,7 @@ constexpr int kFilters = 3;            ///< averages of the normals
 constexpr double kAlikeNormals = 0.6;  ///< cosine: neighbours further apart are not averaged
 constexpr double kNoSurface = 1.2;     ///< cost of a face on none
 constexpr double kVote = 0.25;         ///< reduction of the cost by each neighbour of the same label
-constexpr double kSmallPart = 0.004;   ///< share of the whole area: a smaller part on no surface may fit less well
-constexpr double kSmallHole = 0.05;    ///< share of the whole area: such a part within one surface may fit less well
-constexpr double kFitsWell = 1.6;      ///< misfit of a part on no surface that joins one
-constexpr double kFitsAtAll = 4;       ///< misfit of a small part, or one within a surface, that joins it
+constexpr double kFitsAtAll = 4;       ///< misfit of a part on no surface that joins one
 
 /// Normals of faces after kFilters averages with neighbours. Only requested ones are computed, since labels
 /// change at borders alone.
@@ -65,9 +62,7 @@ class Borders {
  public:
   Borders(const Faces& faces, const Points& points, const std::vector<Found>& found, const Nearness& near)
       : f_(faces), graph_(faces.graph()), p_(points), on_(locators(found)), near_(near), normal_(faces) {
-    Some own(points.area.size(), kNone);
-    for (std::size_t k = 0; k < found.size(); ++k)
-      for (const std::int32_t i : found[k].points) own[i] = static_cast<std::int32_t>(k);
+    const Some own = owners(points, found);
     label_.resize(static_cast<std::size_t>(faces.size()));
     for (std::int32_t i = 0; i < faces.size(); ++i)
       label_[i] = points.of_face[i] == kNone ? kNone : own[points.of_face[i]];
@@ -145,22 +140,17 @@ class Borders {
     const LabelParts parts = parts_of_labels(f_, label_, job);
     std::vector<Some> members(parts.label.size());
     std::map<std::pair<std::int32_t, std::int32_t>, int> beside;
-    std::map<std::int32_t, int> all;
     for (std::int32_t i = 0; i < f_.size(); ++i) {
       if (!is_open(i) || label_[i] != kNone) continue;
       members[parts.part[i]].push_back(i);
-      for (const std::int32_t j : graph_.neighbours[i]) {
-        if (j != graph_.size() && label_[j] == kNone) continue;
-        ++all[parts.part[i]];
-        if (j != graph_.size()) ++beside[{parts.part[i], label_[j]}];
-      }
+      for (const std::int32_t j : graph_.neighbours[i])
+        if (j != graph_.size() && label_[j] != kNone) ++beside[{parts.part[i], label_[j]}];
     }
     std::map<std::int32_t, std::pair<double, std::int32_t>> best;
     for (const auto& [pair, edges] : beside) {
       const auto& [part, label] = pair;
       const double misfit = misfit_of(members[part], label);
-      const bool is_inside = edges >= kFullTurn * all.at(part) && parts.area[part] < kSmallHole;
-      if (misfit >= (is_inside || parts.area[part] < kSmallPart ? kFitsAtAll : kFitsWell)) continue;
+      if (misfit >= kFitsAtAll) continue;
       const double cost = misfit - 0.01 * edges;
       const auto [at, is_new] = best.try_emplace(part, cost, label);
       if (!is_new && cost < at->second.first) at->second = {cost, label};

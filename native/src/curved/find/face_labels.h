@@ -41,8 +41,4 @@ LabelParts parts_of_labels(const Faces& faces, const Some& labels, Job& job);
 std::vector<bool> kept_surfaces(const Faces& faces, const Points& points, const std::vector<Found>& found,
                                 const Some& labels, const Nearness& near);
 
-/// The curved surfaces that may be kept, by the borders of their points: on a free form mostly none, so that no
-/// face needs a label. (gates.cpp)
-std::vector<bool> perhaps_kept(const Points& points, const std::vector<Found>& found);
-
 }  // namespace isimp::curved

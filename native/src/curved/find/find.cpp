@@ -15,16 +15,13 @@ constexpr double kDegree = std::numbers::pi / 180;  // unit
 // tuned round
 constexpr std::int32_t kSeeds = 20;          ///< a round
 constexpr int kGrows = 4;                    ///< times that a surface is fitted again to the points that it reaches
-constexpr double kBent = 0.015;              ///< 1 - |mean normal|: points with less form a plane
 constexpr double kLeastTurn = 0.3;           ///< least seen share of a full turn, of a revolution
 constexpr double kWorst = 0.35;              ///< share of the score that a surface loses at the greatest mean distance
 constexpr double kStillFree = 0.7;           ///< share of the area of a find that no other surface has taken
-constexpr double kUntouched = 0.999;         ///< the same for a second and further find of the same seeds
+constexpr double kUntouched = 1 - 1e-9;      ///< rounding: the same for a second and further find of the same seeds
 constexpr double kNotMuchSmaller = 0.4;      ///< times the area of the first find of some seeds: of others
-constexpr double kLargest = 1;               ///< diagonals: the largest radius
 constexpr double kPlaneTurn = 9 * kDegree;   ///< between the normals of a plane and of its points
 constexpr std::array kBalls = {10, 30, 80};  ///< points to which a first surface is fitted
-constexpr double kWorstBall = 2;  ///< nearnesses: kinds that are further from a ball are not tried in larger ones
 constexpr std::array kKinds = {CurvedKind::sphere, CurvedKind::cylinder, CurvedKind::cone, CurvedKind::revolution};
 
 // Factors on the score: of kinds that explain the points alike, the simplest one is chosen. Free forms have 1.
@@ -69,10 +66,10 @@ class SurfaceSearch {
       if (seeds.empty()) break;
       for (std::size_t k = 0; k < seeds.size(); ++k) try_seed(seeds[k], k % 2 == 0);
       std::optional<Found> best = choose(kStillFree);
-      if (!best || best->area < kLeastArea * total()) break;
+      if (!best || best->area < kSpeck * total()) break;
       // Others of the same seeds are as good if they lose nothing to it and are not much smaller.
-      for (const double least = std::max(kNotMuchSmaller * best->area, kLeastArea * total());
-           best && best->area >= least; best = choose(kUntouched)) {
+      for (const double least = std::max(kNotMuchSmaller * best->area, kSpeck * total()); best && best->area >= least;
+           best = choose(kUntouched)) {
         for (const std::int32_t i : best->points) is_free_[i] = false;
         found.push_back(std::move(*best));
       }
@@ -139,8 +136,8 @@ class SurfaceSearch {
         const CurvedKind kind = kKinds[k];
         if (!is_open[k] || (kind == CurvedKind::revolution && !revolutions) || is_known(kind, some)) continue;
         const auto first = fit(kind, samples);
-        if (!first || first->radius > kLargest * near_.size) continue;
-        is_open[k] = has_profile(*first) || rms(*first, samples) < kWorstBall * near_.distance;
+        if (!first || first->radius > near_.size) continue;
+        is_open[k] = has_profile(*first) || rms(*first, samples) < kAlike * near_.distance;
         if (!is_open[k]) continue;
         std::optional<Found> grown = grow(*first, seed);
         if (grown && is_curved(*grown)) add(std::move(grown));
@@ -171,7 +168,7 @@ class SurfaceSearch {
     const Samples s = samples_of(p_, f.points);
     Vec3 mean = Vec3::Zero();
     for (std::size_t i = 0; i < s.size(); ++i) mean += s.weight[i] * s.normal[i];
-    if (1 - mean.norm() < kBent) return false;
+    if (1 - mean.norm() < kFlat) return false;
     if (f.surface.kind != CurvedKind::revolution) return true;
     return is_seen(f.surface, s) && f.surface.radius >= 2 * near_.distance;
   }
@@ -209,7 +206,7 @@ class SurfaceSearch {
     for (int round = 0; round < kGrows; ++round) {
       Found now = reached(surface, seed);
       if (now.points.empty()) return best;
-      if (best && now.area <= best->area * 1.01) return best->area >= now.area ? best : now;
+      if (best && now.area <= best->area * (1 + kSpeck)) return best->area >= now.area ? best : now;
       best = std::move(now);
       if (best->points.size() < kLeastPoints) return best;
       const auto again = fit(surface.kind, samples_of(p_, best->points));
@@ -256,6 +253,13 @@ class SurfaceSearch {
 };
 
 }  // namespace
+
+Some owners(const Points& points, const std::vector<Found>& found) {
+  Some own(points.area.size(), kNone);
+  for (std::size_t k = 0; k < found.size(); ++k)
+    for (const std::int32_t i : found[k].points) own[i] = static_cast<std::int32_t>(k);
+  return own;
+}
 
 double turn_share(const CurvedSurface& surface, const Samples& samples) {
   constexpr std::size_t kSteps = 36;  // work

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -23,7 +24,15 @@ struct Nearness {
   double turn = 0;      ///< radians, of the normal
   double size = 0;      ///< diagonal of the mesh
   double noise = 0;     ///< standard deviation of the scan's noise, scene units
+
+  /// Whether a point with a normal is that near, at multiples of the distance and of the turn.
+  [[nodiscard]] bool has(const Residual& r, const Vec3& normal, double further, double turns) const {
+    return std::abs(r.distance) < further * distance && r.normal.dot(normal) > std::cos(turns * turn);
+  }
 };
+
+/// (points) The surface that each point is on, kNone where on none.
+Some owners(const Points& points, const std::vector<Found>& found);
 
 /// The share of a full turn about an axis that some samples cover.
 double turn_share(const CurvedSurface& surface, const Samples& samples);
@@ -42,7 +51,7 @@ std::vector<Found> joined(std::vector<Found> found, const Points& points, const 
 
 /// Joins adjacent cylinders and planes of one direction to extrusions. Kept ones stay if they are nearer to their faces.
 /// \param kept   of each surface whether the gates keep it
-/// \param label  the surface of each face; it may be empty if none is kept
+/// \param label  the surface of each face
 /// \return the surfaces with the extrusions last, in the place of their parts; none if there is no extrusion
 /// (extrusions.cpp)
 std::optional<std::vector<Found>> with_extrusions(const Faces& faces, const Points& points,

@@ -8,19 +8,12 @@
 namespace isimp::curved {
 namespace {
 
-// tuned round
-constexpr double kEasier = 0.62;  ///< least good share of the border of spheres, tubes and fillets; else kMostOfSurface
-constexpr double kHalf = 0.5;     ///< share of its border along planes, of a fillet
-constexpr double kOfFullTurn = 0.25;  ///< least good share of the border of a full turn
-constexpr double kMayGain = 0.25;     ///< share of its border that may become good when faces move
-constexpr double kNearPlane = 0.45;   ///< times the nearness: faces of planes of free forms are not so near to them
-constexpr double kDisc = 2.3;         ///< outline of a disc of n equilateral triangles, in edges, over the root of n
+constexpr double kDisc = 2.33;  ///< unit: outline of a disc of n equilateral triangles, in edges, over the root of n
 
-/// Some edges of the border of a patch: the point inside, the one outside and its surface; kNone at the border of the scan
+/// An edge of the border of a patch: the point inside, the one outside and its surface; kNone at the border of the scan
 /// and where there is none.
 struct Beside {
   std::int32_t point, other, surface;
-  double edges;
 };
 
 /// A patch as the gates see it.
@@ -42,36 +35,16 @@ std::vector<Outline> outlines(const Faces& faces, const Points& points, const st
     for (const std::int32_t j : graph.neighbours[i]) {
       if (j != graph.size() && labels[j] == label) continue;
       const bool is_rim = j == graph.size();
-      all[label].border.push_back(
-          {points.of_face[i], is_rim ? kNone : points.of_face[j], is_rim ? kNone : labels[j], 1});
+      all[label].border.push_back({points.of_face[i], is_rim ? kNone : points.of_face[j], is_rim ? kNone : labels[j]});
     }
-  }
-  return all;
-}
-
-std::vector<Outline> outlines(const Points& points, const std::vector<Found>& found) {
-  std::vector<Outline> all(found.size());
-  Some own(points.area.size(), kNone);
-  for (std::size_t k = 0; k < found.size(); ++k)
-    for (const std::int32_t i : found[k].points) {
-      own[i] = static_cast<std::int32_t>(k);
-      all[k].samples.add(points.area[i], points.centre[i], points.normal[i]);
-      all[k].faces += points.faces[i];
-      all[k].border.push_back({i, kNone, kNone, static_cast<double>(points.rim[i])});
-    }
-  for (const Points::Beside& s : points.beside) {
-    if (own[s.a] == own[s.b]) continue;
-    if (own[s.a] != kNone) all[own[s.a]].border.push_back({s.a, s.b, own[s.b], static_cast<double>(s.edges)});
-    if (own[s.b] != kNone) all[own[s.b]].border.push_back({s.b, s.a, own[s.a], static_cast<double>(s.edges)});
   }
   return all;
 }
 
 class Gates {
  public:
-  /// \param may_gain  borders are of points: faces may move later
-  Gates(std::vector<Outline> outlines, const Points& points, const std::vector<Found>& found, bool may_gain)
-      : outlines_(std::move(outlines)), p_(points), found_(found), may_gain_(may_gain) {
+  Gates(std::vector<Outline> outlines, const Points& points, const std::vector<Found>& found)
+      : outlines_(std::move(outlines)), p_(points), found_(found) {
     for (Outline& o : outlines_) o.samples.normalise();
   }
 
@@ -89,12 +62,11 @@ class Gates {
       double least = 0;
       for (std::size_t k = 0; k < found_.size(); ++k) {
         // A ring all round is closed: its border does not matter.
-        if (found_[k].is_plane() || !kept[k] || (found_[k].surface.closed && round[k] > kFullTurn)) continue;
+        if (found_[k].is_plane() || !kept[k] || (found_[k].surface.closed && round[k] > kMost)) continue;
         const bool is_sphere = found_[k].surface.kind == CurvedKind::sphere;
         const bool is_easier = is_sphere || found_[k].surface.closed || along_planes(k, kept) > kHalf;
-        const double most = is_easier ? kEasier : kMostOfSurface;
-        const double more =
-            good_share(k, kept) - (round[k] > kFullTurn ? kOfFullTurn : most) + (may_gain_ ? kMayGain : 0);
+        const double most = is_easier ? kHalf : kMost;
+        const double more = good_share(k, kept) - (round[k] > kMost ? kQuarter : most);
         if (more > least) continue;
         least = more;
         worst = k;
@@ -120,32 +92,28 @@ class Gates {
   [[nodiscard]] double along_planes(std::size_t k, const std::vector<bool>& kept) const {
     const CurvedSurface& s = found_[k].surface;
     if (s.kind != CurvedKind::cylinder) return 0;
-    double along = 0, count = 0;
-    for (const Beside& b : outlines_[k].border) {
-      count += b.edges;
-      if (b.surface != kNone && kept[b.surface] && found_[b.surface].is_plane() &&
-          std::abs(found_[b.surface].surface.axis.dot(s.axis)) < kSquare)
-        along += b.edges;
-    }
-    return count > 0 ? along / count : 0;
+    const std::vector<Beside>& border = outlines_[k].border;
+    const auto along = std::count_if(border.begin(), border.end(), [&](const Beside& b) {
+      return b.surface != kNone && kept[b.surface] && found_[b.surface].is_plane() &&
+             std::abs(found_[b.surface].surface.axis.dot(s.axis)) < kSquare;
+    });
+    return border.empty() ? 0 : static_cast<double>(along) / static_cast<double>(border.size());
   }
 
   [[nodiscard]] double good_share(std::size_t k, const std::vector<bool>& kept) const {
-    double bad = 0, count = 0;
-    for (const Beside& b : outlines_[k].border) {
-      count += b.edges;
-      const bool is_good = b.other == kNone || (b.surface != kNone && kept[b.surface]) ||
-                           p_.normal[b.point].dot(p_.normal[b.other]) < kCrease;
-      bad += is_good ? 0 : b.edges;
-    }
+    const std::vector<Beside>& border = outlines_[k].border;
+    const auto good = std::count_if(border.begin(), border.end(), [&](const Beside& b) {
+      return b.other == kNone || (b.surface != kNone && kept[b.surface]) ||
+             p_.normal[b.point].dot(p_.normal[b.other]) < kCrease;
+    });
+    const auto count = static_cast<double>(border.size());
     // A patch with a shorter border than a disc of as many faces is nearly closed, as a torus with a small hole.
-    return 1 - bad / std::max({count, kDisc * std::sqrt(outlines_[k].faces), 1.0});
+    return 1 - (count - static_cast<double>(good)) / std::max({count, kDisc * std::sqrt(outlines_[k].faces), 1.0});
   }
 
   std::vector<Outline> outlines_;
   const Points& p_;
   const std::vector<Found>& found_;
-  bool may_gain_;
 };
 
 }  // namespace
@@ -154,15 +122,8 @@ std::vector<bool> kept_surfaces(const Faces& faces, const Points& points, const 
                                 const Some& labels, const Nearness& near) {
   std::vector<bool> planes(found.size());
   for (std::size_t k = 0; k < found.size(); ++k)
-    planes[k] = found[k].is_plane() && found[k].rms < kNearPlane * near.distance;
-  return Gates(outlines(faces, points, found, labels), points, found, false).run(planes);
-}
-
-std::vector<bool> perhaps_kept(const Points& points, const std::vector<Found>& found) {
-  std::vector<bool> kept =
-      Gates(outlines(points, found), points, found, true).run(std::vector<bool>(found.size(), true));
-  for (std::size_t k = 0; k < found.size(); ++k) kept[k] = kept[k] && !found[k].is_plane();
-  return kept;
+    planes[k] = found[k].is_plane() && found[k].rms < kHalf * near.distance;  // faces of free forms are not so near
+  return Gates(outlines(faces, points, found, labels), points, found).run(planes);
 }
 
 }  // namespace isimp::curved

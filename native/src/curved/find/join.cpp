@@ -13,11 +13,6 @@
 namespace isimp::curved {
 namespace {
 
-// tuned round
-constexpr int kSmoothBorders = 4;   ///< between two surfaces that may be one
-constexpr double kTurnsMore = 1.3;  ///< times the turn of the nearness, of a point that a surface explains
-constexpr double kFurther = 1.5;    ///< times the nearness: a surface explains such points
-
 class Joiner {
  public:
   Joiner(std::vector<Found> found, const Points& points, const Nearness& near)
@@ -32,15 +27,9 @@ class Joiner {
   }
 
  private:
-  [[nodiscard]] Some owners() const {
-    Some own(p_.area.size(), kNone);
-    for (std::size_t k = 0; k < found_.size(); ++k)
-      for (const std::int32_t i : found_[k].points) own[i] = static_cast<std::int32_t>(k);
-    return own;
-  }
-
   /// The share of the area of some points that a surface explains.
-  [[nodiscard]] double explained(const CurvedSurface& s, const Some& some, double turn) const {
+  /// \param turn  times that of the nearness
+  [[nodiscard]] double explained(const CurvedSurface& s, const Some& some, double turn = kReach) const {
     double area = 0;
     const Locator on(s);
     for (const std::int32_t i : some)
@@ -48,27 +37,26 @@ class Joiner {
     return area / p_.area_of(some);
   }
 
-  [[nodiscard]] bool is_explained(const Locator& on, std::int32_t i, double turn) const {
-    const Residual r = on.residual(p_.centre[i]);
-    return std::abs(r.distance) < kFurther * near_.distance && r.normal.dot(p_.normal[i]) > std::cos(turn);
+  [[nodiscard]] bool is_explained(const Locator& on, std::int32_t i, double turn = kReach) const {
+    return near_.has(on.residual(p_.centre[i]), p_.normal[i], kReach, turn);
   }
 
   /// The points, of some, that a surface explains. A long region along a parallel has its centre inside the surface,
   /// and the profile would end there.
   [[nodiscard]] Samples explained_samples(const CurvedSurface& s, Some some) const {
     const Locator on(s);
-    std::erase_if(some, [&](std::int32_t i) { return !is_explained(on, i, kTurnsMore * near_.turn); });
+    std::erase_if(some, [&](std::int32_t i) { return !is_explained(on, i); });
     return samples_of(p_, some);
   }
 
   bool join_one() {
-    const Some own = owners();
+    const Some own = owners(p_, found_);
     std::map<std::pair<std::int32_t, std::int32_t>, int> count;
-    for (const auto& [a, b] : p_.edges)
-      if (own[a] != kNone && own[b] != kNone && own[a] != own[b]) ++count[std::minmax(own[a], own[b])];
+    for (std::int32_t a = 0; a < p_.count(); ++a)
+      for (const std::int32_t b : p_.near[a])
+        if (own[a] != kNone && own[a] < own[b]) ++count[{own[a], own[b]}];
     std::vector<std::pair<int, std::pair<std::int32_t, std::int32_t>>> pairs;
-    for (const auto& [pair, n] : count)
-      if (n >= kSmoothBorders) pairs.emplace_back(-n, pair);
+    for (const auto& [pair, n] : count) pairs.emplace_back(-n, pair);
     std::sort(pairs.begin(), pairs.end());
     return std::any_of(pairs.begin(), pairs.end(),
                        [&](const auto& p) { return try_pair(p.second.first, p.second.second); });
@@ -84,14 +72,12 @@ class Joiner {
     const Samples s = samples_of(p_, both.points);
     const auto surface = fit(CurvedKind::revolution, s);
     if (!surface) return false;
-    const double turn = kTurnsMore * near_.turn;
     const bool is_one = a.surface.kind == CurvedKind::revolution || b.surface.kind == CurvedKind::revolution;
-    if (!is_seen(*surface, s) || !(is_one || surface->closed || turn_share(*surface, s) > kFullTurn)) return false;
-    if (explained(*surface, a.points, turn) < kMostOfSurface || explained(*surface, b.points, turn) < kMostOfSurface)
-      return false;
+    if (!is_seen(*surface, s) || !(is_one || surface->closed || turn_share(*surface, s) > kMost)) return false;
+    if (explained(*surface, a.points) < kMost || explained(*surface, b.points) < kMost) return false;
     const Samples rest = explained_samples(*surface, both.points);
     both.surface = fit(CurvedKind::revolution, rest).value_or(*surface);
-    if (explained(both.surface, both.points, turn) < explained(*surface, both.points, turn)) both.surface = *surface;
+    if (explained(both.surface, both.points) < explained(*surface, both.points)) both.surface = *surface;
     both.area = a.area + b.area;
     both.rms = rms(both.surface, rest);
     const double apart = std::sqrt((a.area * a.rms * a.rms + b.area * b.rms * b.rms) / both.area);
@@ -104,7 +90,7 @@ class Joiner {
   }
 
   void take_in() {
-    Some own = owners();
+    Some own = owners(p_, found_);
     for (std::size_t k = 0; k < found_.size(); ++k) {
       Found& f = found_[k];
       if (f.is_plane()) continue;
@@ -112,18 +98,14 @@ class Joiner {
       for (std::size_t at = 0; at < f.points.size(); ++at)
         for (const std::int32_t j : p_.near[f.points[at]]) {
           if (own[j] != kNone || p_.area[j] <= 0) continue;
-          const Residual r = on.residual(p_.centre[j]);
-          if (std::abs(r.distance) >= kReach * near_.distance ||
-              r.normal.dot(p_.normal[j]) <= std::cos(kReach * near_.turn))
-            continue;
+          if (!is_explained(on, j)) continue;
           own[j] = static_cast<std::int32_t>(k);
           f.points.push_back(j);
         }
       std::sort(f.points.begin(), f.points.end());
       f.area = p_.area_of(f.points);
       const Samples s = explained_samples(f.surface, f.points);
-      if (f.surface.closed && turn_share(f.surface, s) < kFullTurn)
-        continue;  // its pipes fix the axis of a bend better
+      if (f.surface.closed && turn_share(f.surface, s) < kMost) continue;  // its pipes fix the axis of a bend better
       const auto again = fit(f.surface.kind, s);
       const double before = rms(f.surface, s);
       if (!again || rms(*again, s) >= 1.025 * before) continue;
@@ -138,7 +120,7 @@ class Joiner {
     const Samples s = samples_of(p_, some);
     for (const CurvedKind kind : {CurvedKind::cylinder, CurvedKind::sphere, CurvedKind::cone}) {
       const auto surface = fit(kind, s);
-      if (!surface || explained(*surface, some, near_.turn) < kFullTurn) continue;
+      if (!surface || explained(*surface, some, 1) < kMost) continue;
       const double then = rms(*surface, s);
       if (then < most) return Found{*surface, some, p_.area_of(some), then};
     }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "fit/least.h"
+#include "fit/numbers.h"
 #include "isimp/core/symmetric.h"
 #include "isimp/core/tiny.h"
 

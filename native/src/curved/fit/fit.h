@@ -9,9 +9,6 @@
 
 namespace isimp::curved {
 
-// tuned round
-inline constexpr double kFlat = 0.01;  ///< a second eigenvalue of the normals below this: a plane
-
 /// Samples of a surface to which one is fitted.
 struct Samples {
   std::vector<double> weight;  ///< they add up to 1

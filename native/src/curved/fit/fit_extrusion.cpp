@@ -2,6 +2,7 @@
 
 #include "fit/fit.h"
 #include "fit/least.h"
+#include "fit/numbers.h"
 #include "isimp/core/symmetric.h"
 
 namespace isimp::curved {

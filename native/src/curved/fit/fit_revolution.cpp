@@ -14,14 +14,11 @@ namespace isimp::curved {
 namespace {
 
 // tuned round
-constexpr double kThin = 2e-3;          ///< eigenvalues of the normals below this are noise
-constexpr std::size_t kMostBins = 40;   ///< number of bins of the profile of a revolution
 constexpr std::size_t kPointsABin = 3;  ///< at the least: a profile through every point fits anything
 constexpr double kCluster = 1.0 / 80;   ///< share of the profile's size: points at a smaller distance are merged
 constexpr double kTurns = 4;            ///< by how much a difference of normals lengthens a step
 constexpr double kGap = 8;              ///< median steps: ends that are nearer make a ring
 constexpr double kStraight = 0.02;      ///< share of its length: a run of corners no further from its chord is straight
-constexpr std::size_t kLeastOfProfile = 12;  ///< points
 
 /// Points of a profile that nearly coincide.
 struct Cluster {
@@ -209,9 +206,8 @@ bool is_ring(const std::vector<Bin>& bins) {
 }  // namespace
 
 std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& samples) {
-  if (samples.size() < kLeastOfProfile) return std::nullopt;
   const bool is_extrusion = surface.kind == CurvedKind::extrusion;
-  const std::vector<Bin> bins = bins_of(half_plane(surface, samples), samples, is_extrusion ? kMostStrips : kMostBins);
+  const std::vector<Bin> bins = bins_of(half_plane(surface, samples), samples, is_extrusion ? kMostStrips : kCorners);
   if (bins.size() < 3) return std::nullopt;
   surface.closed = is_ring(bins);
   std::vector<Vec2> corners;
@@ -250,7 +246,6 @@ std::optional<CurvedSurface> with_profile(CurvedSurface surface, const Samples& 
 }
 
 std::optional<CurvedSurface> fit_revolution(const Samples& s) {
-  if (s.size() < kLeastOfProfile) return std::nullopt;
   Vec3 centre = Vec3::Zero();
   for (std::size_t i = 0; i < s.size(); ++i) centre += s.weight[i] * s.place[i];
   double size = 0;
@@ -267,7 +262,7 @@ std::optional<CurvedSurface> fit_revolution(const Samples& s) {
   const auto [spread, e] = spectrum_of(nn);
   Vec3 inverse = Vec3::Zero();
   for (int k = 0; k < 3; ++k)
-    if (spread[k] > kThin) inverse[k] = 1 / spread[k];
+    if (spread[k] > kSpeck) inverse[k] = 1 / spread[k];
   const Eigen::Matrix3d g = -(e * inverse.asDiagonal() * e.transpose()) * nm;
   Eigen::Matrix3d left = mm + nm.transpose() * g;
   left = (left + left.transpose()).eval() / 2;

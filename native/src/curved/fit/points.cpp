@@ -1,9 +1,9 @@
 #include "fit/points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "fit/numbers.h"
@@ -15,8 +15,6 @@ namespace {
 
 // tuned round
 constexpr double kOff = 9;  ///< mean areas of its faces: a centre at a larger squared distance from them is off
-constexpr double kRingNormal = 0.98;  ///< least length of the mean normal: others are no rings on top of a round part
-const double kJoins = std::cos(33 * std::numbers::pi / 180);  ///< least cosine between normals of joined points
 
 /// Splits flat regions that go far along a parallel, such as the top of a torus. Their centre is near the axis, off the
 /// surface, and that of each part is not.
@@ -56,7 +54,7 @@ class Splitter {
       area += f_.area(i);
       normal += f_.area(i) * f_.normal(i);
     }
-    if (normal.norm() <= kRingNormal * area) return false;
+    if (normal.norm() <= (1 - kFlat) * area) return false;  // no ring on top of a round part
     const double far = kOff * area * f_.graph().area / static_cast<double>(some.size());
     const Vec3 middle = centre(some);
     return std::all_of(some.begin(), some.end(),
@@ -103,14 +101,11 @@ Points points_of(const Faces& faces, std::span<const std::int32_t> small, std::s
   points.area.assign(count, 0.0);
   points.centre.assign(count, Vec3::Zero());
   points.normal.assign(count, Vec3::Zero());
-  points.rim.assign(count, 0);
-  points.faces.assign(count, 0);
   for (std::int32_t i = 0; i < faces.size(); ++i) {
     if ((i & 0xffff) == 0) job.poll();
     const std::int32_t p = points.of_face[i];
     if (p == kNone) continue;
     const double a = faces.area(i);
-    ++points.faces[p];
     points.area[p] += a;
     points.centre[p] += a * faces.centre(i);
     points.normal[p] += a * faces.normal(i);
@@ -120,26 +115,19 @@ Points points_of(const Faces& faces, std::span<const std::int32_t> small, std::s
     const double length = points.normal[p].norm();
     if (length > 0) points.normal[p] /= length;
   }
+  std::vector<std::array<std::int32_t, 2>> edges;
   for (std::int32_t i = 0; i < faces.size(); ++i) {
     const std::int32_t p = points.of_face[i];
     if (p == kNone) continue;
     for (const std::int32_t j : graph.neighbours[i]) {
       const std::int32_t q = j == graph.size() ? kNone : points.of_face[j];
-      if (q == kNone) ++points.rim[p];
-      if (p < q) points.edges.push_back({p, q});
+      if (p < q && points.normal[p].dot(points.normal[q]) > kCrease) edges.push_back({p, q});
     }
   }
-  std::sort(points.edges.begin(), points.edges.end());
-  for (const auto& [p, q] : points.edges) {
-    const bool is_same = !points.beside.empty() && points.beside.back().a == p && points.beside.back().b == q;
-    if (!is_same) points.beside.push_back({p, q, 0});
-    ++points.beside.back().edges;
-  }
-  points.edges.clear();
-  for (const Points::Beside& s : points.beside)
-    if (points.normal[s.a].dot(points.normal[s.b]) > kJoins) points.edges.push_back({s.a, s.b});
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   points.near.resize(count);
-  for (const auto& [p, q] : points.edges) {
+  for (const auto& [p, q] : edges) {
     points.near[p].push_back(q);
     points.near[q].push_back(p);
   }

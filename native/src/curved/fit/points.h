@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -40,18 +39,9 @@ class Faces {
 /// Small regions of a partition as points of data. They take out the noise, since the vector area of a region depends
 /// on its outline alone, and are dense where the surface bends.
 struct Points {
-  /// Two points and the number of edges that they share.
-  struct Beside {
-    std::int32_t a, b, edges;
-  };
-
   std::vector<double> area;  ///< shares of the whole surface's
   std::vector<Vec3> centre, normal;
-  std::vector<Some> near;                          ///< points that share an edge and have a normal within 33 degrees
-  std::vector<std::array<std::int32_t, 2>> edges;  ///< pairs in `near`, the lower one first, in rising order
-  std::vector<Beside> beside;                      ///< pairs of points that share edges, the lower one first
-  std::vector<std::int32_t> rim;      ///< edges of each point at the border of the scan or at faces of none
-  std::vector<std::int32_t> faces;    ///< number of faces of each point
+  std::vector<Some> near;             ///< points that share an edge, with no crease between
   std::vector<std::int32_t> of_face;  ///< (n) by graph index; kNone where the face is not free
 
   [[nodiscard]] std::int32_t count() const { return static_cast<std::int32_t>(area.size()); }

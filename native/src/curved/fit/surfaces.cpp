@@ -160,10 +160,6 @@ double Locator::distance(const Vec3& x) const {
   return nearest(p.rho, p.z).away.norm();
 }
 
-Residual residual(const CurvedSurface& surface, const Vec3& p) { return Locator(surface).residual(p); }
-
-double along(const CurvedSurface& surface, const Polar& p) { return Locator(surface).along(p); }
-
 double angle(const CurvedProxy& proxy, const Vec3& p) {
   const Vec3 v = p - proxy.point;
   const double a = std::atan2(v.dot(proxy.axis.cross(proxy.across)), v.dot(proxy.across));

@@ -47,7 +47,6 @@ inline Polar polar(const CurvedSurface& surface, const Vec3& p) {
   const double rho = out.norm();
   return {rho, z, out / std::max(rho, kTiny), surface.axis};
 }
-Residual residual(const CurvedSurface& surface, const Vec3& p);
 
 /// The place on a surface that is nearest to a point.
 struct OnSurface {
@@ -64,6 +63,7 @@ class Locator {
   [[nodiscard]] OnSurface at(const Vec3& p) const;
   [[nodiscard]] Residual residual(const Vec3& p) const;
   [[nodiscard]] double distance(const Vec3& p) const;  ///< not signed
+  /// The place along the profile: height, angle from the lower pole of a sphere, or length along the profile.
   [[nodiscard]] double along(const Polar& p) const;
   /// The place of a sphere or a profile at a place along it.
   [[nodiscard]] Vec2 place(double along) const;
@@ -96,9 +96,6 @@ class Locator {
 inline bool has_profile(const CurvedSurface& s) {
   return s.kind == CurvedKind::revolution || s.kind == CurvedKind::extrusion;
 }
-
-/// The place of a point along the profile: height, angle from the lower pole of a sphere, or length along the profile.
-double along(const CurvedSurface& surface, const Polar& p);
 
 /// The angle of a point about the axis, from `across` on, in [0, 2 pi).
 double angle(const CurvedProxy& proxy, const Vec3& p);
