@@ -8,12 +8,10 @@ namespace isimp::meshing {
 namespace {
 
 // tuned sides
-constexpr double kOneSide = 0.03;            ///< roughness up to which a chart has one side
 constexpr double kExact = 1e-4;              ///< roughness of the sides up to which all of them are planes
 constexpr double kRoundingRoughness = 1e-6;  ///< rounding: roughness that rounding makes
-constexpr double kCurve = 0.035;             ///< roughness of the sides beyond which they are a curve
-constexpr double kGain = 3;          ///< times the roughness of the sides: a chart that is less rough stays whole
-constexpr double kNear = 0.7071;     ///< cosine of 45 degrees: how near to a direction its faces look
+constexpr double kCurve = 0.035;             ///< roughness up to which a chart has one side, and its sides are planes
+constexpr double kNear = 0.7071;             ///< cosine of 45 degrees: how near to a direction its faces look
 constexpr double kStraight = 0.999;  ///< cosine of 2.5 degrees: a face that is nearer to a direction is no speck
 constexpr double kRest = 0.01;       ///< share of the area that needs no direction of its own
 constexpr double kSmall = 0.5;       ///< share of the adjacent component: a smaller one is no side of its own
@@ -202,11 +200,11 @@ std::int32_t cut_by_direction(Cutter& cutter, std::int32_t chart) {
   const double before = looks.roughness();
   // In a plate with holes, few faces of another side would tilt the polygon, its neighbours and their neighbours. Only
   // where all sides are planes can these faces be distinguished from roughness.
-  const bool few = before <= kOneSide;
+  const bool few = before <= kCurve;
   if (few && (!cutter.perforated || before <= kRoundingRoughness)) return 0;
   const std::vector<std::uint8_t> own = looks.nearest_directions(few ? 0 : kRest);
   const double after = looks.roughness(own);
-  if (after > (few ? kExact : kCurve) || kGain * after > before) return 0;
+  if (after > (few ? kExact : kCurve) || after > before) return 0;
   const std::vector<std::vector<std::int32_t>> components = looks.components(own);
   for (std::size_t k = 1; k < components.size(); ++k) cutter.labels.part(components[k], components[0][0], Cause::wall);
   return static_cast<std::int32_t>(components.size()) - 1;
