@@ -20,7 +20,7 @@ using convex::Piece;
 using convex::Pieces;
 
 // tuned colliders
-constexpr std::int32_t kFew = 16;    // cuts of a piece that are tried to their end, and parts that it may become then
+constexpr std::int32_t kFew = 16;    // parts that a small piece may become, and twice the cuts tried to their end
 constexpr std::int32_t kMore = 3;    // times the wanted parts are cut before they are merged
 constexpr std::size_t kSmall = 100;  // limit: cells of such a piece
 
@@ -56,7 +56,7 @@ std::int32_t best_plane(const Pieces& pieces, const Piece& piece, Job& job) {
   if (piece.cells.size() > kSmall || planes.size() == 1) return planes[0];
   const auto [some, same] = pieces.alone(piece);
   std::int32_t best = planes[0], least = parts_after(some, same, best, kFew, job);
-  for (std::size_t i = 1; i < std::min<std::size_t>(planes.size(), kFew) && least > 2 && least < kFew; ++i) {
+  for (std::size_t i = 1; i < std::min<std::size_t>(planes.size(), kFew / 2) && least > 2 && least < kFew; ++i) {
     const std::int32_t parts = parts_after(some, same, planes[i], least, job);
     if (parts >= least) continue;
     least = parts;
