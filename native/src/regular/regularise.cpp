@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "compass.h"
+#include "isimp/core/check.h"
 #include "isimp/core/sorted.h"
 #include "kept_planes.h"
 #include "region_planes.h"
@@ -220,6 +221,7 @@ void store_planes(Partition& out, std::span<const Region> regions, const Vec3& o
     const std::uint8_t snapped = r.is_free() ? 0 : kPlaneSnapped;
     out.region_held[i] = r.chosen != 0 ? r.chosen : snapped;
     out.region_offset[i] = r.offset + r.snapped.dot(origin);
+    ISIMP_ASSERT(std::abs(r.snapped.squaredNorm() - 1) < 1e-6, "normals are unit vectors");
     out.region_normal[i] = r.snapped;
   }
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "isimp/core/check.h"
+
 namespace isimp::regular {
 namespace {
 
@@ -31,6 +33,7 @@ Eigen::Matrix3d crossing(const Vec3& v) {
 /// The least turn from one unit vector to another that is not its opposite.
 /// Source: Eigen's Quaternion::FromTwoVectors, less its case of opposites, which alone takes a minute to compile.
 Eigen::Matrix3d turn_between(const Vec3& from, const Vec3& to) {
+  ISIMP_ASSERT(to.dot(from) > -1, "opposites have no least turn");
   const double s = std::sqrt((1 + to.dot(from)) * 2);
   Eigen::Quaterniond q;
   q.vec() = from.cross(to) * (1 / s);

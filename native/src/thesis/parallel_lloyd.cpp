@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "flooding.h"
+#include "isimp/core/check.h"
 #include "isimp/parallel/backend.h"
 #include "isimp/partition/metric.h"
 
@@ -57,6 +58,7 @@ void place(const Surface& surface, parallel::Flooder& flooder) {
 /// The normals that fit the sums, with their seeds and centres; a region without area keeps its old ones. Roots and
 /// quotients are taken here and nowhere else, so that they are the same for every back end.
 parallel::Proxies refit(const parallel::Flooder::Fit& fit, parallel::Proxies proxies) {
+  ISIMP_ASSERT(proxies.normal.size() == 3 * fit.sum.size(), "each proxy has a sum");
   for (std::size_t r = 0; r < fit.sum.size(); ++r) {
     const auto& [area, x, y, z] = fit.sum[r];
     const double length = std::sqrt(x * x + y * y + z * z);

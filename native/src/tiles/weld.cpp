@@ -4,7 +4,9 @@
 #include <cmath>
 #include <string>
 
+#include "isimp/core/check.h"
 #include "isimp/core/errors.h"
+#include "isimp/core/sorted.h"
 #include "isimp/core/to_integer.h"
 #include "isimp/mesh/hash_grid.h"
 
@@ -54,6 +56,9 @@ std::vector<std::int32_t> weld(std::span<const Vec3> points, std::span<const std
     for (std::int32_t i = begin; i < end; ++i)
       if (to[i] == i) grid.keep(points[i], i);
   }
+  ISIMP_ASSERT(
+      std::ranges::all_of(numbers_below(count), [&](std::int32_t i) { return to[i] <= i && to[to[i]] == to[i]; }),
+      "points move to kept points of earlier tiles");
   return to;
 }
 

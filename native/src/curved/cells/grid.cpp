@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "fit/numbers.h"
+#include "isimp/core/check.h"
 #include "isimp/core/tiny.h"
 #include "isimp/core/to_integer.h"
 
@@ -26,6 +27,7 @@ using Row = std::array<double, kBins + 1>;
 
 /// A quantile of some numbers.
 double quantile(std::vector<double> x, double share) {
+  ISIMP_ASSERT(!x.empty(), "there are some numbers");
   const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(x.size() - 1));
   std::nth_element(x.begin(), x.begin() + at, x.end());
   return x[static_cast<std::size_t>(at)];

@@ -10,6 +10,7 @@
 #include "cells/cells.h"
 #include "find/face_labels.h"
 #include "fit/numbers.h"
+#include "isimp/core/check.h"
 #include "isimp/core/tiny.h"
 #include "isimp/partition/partition.h"
 
@@ -294,6 +295,9 @@ void drop_empty(Partition& part) {
 Partition with_cells(const Surface& surface, const Partition& part, Scene scene, Job& job) {
   Partition out = Rounding(surface, part, std::move(scene)).run(job);
   drop_empty(out);
+  ISIMP_ASSERT(
+      std::ranges::all_of(out.region_cell, [&](const CurvedCell& c) { return c.proxy < std::ssize(out.curved); }),
+      "cells are of patches that are there");
   return out;
 }
 
