@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from .._core import PolygonMesh
 from ..lengths import UNITS
+from ..surfaces import pieces
 
 WALL, ROOF, GROUND, CEILING = "WallSurface", "RoofSurface", "GroundSurface", "OuterCeilingSurface"
 CLASSES = (WALL, ROOF, GROUND, CEILING)
@@ -111,17 +112,7 @@ def validity(poly: PolygonMesh, surfaces: Surfaces | None = None, unit: str = "m
 
 def component_of(loops: list[NDArray[np.int32]], vertices: int) -> NDArray[np.int64]:
     """The component of each polygon, from 0 in the order of their first polygons. Polygons share corners in one."""
-    parent = np.arange(vertices)
-
-    def root(v: int) -> int:
-        while parent[v] != v:
-            parent[v] = parent[parent[v]]
-            v = int(parent[v])
-        return v
-
-    for loop in loops:
-        first = root(int(loop[0]))
-        for v in loop.tolist():
-            parent[root(v)] = first
-    numbers: dict[int, int] = {}
-    return np.array([numbers.setdefault(root(int(loop[0])), len(numbers)) for loop in loops], dtype=np.int64)
+    first = np.array([loop[0] for loop in loops], dtype=np.int64)
+    pairs = np.stack([np.repeat(first, [len(loop) for loop in loops]), np.concatenate([*loops, first[:0]])], axis=1)
+    _, at, number = np.unique(pieces(vertices, pairs)[first], return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(at))[number.ravel()]

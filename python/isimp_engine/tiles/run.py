@@ -89,7 +89,7 @@ def run(
         options_of(options, proxies, weld),
         tile_faces,
     )
-    target = None if labels is None else _label_folder(Path(labels), plan)
+    target = None if labels is None else _label_folder(Path(labels))
     own = Own(plan.work, NAMES)
     try:
         children = children or Children()
@@ -114,7 +114,7 @@ def run(
     return outcome
 
 
-def _label_folder(folder: Path, plan: Plan) -> Path:
+def _label_folder(folder: Path) -> Path:
     if folder.exists() and not folder.is_dir():
         raise TilesError(f"{folder}: is a file; the labels need a folder, with a file for each tile")
     return folder

@@ -128,7 +128,7 @@ def _report(context) -> list:
     if "regions" not in numbers:
         return []
     unit, made = context.scene.unit_settings, overlay.previewed(context, scan)
-    rows = text.number_rows(numbers, unit.system, unit.scale_length)
+    rows = text.number_rows(numbers)
     lines = [line for line, _ in text.report_lines(numbers, unit.system, unit.scale_length, made)]
     return [*lines, *(f"{name}: {value}" for name, value in rows)]
 

@@ -35,7 +35,7 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
         presets.draw(context, layout)
         _draw_count(layout, panel.partition)
         _draw_partition(context, layout, scan, numbers, panel)
-        _draw_mesh(context, layout, scan, numbers, panel)
+        _draw_mesh(context, layout, numbers, panel)
         _draw_report(context, layout, scan, numbers)
 
 
@@ -95,7 +95,7 @@ def _regions_line(numbers, edits: int) -> str:
     return messages.count(numbers["regions"], "region") + more
 
 
-def _draw_mesh(context, layout, scan, numbers, panel) -> None:
+def _draw_mesh(context, layout, numbers, panel) -> None:
     running = runtime.get().running
     place = layout.column(align=True)
     if running is not None and running.recipe.ends_in_mesh():

@@ -341,7 +341,7 @@ def not_flat(numbers: dict) -> str:
     return said("{some} of {all} not exactly flat", some=f"{numbers['not_flat']:,}", all=f"{numbers['polygons']:,}")
 
 
-def number_rows(numbers: dict, system: str, scale: float) -> list:
+def number_rows(numbers: dict) -> list:
     """Return (name, value) of the last step's numbers, the most important first."""
     rows = [(said("Regions"), f"{numbers['regions']:,}")] if "regions" in numbers else []
     if "polygons" in numbers:

@@ -167,13 +167,13 @@ def write(result, uv: np.ndarray, made, name: str) -> None:
     index = np.zeros(len(sheets), np.int32)
     for title, group in groups.items():
         own = _own_material(mesh, title, result.name)
-        _set_images(mesh.materials[own], name, _images_of(group, result.name, title, made.factors), made.factors)
+        _set_images(mesh.materials[own], name, _images_of(group, result.name, title), made.factors)
         index[[sheets.index(sheet) for sheet in group]] = own
     mesh.polygons.foreach_set("material_index", index[made.tile])
     mesh.update()
 
 
-def _images_of(group: list, name: str, title: str, factors: dict) -> dict:
+def _images_of(group: list, name: str, title: str) -> dict:
     """Return the new images of one material, by kind."""
     images = {}
     kinds = ["color", *([] if group[0].normal is None else ["normal"]), *group[0].layers]

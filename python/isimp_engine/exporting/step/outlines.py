@@ -60,7 +60,7 @@ def outlines(loops: NDArray[np.int64], start: NDArray[np.int64], key: NDArray[np
     place: dict[int, tuple[int, int]] = {}  # half-edge -> its chain, and 1 if it runs along the chain, else -1
     runs: list[list[list[int]]] = [[] for _ in range(int(group.max(initial=-1)) + 1)]
     closed: set[int] = set()
-    for loop in _loops(edges, own, twin_group, border):
+    for loop in _loops(edges, own, border):
         cuts = [k for k, half in enumerate(loop) if int(edges.begin[half]) in ends]
         if not cuts:
             closed.add(loop[0])
@@ -126,9 +126,7 @@ def _ends(
     return at
 
 
-def _loops(
-    edges: _Edges, own: NDArray[np.int64], twin_group: NDArray[np.int64], border: NDArray[np.bool_]
-) -> list[list[int]]:
+def _loops(edges: _Edges, own: NDArray[np.int64], border: NDArray[np.bool_]) -> list[list[int]]:
     seen = np.zeros(len(own), bool)
     found = []
     for first in np.flatnonzero(border).tolist():
