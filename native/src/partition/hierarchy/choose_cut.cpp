@@ -9,7 +9,10 @@ namespace isimp {
 namespace {
 
 // tuned found
-constexpr double kWindow = 4.0;    // the search for gaps covers t to this times t
+constexpr double kWindow = 4.0;  // the search for gaps covers t to this times t
+// tuned cartons
+constexpr double kSlack = 16.0;  // a gap counts no further than this factor of cost beyond the window
+// tuned found
 constexpr double kRatio = 2.0;     // least ratio of costs
 constexpr double kSurprise = 4.0;  // excess over ln(W + 1), about the largest of W + 1 exponential draws
 // tuned counts
@@ -50,9 +53,10 @@ std::vector<Gap> gaps(std::span<const double> falling, std::int32_t components, 
   for (std::size_t j = 0; j < falling.size() && falling[j] >= low; ++j) {
     const double above = falling[j], below = std::max(j + 1 < falling.size() ? falling[j + 1] : 0.0, rounding);
     if (below > high) continue;
-    const double width = std::log(above / below), regions = components + static_cast<double>(j) + 1;
+    const double top = std::min(above, kSlack * high), bottom = std::max(below, low / kSlack);
+    const double width = std::log(top / bottom), regions = components + static_cast<double>(j) + 1;
     if (width > std::log(kRatio) && regions / 2 * width > std::log(inside + 1) + kSurprise)
-      found.push_back({width, std::sqrt(above * below)});
+      found.push_back({width, std::sqrt(top * bottom)});
   }
   std::stable_sort(found.begin(), found.end(), [](const Gap& a, const Gap& b) { return a.width > b.width; });
   return found;
