@@ -365,12 +365,13 @@ def test_strips_of_a_scanned_can_are_parallel(data):
         for edge in zip(loop, np.roll(loop, -1), strict=True):
             owners.setdefault(frozenset(edge), []).append(i)
     edges = [sorted(edge) for edge, polygons in owners.items() if len(polygons) == 2]
-    assert len(edges) == found.segments
     along = np.diff(np.asarray(poly.vertices)[edges], axis=1)[:, 0]
+    height = np.linalg.norm(along, axis=1).max()
+    assert (np.linalg.norm(along, axis=1) > height / 2).sum() >= found.segments - 1  # a seam parts two of them
     cosine = np.minimum(np.abs(along @ found.axis) / np.linalg.norm(along, axis=1), 1)
     off_axis = np.sort(np.degrees(np.arccos(cosine)))
-    assert off_axis[-4] < 0.1  # the planes at some corners are nearly parallel
-    assert off_axis[-1] < 2
+    assert off_axis[-2] < 0.1
+    assert off_axis[-1] < 4  # the planes at the seam are nearly parallel
     planar = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
     assert (np.bincount(planar.polygon_region)[found.regions] == 1).mean() > 0.85
 

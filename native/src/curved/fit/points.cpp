@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "fit/numbers.h"
@@ -15,6 +16,7 @@ namespace {
 
 // tuned round
 constexpr double kOff = 9;  ///< mean areas of its faces: a centre at a larger squared distance from them is off
+const double kJoins = std::cos(33 * std::numbers::pi / 180);  ///< least cosine between normals of joined points
 
 /// Splits flat regions that go far along a parallel, such as the top of a torus. Their centre is near the axis, off the
 /// surface, and that of each part is not.
@@ -121,7 +123,7 @@ Points points_of(const Faces& faces, std::span<const std::int32_t> small, std::s
     if (p == kNone) continue;
     for (const std::int32_t j : graph.neighbours[i]) {
       const std::int32_t q = j == graph.size() ? kNone : points.of_face[j];
-      if (p < q && points.normal[p].dot(points.normal[q]) > kCrease) edges.push_back({p, q});
+      if (p < q && points.normal[p].dot(points.normal[q]) > kJoins) edges.push_back({p, q});
     }
   }
   std::sort(edges.begin(), edges.end());

@@ -41,7 +41,7 @@ class Faces {
 struct Points {
   std::vector<double> area;  ///< shares of the whole surface's
   std::vector<Vec3> centre, normal;
-  std::vector<Some> near;             ///< points that share an edge, with no crease between
+  std::vector<Some> near;             ///< points that share an edge and have a normal within 33 degrees
   std::vector<std::int32_t> of_face;  ///< (n) by graph index; kNone where the face is not free
 
   [[nodiscard]] std::int32_t count() const { return static_cast<std::int32_t>(area.size()); }
