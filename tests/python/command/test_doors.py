@@ -152,3 +152,20 @@ def test_wrong_values_are_named(box, options, text):
 
 def test_a_report_has_no_texture(tmp_path, box):
     check_line(called("report", box, tmp_path / "r", "--texture", 64), 2, "--texture: a report has no texture")
+
+
+class Runs:
+    """Makes a folder where it is unpickled."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return os.mkdir, (str(self.path),)
+
+
+def test_a_file_of_weights_runs_nothing(tmp_path, box):
+    np.save(tmp_path / "w.npy", np.array([Runs(tmp_path / "made")], dtype=object))
+    done = called("simplify", box, tmp_path / "a.obj", "--weights", tmp_path / "w.npy")
+    check_line(done, 2, "w.npy: is not a .npy file of numbers")
+    assert not (tmp_path / "made").exists()
