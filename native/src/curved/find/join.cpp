@@ -56,6 +56,7 @@ class Joiner {
       for (const std::int32_t b : p_.near[a])
         if (own[a] != kNone && own[a] < own[b]) ++count[{own[a], own[b]}];
     std::vector<std::pair<int, std::pair<std::int32_t, std::int32_t>>> pairs;
+    pairs.reserve(count.size());
     for (const auto& [pair, n] : count) pairs.emplace_back(-n, pair);
     std::sort(pairs.begin(), pairs.end());
     return std::any_of(pairs.begin(), pairs.end(),

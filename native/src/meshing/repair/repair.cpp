@@ -30,7 +30,7 @@ constexpr int kSteps = 14;       // limit: times that a chart is found defective
 // (39,000 steps; scans, buildings, household things and nasty meshes at 30 to 1,000 regions): crossing .30 by a pull
 // and .25 by a split, flipped .59 and .33, meeting .28 and .26, bent .23 by a split. Source: own trials.
 constexpr int kPulls = 3;       ///< steps before the first split; after it every third one is a pull
-constexpr int kAfterSplit = 5;  ///< step at which a chart continues after a split
+constexpr int kAfterSplit = 8;  ///< step at which a chart continues after a split
 // tuned unrecorded
 constexpr double kPull = 0.5;       ///< share of a corner's distance from its vertex that a pull leaves
 constexpr std::size_t kShard = 16;  ///< limit: faces of a chart that falls apart into them where nothing else helped
