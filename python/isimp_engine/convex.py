@@ -81,7 +81,8 @@ def convex_parts(
     elif enclose is not True:
         points = np.asarray(enclose)
     for of, some in (("vertex", arrays[0]), ("point to enclose", points)):
-        if np.size(some) and np.isfinite(some).all() and np.abs(some).max() > _FARTHEST:
+        far = np.abs(some) if np.asarray(some).dtype.kind in "fiu" else np.zeros(0)
+        if ((far > _FARTHEST) & np.isfinite(far)).any():
             raise InvalidInput(f"a {of} has a coordinate that is larger than {_FARTHEST:g}, the largest supported")
     vertices, loops, loop_start, region = arrays
     if thickness is True:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from numbers import Integral, Real
 from typing import Any
 
 from . import recipe as rcp
@@ -141,9 +142,9 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
         marks = " and ".join(["{}"] * len(counts))
         raise OptionError(f"{marks} each set the number of regions: give one of them", *counts)
     angle, crs = given.get("angle"), given.get("crs")
-    if angle is not None and not (isinstance(angle, (int, float)) and 0 <= angle <= 180):
+    if angle is not None and not (isinstance(angle, Real) and 0 <= float(angle) <= 180):
         raise OptionError(literal(f" must be in [0, 180], got {angle!r}"), "angle")
-    if crs is not None and not (isinstance(crs, int) and crs > 0):
+    if crs is not None and not (isinstance(crs, Integral) and int(crs) > 0):
         raise OptionError(literal(f" must be the number of an EPSG reference system, got {crs!r}"), "crs")
     texture = None
     if "texture" in given:
@@ -162,9 +163,9 @@ def settings_of(options: Mapping[str, Any], recipe: RecipeLike | None = None) ->
         keep_openings=bool(given.get("keep_openings")),
         kept_places=_places(given.get("keep_opening", ())),
         clutter=given.get("clutter", KEEP_CLUTTER),
-        angle=angle,
+        angle=None if angle is None else float(angle),
         texture=texture,
-        crs=crs,
+        crs=None if crs is None else int(crs),
         unit=given.get("unit"),
         scanned_detail=preset.scanned_detail if preset and not any(options.get(name) for name in COUNTS) else 0.0,
         strict=bool(given.get("strict")),
