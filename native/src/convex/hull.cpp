@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "cell.h"
 #include "isimp/mesh/meet.h"
 
 namespace isimp::convex {
@@ -31,9 +32,7 @@ class Growing {
   /// Makes a tetrahedron of extreme points; false if all points lie in a plane.
   bool begin() {
     if (points_.size() < 4) return false;
-    Eigen::AlignedBox3d box;
-    for (const Vec3& p : points_) box.extend(p);
-    middle_ = box.center();
+    middle_ = box_of(points_).center();
     // Each is a corner of the hull, since the maximum of a convex function is at a corner.
     std::array<std::int32_t, 4> corner{};
     corner[0] = farthest([&](const Vec3& p) { return (p - middle_).norm(); });
